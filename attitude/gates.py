@@ -1,0 +1,132 @@
+"""Where numbers from outside are checked, once: shapes, units, finiteness.
+
+Behind these functions there are only float64 arrays in SI units and radians.  A gate never
+changes a value: what it returns is exactly what was given, converted to the unit asked for.
+"""
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+
+
+def real(value, name, *, shape=None, unit=None, finite=True):
+    """The value as a new float64 array.
+
+    Parameters
+    ----------
+    value : array_like, astropy Quantity, or text such as ``"14.5 deg/day"``
+        Plain numbers are already in `unit`; a Quantity or a text is converted to it.
+    name : str
+        How the value is called in the error message.
+    shape : tuple, optional
+        What is allowed; a leading ``...`` stands for any leading axes.
+    unit : str, optional
+        Unit of the result, as astropy spells it; without it the value is a pure number.
+    finite : bool
+        Whether NaN and infinity are refused.
+
+    Raises
+    ------
+    AttitudeError
+        For another shape, unit or type, or a number that is not finite.
+    """
+    array = _floats(value, name, unit)
+    if shape is not None and not _fits(array.shape, shape):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
+    if finite and not np.all(np.isfinite(array)):
+        bad = array[~np.isfinite(array)].flat[0]
+        raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
+    return array
+
+
+def number(value, name, *, unit=None):
+    """One finite number as a float; see `real`."""
+    return float(real(value, name, shape=(), unit=unit))
+
+
+def positive(value, name, *, unit=None):
+    """One finite number greater than zero as a float; see `real`."""
+    given = number(value, name, unit=unit)
+    if not given > 0.0:
+        raise AttitudeError(f"{name} is {given!r}; it must be greater than zero.")
+    return given
+
+
+def one_of(value, name, allowed):
+    """The value itself, if it is among the allowed ones."""
+    if value not in allowed:
+        listed = ", ".join(repr(choice) for choice in allowed)
+        raise AttitudeError(f"{name} is {value!r}; it must be one of {listed}.")
+    return value
+
+
+def _floats(value, name, unit):
+    if isinstance(value, str) or _is_list_of_text(value):
+        value = _quantity(value, name)
+    if hasattr(value, "unit") and hasattr(value, "to_value"):
+        value = _in_unit(value, name, unit)
+    if isinstance(value, np.ma.MaskedArray) and np.any(np.ma.getmaskarray(value)):
+        raise AttitudeError(
+            f"{name} has masked entries; give a number for each, or leave them out."
+        )
+    try:
+        array = np.asarray(value)
+    except ValueError as err:
+        raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
+    if array.dtype.kind not in "fiu":
+        raise AttitudeError(
+            f"{name} is {_shown(value)}; give real numbers"
+            + (f" in {unit}, or a Quantity." if unit else ".")
+        )
+    return np.array(array, dtype=np.float64)
+
+
+def _is_list_of_text(value):
+    return isinstance(value, (list, tuple)) and any(isinstance(item, str) for item in value)
+
+
+def _quantity(value, name):
+    from astropy import units
+
+    try:
+        return units.Quantity(value)
+    except (TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"{name} is {_shown(value)}, which is not a number with a unit that astropy knows; "
+            'write it like "14.5 deg/day".'
+        ) from err
+
+
+def _in_unit(quantity, name, unit):
+    from astropy import units
+
+    if unit is None:
+        if quantity.unit.is_equivalent(units.dimensionless_unscaled):
+            return quantity.to_value(units.dimensionless_unscaled)
+        raise AttitudeError(f"{name} is in {quantity.unit}; it must be a pure number.")
+    if quantity.unit == units.dimensionless_unscaled:
+        return quantity.value
+    try:
+        return quantity.to_value(unit)
+    except units.UnitConversionError as err:
+        raise AttitudeError(
+            f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
+        ) from err
+
+
+def _fits(given, allowed):
+    if allowed and allowed[0] is Ellipsis:
+        tail = allowed[1:]
+        return len(given) >= len(tail) and (not tail or given[-len(tail) :] == tuple(tail))
+    return given == tuple(allowed)
+
+
+def _spelled(shape):
+    if shape == ():
+        return "a single number"
+    return "(" + ", ".join("..." if n is Ellipsis else str(n) for n in shape) + ")"
+
+
+def _shown(value):
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

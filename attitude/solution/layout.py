@@ -1,0 +1,38 @@
+"""What one body's motion is reduced to: a record of plain numbers that the kernels read.
+
+`solution.constants` fills it, `solution.kernel` and `solution.periods` read it; nothing else
+knows its fields.  Rates are in turns per second, phases in turns, pairs are (hi, lo).
+"""
+
+import numpy as np
+
+CONSTANTS = np.dtype(
+    [
+        ("fault", "i8"),  # codes.FINE, or why there is no motion
+        ("mode", "i8"),  # codes.AT_REST .. codes.SHORT_AXIS
+        ("form", "i8"),  # codes.UNIFORM, TRIGONOMETRIC or HYPERBOLIC
+        ("circulates", "i8"),  # the internal third axis: 0, 1, 2 of the given moments, by size
+        ("tempo", "i8"),  # rates were scaled by 2**-tempo
+        # phases: precession g t, nutation x = f t + x0 (trigonometric) or 2 x (hyperbolic)
+        ("precession", "f8", 2),
+        ("nutation", "f8", 2),
+        ("nutation0", "f8", 2),
+        ("winds", "f8"),  # 1 if whole half turns are taken out of 2 x, 0 on the exact separatrix
+        # internal pair (alpha, beta) to the attitude of the given axes; columns w, x, y, z
+        ("frame", "f8", (4, 4)),
+        # series of alpha and beta (equation by equation in the kernels)
+        ("alpha", "f8", (2, 4)),
+        ("beta", "f8", (2, 4)),
+        ("decay", "f8"),  # hyperbolic: exp(-2|y|) = 2**(-decay |dx|)
+        ("nome", "f8"),  # Q, hyperbolic: Q'
+        ("tilt", "f8"),  # hyperbolic: d / pi, turns of precession per half turn of dx
+        # series of the angular velocity over the principal axes, and those axes in the given ones
+        ("rates", "f8", (4, 5)),
+        ("axes", "f8", (3, 3)),
+        # kept for questions about the motion
+        ("m", "f8"),
+        ("mc", "f8", 2),
+        ("quarter", "f8", 2),  # K(m)
+        ("amplitudes", "f8", 3),
+    ]
+)

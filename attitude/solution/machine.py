@@ -1,0 +1,80 @@
+"""How Python is compiled here, and the few machine instructions that Python cannot name.
+
+No fastmath flag is ever set: the error-free transforms rest on the order of every operation, and
+results are the same bits whether an epoch is evaluated alone, in an array or in a chunk of one.
+For the same reason a product and a sum are fused only where `fma` says so.
+"""
+
+import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+_OPTIONS = {"nogil": True, "error_model": "numpy"}
+
+
+def compiled(function):
+    """Compile at the first call, and keep the machine code on disk where that is possible.
+
+    An installation that cannot be written, with no home directory either, has no place for the
+    cache; the function is then compiled anew in each process.
+    """
+    try:
+        return numba.njit(cache=True, **_OPTIONS)(function)
+    except RuntimeError:
+        return numba.njit(**_OPTIONS)(function)
+
+
+# Called from compiled code only: part of the caller's cache entry, so it needs none of its own,
+# and no door from Python either (that halves the time to compile).
+inlined = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)
+
+
+def _declare(builder, name, arguments):
+    double = ir.DoubleType()
+    function = builder.module.declare_intrinsic(name, [double])
+    return builder.call(function, arguments)
+
+
+@intrinsic
+def fma(typingctx, a, b, c):
+    """a b + c with one rounding."""
+
+    def codegen(context, builder, signature, arguments):
+        double = ir.DoubleType()
+        kind = ir.FunctionType(double, [double, double, double])
+        function = builder.module.declare_intrinsic("llvm.fma", [double], kind)
+        return builder.call(function, arguments)
+
+    f8 = types.float64
+    return f8(f8, f8, f8), codegen
+
+
+@intrinsic
+def rint(typingctx, a):
+    """The nearest whole number, ties to even, as one instruction."""
+
+    def codegen(context, builder, signature, arguments):
+        return _declare(builder, "llvm.rint", arguments)
+
+    return types.float64(types.float64), codegen
+
+
+@intrinsic
+def as_bits(typingctx, a):
+    """The 64 bits of a double as a whole number."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.bitcast(arguments[0], ir.IntType(64))
+
+    return types.int64(types.float64), codegen
+
+
+@intrinsic
+def from_bits(typingctx, n):
+    """The double that has these 64 bits."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.bitcast(arguments[0], ir.DoubleType())
+
+    return types.float64(types.int64), codegen

@@ -1,0 +1,110 @@
+"""Numbers kept as the unevaluated sum of two doubles, about 32 digits.
+
+A pair (hi, lo) has |lo| <= ulp(hi)/2.  Error-free transforms: Dekker (1971), Knuth (1969); pair
+arithmetic with its error bounds: Joldes, Muller & Popescu, ACM TOMS 44, article 15 (2017).
+"""
+
+import math
+
+from attitude.solution.machine import fma, inlined
+
+ZERO = (0.0, 0.0)
+ONE = (1.0, 0.0)
+PI = (3.141592653589793, 1.2246467991473532e-16)
+HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
+TWO_PI = (6.283185307179586, 2.4492935982947064e-16)
+
+
+@inlined
+def quick_two_sum(a, b):
+    """a + b exactly, for |a| >= |b|."""
+    s = a + b
+    return s, b - (s - a)
+
+
+@inlined
+def two_sum(a, b):
+    """a + b exactly."""
+    s = a + b
+    c = s - a
+    return s, (a - (s - c)) + (b - c)
+
+
+@inlined
+def two_prod(a, b):
+    """a b exactly, short of underflow."""
+    p = a * b
+    return p, fma(a, b, -p)
+
+
+@inlined
+def neg(a):
+    return -a[0], -a[1]
+
+
+@inlined
+def absolute(a):
+    return neg(a) if a[0] < 0.0 else a
+
+
+@inlined
+def add(a, b):
+    """a + b; relative error 3 u^2 whatever the signs (AccurateDWPlusDW)."""
+    s, e = two_sum(a[0], b[0])
+    t, f = two_sum(a[1], b[1])
+    s, e = quick_two_sum(s, e + t)
+    return quick_two_sum(s, e + f)
+
+
+@inlined
+def sub(a, b):
+    return add(a, neg(b))
+
+
+@inlined
+def mul(a, b):
+    """a b; relative error 5 u^2 (DWTimesDW2)."""
+    p, e = two_prod(a[0], b[0])
+    return quick_two_sum(p, e + fma(a[0], b[1], a[1] * b[0]))
+
+
+@inlined
+def scale(a, x):
+    """a x for a double x."""
+    p, e = two_prod(a[0], x)
+    return quick_two_sum(p, fma(a[1], x, e))
+
+
+@inlined
+def square(a):
+    p, e = two_prod(a[0], a[0])
+    return quick_two_sum(p, fma(2.0 * a[0], a[1], e))
+
+
+@inlined
+def div(a, b):
+    """a / b; relative error 10 u^2 (DWDivDW2)."""
+    q = a[0] / b[0]
+    p, e = two_prod(q, b[0])
+    remainder = ((a[0] - p) - e) + fma(-q, b[1], a[1])
+    return quick_two_sum(q, remainder / b[0])
+
+
+@inlined
+def sqrt(a):
+    """The square root of a >= 0."""
+    if a[0] <= 0.0:
+        return 0.0, 0.0
+    r = math.sqrt(a[0])
+    remainder = fma(-r, r, a[0]) + a[1]
+    return quick_two_sum(r, remainder / (2.0 * r))
+
+
+@inlined
+def less(a, b):
+    return a[0] < b[0] or (a[0] == b[0] and a[1] < b[1])
+
+
+@inlined
+def same(a, b):
+    return a[0] == b[0] and a[1] == b[1]
