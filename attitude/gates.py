@@ -39,6 +39,28 @@ def real(value, name, *, shape=None, unit=None, finite=True):
     return array
 
 
+def rows(value, name, width, *, unit=None):
+    """The value as a float64 array (..., width), not copied where it is one already.
+
+    Numbers may be of any kind, NaN too: the compiled solution checks what it is given.
+    """
+    array = value
+    if type(value) is not np.ndarray or value.dtype != np.float64:
+        array = _floats(value, name, unit)
+    if array.shape[-1:] != (width,):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled((..., width))}.")
+    return array
+
+
+def seconds(value, name):
+    """The value as a float64 array of seconds, not copied where it is one already; NaN allowed."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    if type(value) is float:
+        return np.array(value)
+    return _floats(value, name, "s")
+
+
 def number(value, name, *, unit=None):
     """One finite number as a float; see `real`."""
     return float(real(value, name, shape=(), unit=unit))
@@ -61,18 +83,24 @@ def one_of(value, name, allowed):
 
 
 def _floats(value, name, unit):
-    if isinstance(value, str) or _is_list_of_text(value):
-        value = _quantity(value, name)
-    if hasattr(value, "unit") and hasattr(value, "to_value"):
-        value = _in_unit(value, name, unit)
-    if isinstance(value, np.ma.MaskedArray) and np.any(np.ma.getmaskarray(value)):
+    if type(value) is tuple and all(type(item) in (int, float) for item in value):
+        return np.array(value, dtype=np.float64)
+    if _mask_of(value) is not None and np.any(_mask_of(value)):
         raise AttitudeError(
             f"{name} has masked entries; give a number for each, or leave them out."
         )
+    if isinstance(value, str) or _holds(value, str) or _holds_quantities(value):
+        value = _quantity(value, name)
+    elif getattr(value, "unit", None) is not None and not hasattr(value, "to_value"):
+        value = value.quantity if hasattr(value, "quantity") else value  # a column of a table
+    if hasattr(value, "unit") and hasattr(value, "to_value"):
+        value = _in_unit(value, name, unit)
     try:
         array = np.asarray(value)
     except ValueError as err:
         raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
+    except TypeError as err:
+        raise AttitudeError(f"{name} is {_shown(value)}; give real numbers.") from err
     if array.dtype.kind not in "fiu":
         raise AttitudeError(
             f"{name} is {_shown(value)}; give real numbers"
@@ -81,8 +109,20 @@ def _floats(value, name, unit):
     return np.array(array, dtype=np.float64)
 
 
-def _is_list_of_text(value):
-    return isinstance(value, (list, tuple)) and any(isinstance(item, str) for item in value)
+def _mask_of(value):
+    if isinstance(value, np.ma.MaskedArray):
+        return np.ma.getmaskarray(value)
+    return np.asarray(value.mask) if hasattr(value, "unmasked") else None
+
+
+def _holds(value, kind):
+    return isinstance(value, (list, tuple)) and any(isinstance(item, kind) for item in value)
+
+
+def _holds_quantities(value):
+    return isinstance(value, (list, tuple)) and any(
+        hasattr(item, "to_value") or _holds_quantities(item) for item in value
+    )
 
 
 def _quantity(value, name):

@@ -14,9 +14,12 @@ UNIFORM = 0  # constant angular velocity: one phase
 TRIGONOMETRIC = 1  # theta functions of v, nome Q <= exp(-pi)
 HYPERBOLIC = 2  # the same after the modular transformation, nome Q' < exp(-pi)
 
-# What is wrong with a body or state, found where the invariants are made.
+# What is wrong with a body or state, found where its constants are made.
 FINE = 0
-RATIO_TOO_LARGE = 1  # moments that differ by more than a factor 1e45
-SPIN_ABOUT_ROD = 2  # angular velocity along an axis without inertia
-UNEQUAL_ROD = 3  # one moment is zero and the other two differ
-NOT_A_BODY = 4  # negative, NaN or all-zero moments, or an angular velocity that is not finite
+BAD_MOMENT = 1  # negative, NaN, infinite, or all zero
+NO_TRIANGLE = 2  # one moment exceeds the sum of the others beyond rounding
+RATIO_TOO_LARGE = 3  # moments that differ by more than a factor 1e45
+SPIN_ABOUT_ROD = 4  # angular velocity along an axis without inertia
+UNEQUAL_ROD = 5  # one moment is zero and the other two differ
+BAD_RATE = 6  # an angular velocity that is not finite
+BAD_ATTITUDE = 7  # a quaternion that is zero or not finite

@@ -20,7 +20,7 @@ from attitude.solution.series import (
     trigonometric_pair,
     turned,
 )
-from attitude.solution.turns import phase, sincos
+from attitude.solution.turns import LONGEST, phase, sincos
 from attitude.solution.twofloat import (
     HALF_PI,
     ONE,
@@ -42,6 +42,8 @@ from attitude.solution.twofloat import (
 # Below this fraction of the largest component, a rate would vanish in the squares anyway.
 _NO_RATE = 2.0**-400
 _LARGEST_RATIO = 1e45
+# What a sum or a product of measured moments may miss the triangle inequality by.
+_ROUNDING = 1e-14
 
 # Coefficients in c = cos 2v, by row n: T_n of cos 2nv; the second kind of sin 2nv / sin 2v;
 # the fourth and third kinds of sin (2n+1)v / sin v and cos (2n+1)v / cos v.
@@ -60,8 +62,8 @@ _COS_ODD = np.array(
 
 
 @inlined
-def prepare(moments, wxyz, omega, axes, c):
-    """Fill the record c (solution.layout) of one body.
+def classify(moments, wxyz, omega, axes, c):
+    """First stage: what is wrong, the mode, the Jacobi ordering; all of it for uniform rotation.
 
     Given
         moments  (3, 2) principal moments of inertia, pairs, any unit and order
@@ -69,44 +71,56 @@ def prepare(moments, wxyz, omega, axes, c):
         omega    (3, 2) rad/s over the principal axes, pairs
         axes     (3, 3) columns: the principal axes in the given body axes
     """
-    c.fault = _fault(moments, omega)
+    c.fault = _fault(moments, wxyz, omega)
     if c.fault != codes.FINE:
         return
-    exponent = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
-    a, b, d = (_scaled(moments[0], -exponent), _scaled(moments[1], -exponent),
-               _scaled(moments[2], -exponent))  # fmt: skip
+    inertia = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
+    i0, i1, i2 = (
+        _scaled(moments[0], -inertia),
+        _scaled(moments[1], -inertia),
+        _scaled(moments[2], -inertia),
+    )
     fastest = max(abs(omega[0, 0]), abs(omega[1, 0]), abs(omega[2, 0]))
     tempo = math.frexp(fastest)[1]
-    wa, wb, wd = _rate(omega[0], -tempo), _rate(omega[1], -tempo), _rate(omega[2], -tempo)
+    w0, w1, w2 = _rate(omega[0], -tempo), _rate(omega[1], -tempo), _rate(omega[2], -tempo)
     c.tempo = tempo
-    size = 1.0 / math.sqrt(wxyz[0] ** 2 + wxyz[1] ** 2 + wxyz[2] ** 2 + wxyz[3] ** 2)
-    start = (wxyz[0] * size, wxyz[1] * size, wxyz[2] * size, wxyz[3] * size)
 
-    ab, bd, da = same(a, b), same(b, d), same(d, a)
-    no_a, no_b, no_d = wa[0] == 0.0, wb[0] == 0.0, wd[0] == 0.0
-    if (ab or no_a or no_b) and (bd or no_b or no_d) and (da or no_d or no_a):
+    # Every torque-free product (Ij - Ik) wj wk vanishes, each seen by its factors.
+    still0, still1, still2 = w0[0] == 0.0, w1[0] == 0.0, w2[0] == 0.0
+    if (
+        (same(i0, i1) or still0 or still1)
+        and (same(i1, i2) or still1 or still2)
+        and (same(i2, i0) or still2 or still0)
+    ):
         if fastest == 0.0:
             c.mode = codes.AT_REST
-        elif ab and bd:
+        elif same(i0, i1) and same(i1, i2):
             c.mode = codes.SPHERICAL
         else:
             c.mode = codes.PRINCIPAL_AXIS
-        _uniform(start, wa, wb, wd, axes, c)
-        return
-    _tumbling((a, b, d), (wa, wb, wd), start, axes, c)
+        _uniform((i0, i1, i2), (w0, w1, w2), _unit(wxyz), axes, c)
+    else:
+        _tumbling((i0, i1, i2), (w0, w1, w2), axes, c)
 
 
 @inlined
-def _fault(moments, omega):
-    least, most = moments[0, 0], moments[0, 0]
+def _fault(moments, wxyz, omega):
+    least, most, total = moments[0, 0], 0.0, 0.0
     for k in range(3):
-        if not (moments[k, 0] >= 0.0 and moments[k, 0] < math.inf):
-            return codes.NOT_A_BODY
+        moment = moments[k, 0]
+        if not (moment >= 0.0 and moment < math.inf):
+            return codes.BAD_MOMENT
         if not abs(omega[k, 0]) < math.inf:
-            return codes.NOT_A_BODY
-        least, most = min(least, moments[k, 0]), max(most, moments[k, 0])
+            return codes.BAD_RATE
+        least, most, total = min(least, moment), max(most, moment), total + moment
+    size = max(abs(wxyz[0]), abs(wxyz[1]), abs(wxyz[2]), abs(wxyz[3]))
+    sum_of_all = wxyz[0] + wxyz[1] + wxyz[2] + wxyz[3]
+    if not (size > 0.0 and size < math.inf) or sum_of_all != sum_of_all:
+        return codes.BAD_ATTITUDE
     if most == 0.0:
-        return codes.NOT_A_BODY
+        return codes.BAD_MOMENT
+    if most > (total - most) * (1.0 + _ROUNDING):
+        return codes.NO_TRIANGLE
     if least > 0.0:
         return codes.RATIO_TOO_LARGE if least < most / _LARGEST_RATIO else codes.FINE
     for k in range(3):
@@ -138,15 +152,25 @@ def _store_rate(field, rate, tempo):
 
 
 @inlined
-def _uniform(start, wa, wb, wd, axes, c):
+def _unit(wxyz):
+    size = max(abs(wxyz[0]), abs(wxyz[1]), abs(wxyz[2]), abs(wxyz[3]))
+    w, x, y, z = wxyz[0] / size, wxyz[1] / size, wxyz[2] / size, wxyz[3] / size
+    size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    return w * size, x * size, y * size, z * size
+
+
+@inlined
+def _uniform(moments, rates, start, axes, c):
     """Constant angular velocity: q(t) = q(0) (cos + sin of half the angle times the unit axis)."""
     c.form = codes.UNIFORM
-    speed = sqrt(add(add(square(wa), square(wb)), square(wd)))
-    _store_rate(c.precession, div(speed, scale(TWO_PI, 2.0)), c.tempo)
+    a, b, d = rates
+    speed = sqrt(add(add(square(a), square(b)), square(d)))
+    turns = div(speed, TWO_PI)
+    _store_rate(c.precession, scale(turns, 0.5), c.tempo)
     over = 0.0 if speed[0] == 0.0 else 1.0 / speed[0]
-    x = axes[0, 0] * wa[0] + axes[0, 1] * wb[0] + axes[0, 2] * wd[0]
-    y = axes[1, 0] * wa[0] + axes[1, 1] * wb[0] + axes[1, 2] * wd[0]
-    z = axes[2, 0] * wa[0] + axes[2, 1] * wb[0] + axes[2, 2] * wd[0]
+    x = axes[0, 0] * a[0] + axes[0, 1] * b[0] + axes[0, 2] * d[0]
+    y = axes[1, 0] * a[0] + axes[1, 1] * b[0] + axes[1, 2] * d[0]
+    z = axes[2, 0] * a[0] + axes[2, 1] * b[0] + axes[2, 2] * d[0]
     turn = _quaternion_product(start, (0.0, x * over, y * over, z * over))
     for k in range(4):
         c.frame[0, k] = start[k]
@@ -154,10 +178,23 @@ def _uniform(start, wa, wb, wd, axes, c):
     c.rates[0, 0] = math.ldexp(x, c.tempo)
     c.rates[0, 1] = math.ldexp(y, c.tempo)
     c.rates[0, 2] = math.ldexp(z, c.tempo)
+    # The periods are those of a vanishing wobble about the same axis.
+    c.circulates = -1
+    psi = 0.0
+    for k in range(3):
+        if rates[k][0] != 0.0:
+            here, one, two = moments[k], moments[(k + 1) % 3], moments[(k + 2) % 3]
+            product = sub(here, one)[0] * sub(here, two)[0]
+            if product > 0.0:
+                psi = turns[0] * math.sqrt(product / (one[0] * two[0]))
+                psi = psi if less(here, one) else -psi
+                c.circulates = k
+    c.psi_rate = math.ldexp(psi, c.tempo)
+    c.phi_rate = math.ldexp(turns[0] - psi, c.tempo)
 
 
 @inlined
-def _tumbling(moments, rates, start, axes, c):
+def _tumbling(moments, rates, axes, c):
     p, q, r = _ascending(moments)
     d2 = _middle_invariant(moments[p], moments[q], moments[r], rates[p], rates[r])
     # Jacobi ordering (3.32): the angular momentum circulates about the internal third axis.
@@ -182,13 +219,12 @@ def _tumbling(moments, rates, start, axes, c):
         c.axes[k, 0] = s1 * axes[k, first]
         c.axes[k, 1] = s2 * axes[k, second]
         c.axes[k, 2] = s3 * axes[k, third]
-    _motion(
-        (moments[first], moments[second], moments[third]),
-        (scale(rates[first], s1), scale(rates[second], s2), scale(rates[third], s3)),
-        absolute(d2),
-        c,
-    )
-    _attach(start, c)
+    for k, given, sign in ((0, first, s1), (1, second, s2), (2, third, s3)):
+        c.ordered_moments[k, 0], c.ordered_moments[k, 1] = moments[given]
+        c.ordered_rates[k, 0], c.ordered_rates[k, 1] = scale(rates[given], sign)
+    c.d2[0], c.d2[1] = absolute(d2)
+    # Replaced by the second stage where the other form serves better.
+    c.form = codes.TRIGONOMETRIC
 
 
 @inlined
@@ -238,10 +274,15 @@ def _exact_difference(a, b, d, wa, wd):
 
 
 @inlined
-def _motion(moments, rates, d2, c):
-    """Rates, phases and series coefficients of the internal motion (internal axes, all pairs)."""
-    i1, i2, i3 = moments
-    w1, w2, w3 = rates
+def solve(c):
+    """Second stage: rates, phases and series of the internal motion; pairs throughout."""
+    i1, i2, i3 = (
+        _pair(c.ordered_moments[0]),
+        _pair(c.ordered_moments[1]),
+        _pair(c.ordered_moments[2]),
+    )
+    w1, w2, w3 = _pair(c.ordered_rates[0]), _pair(c.ordered_rates[1]), _pair(c.ordered_rates[2])
+    d2 = _pair(c.d2)
     d12, d13, d23 = absolute(sub(i1, i2)), absolute(sub(i1, i3)), absolute(sub(i2, i3))
     long_axis = less(i3, i1)
     d1 = add(mul(mul(i2, d12), square(w2)), mul(mul(i3, d13), square(w3)))
@@ -298,6 +339,9 @@ def _motion(moments, rates, d2, c):
     if backwards:
         turns = neg(turns)
     _store_rate(c.precession, precession, c.tempo)
+    # alpha turns at (phi' + psi')/2, beta at (phi' - psi')/2; psi' is that of the nutation
+    c.psi_rate = math.ldexp(nutation[0], c.tempo)
+    c.phi_rate = math.ldexp(sub(scale(precession, 2.0), nutation)[0], c.tempo)
 
     if m[0] > 0.0:
         other, fraction = quarter_and_fraction(math.sqrt(m[0]), math.sqrt(minus_n[0]), 1.0)
@@ -324,7 +368,9 @@ def _on_separatrix(i2, momentum, speed, cosine, sine, backwards, c):
     """2E = L^2/I2 exactly: y = (wp t + eps)/2 runs once from end to end, and never returns."""
     c.form = codes.HYPERBOLIC
     c.winds = 0.0
-    _store_rate(c.precession, scale(div(momentum, mul(i2, TWO_PI)), 0.5), c.tempo)
+    turns = div(momentum, mul(i2, TWO_PI))
+    c.psi_rate, c.phi_rate = 0.0, math.ldexp(turns[0], c.tempo)
+    _store_rate(c.precession, scale(turns, 0.5), c.tempo)
     _store_rate(c.nutation, scale(speed, 0.5), c.tempo)
     eps = math.asinh(sine[0] / cosine[0])
     c.nutation0[0] = -0.5 * eps if backwards else 0.5 * eps
@@ -361,33 +407,31 @@ def _trigonometric_series(stretch, fraction, root, wobble, amplitudes, c):
 
     for k in range(4):
         c.alpha[0, k] = c.alpha[1, k] = c.beta[0, k] = c.beta[1, k] = 0.0
-    growing, sign = 1.0, 1.0
-    at_zero = theta4 = 0.0
-    # 1 - X^(2n) and 1 - X^(2n+1), free of the cancellation at small delta (a needle's)
+    # Term by term: P^n Q^(n(n-1)), P^n Q^(n^2), X^(2n), and 1 - X^(2n), 1 - X^(2n+1) without the
+    # cancellation at small delta (a needle's).
+    outer = inner = even_x = sign = 1.0
     even_loss, odd_loss = 0.0, one_minus_x
+    at_zero = theta4 = 0.0
+    nome_n = 1.0
     for n in range(4):
-        # theta4: Q^(n^2) exp(+-2n delta) = P^n Q^(n(n-1)) and the same times X^(2n)
-        high = growing * nome ** (n * (n - 1))
-        low = high * x ** (2 * n)
-        even, odd = sign * (high + low), -sign * high * even_loss
-        if n == 0:
-            even = 1.0
+        # theta4: Q^(n^2) exp(+-2n delta)
+        even = sign * outer * (1.0 + even_x) if n > 0 else 1.0
+        odd = -sign * outer * even_loss
         theta4 += even
+        # theta1 exp(-delta): Q^(n(n+1)) exp(2n delta)
+        odd_sum, odd_difference = sign * inner * (1.0 + even_x * x), sign * inner * odd_loss
+        at_zero += odd_difference
         for k in range(4):
             c.alpha[0, k] += even * _COS_EVEN[n, k]
             c.alpha[1, k] += odd * _SIN_EVEN[n, k]
-        # theta1 exp(-delta): Q^(n(n+1)) exp(2n delta) = P^n Q^(n^2), and the same times X^(2n+1)
-        high = growing * nome ** (n * n)
-        low = high * x ** (2 * n + 1)
-        lower = high * odd_loss
-        at_zero += sign * lower
-        for k in range(4):
-            c.beta[0, k] -= sign * (high + low) * _SIN_ODD[n, k]
-            c.beta[1, k] -= sign * lower * _COS_ODD[n, k]
-        growing *= p
+            c.beta[0, k] -= odd_sum * _SIN_ODD[n, k]
+            c.beta[1, k] -= odd_difference * _COS_ODD[n, k]
+        outer, inner = inner * p * nome_n, inner * p * nome_n * nome_n * nome
+        nome_n *= nome
+        even_loss += even_x * (1.0 + x) * one_minus_x
+        odd_loss += even_x * x * (1.0 + x) * one_minus_x
+        even_x *= x * x
         sign = -sign
-        even_loss += x ** (2 * n) * (1.0 + x) * one_minus_x
-        odd_loss += x ** (2 * n + 1) * (1.0 + x) * one_minus_x
     ratio = wobble * theta4 / at_zero
     for k in range(4):
         c.beta[0, k] *= ratio
@@ -402,9 +446,9 @@ def _trigonometric_rate_series(q, amplitudes, c):
         for row in range(4):
             c.rates[row, k] = 0.0
     theta2 = theta3 = theta4 = 0.0
-    sign = 1.0
+    sign = even = odd = step = 1.0
     for n in range(5):
-        even, odd = (1.0 if n == 0 else 2.0 * q ** (n * n)), q ** (n * (n + 1))
+        # even = 2 q^(n^2) (1 at n = 0), odd = q^(n(n+1)), step = q^n
         theta2 += odd
         theta3 += even
         theta4 += sign * even
@@ -413,6 +457,9 @@ def _trigonometric_rate_series(q, amplitudes, c):
             c.rates[1, k] += sign * odd * _SIN_ODD[n, k]
             c.rates[2, k] += even * _COS_EVEN[n, k]
             c.rates[3, k] += sign * even * _COS_EVEN[n, k]
+        even = 2.0 * q if n == 0 else even * step * step * q
+        odd *= step * step * q * q
+        step *= q
         sign = -sign
     for k in range(5):
         c.rates[0, k] *= math.ldexp(amplitudes[0], c.tempo) * theta4 / theta2
@@ -425,35 +472,42 @@ def _hyperbolic_series(nome, fraction, wobble, amplitudes, c):
     """The same after the modular transformation: nome Q', and Q'^2 for the angular velocity."""
     d = 0.25 * math.pi * fraction
     c.nome = nome
-    sign = 1.0
+    sign = weight = step = 1.0
     cosines = sines = 0.0
     for n in range(4):
-        weight = nome ** (n * n)
+        # weight = Q'^(n^2), step = Q'^n
         c.alpha[0, n] = weight * math.cos((2 * n + 1) * d)
         c.alpha[1, n] = weight * math.sin((2 * n + 1) * d)
-        cosines += nome**n * c.alpha[0, n]
-        sines += sign * nome**n * c.alpha[1, n]
+        cosines += step * c.alpha[0, n]
+        sines += sign * step * c.alpha[1, n]
+        weight *= step * step * nome
+        step *= nome
         sign = -sign
     c.beta[0, 0] = wobble * cosines / sines
     q = nome * nome
-    theta2 = 1.0 + q * q + q**6
-    theta3 = 1.0 + 2.0 * (q + q**4)
-    theta4 = 1.0 + 2.0 * (-q + q**4)
+    qq = q * q
+    theta2 = 1.0 + qq + qq * qq * qq
+    theta3 = 1.0 + 2.0 * (q + qq * qq)
+    theta4 = 1.0 - 2.0 * (q - qq * qq)
     a1, a2, a3 = amplitudes
     cn = 2.0 * math.ldexp(a1, c.tempo) * theta2 / theta4
     sn = -math.ldexp(a2, c.tempo) * theta3 / theta4
     dn = 2.0 * math.ldexp(a3, c.tempo) * theta2 / theta3
     for n in range(3):
         sign = -1.0 if n == 1 else 1.0
-        c.rates[0, n] = cn * sign * q ** (n * n - n)
-        c.rates[1, n] = sn * sign * q ** (n * n)
-        c.rates[2, n] = dn * q ** (n * n - n)
-        c.rates[3, n] = q ** (n * n)
+        even = qq if n == 2 else 1.0  # q^(n(n-1))
+        odd = 1.0 if n == 0 else (q if n == 1 else qq * qq)  # q^(n^2)
+        c.rates[0, n] = cn * sign * even
+        c.rates[1, n] = sn * sign * odd
+        c.rates[2, n] = dn * even
+        c.rates[3, n] = odd
 
 
 @inlined
-def _attach(start, c):
-    """The constant turns on both sides, q(t) = q(0) b q_int(0)* q_int(t) b*, as one matrix.
+def attach(wxyz, c):
+    """Third stage: the constant turns on both sides of the internal attitude, as one matrix.
+
+    q(t) = q(0) b q_int(0)* q_int(t) b*;
 
     b carries internal to given body axes; the internal attitude at the epoch comes from the very
     series that give it later.
@@ -478,7 +532,7 @@ def _attach(start, c):
     size = 1.0 / math.sqrt(ar * ar + ai * ai + br * br + bi * bi)
     body = _quaternion_of(c.axes)
     left = _quaternion_product(
-        _quaternion_product(start, body), (ar * size, -br * size, -bi * size, -ai * size)
+        _quaternion_product(_unit(wxyz), body), (ar * size, -br * size, -bi * size, -ai * size)
     )
     right = (body[0], -body[1], -body[2], -body[3])
     for k in range(4):
@@ -491,6 +545,17 @@ def _attach(start, c):
         column = _quaternion_product(_quaternion_product(left, unit), right)
         for j in range(4):
             c.frame[j, k] = column[j]
+
+
+@inlined
+def reach(c):
+    """Seconds to either side of the epoch within which the phases are resolved."""
+    return LONGEST / max(abs(c.precession[0]), abs(c.nutation[0]))
+
+
+@inlined
+def _pair(row):
+    return row[0], row[1]
 
 
 @inlined

@@ -65,7 +65,7 @@ def complete_and_phase(kc, p, a, cosine, sine):
         kc = sqrt(e)
         kc = (2.0 * kc[0], 2.0 * kc[1])
         e = mul(kc, em)
-    # cel = (pi/2) (a em + b) / (em (em + p)) and K = (pi/2) 2^steps / em, em having doubled each step
+    # cel = (pi/2) (a em + b) / (em (em + p)), K = (pi/2) 2^steps / em: em doubled at each step
     quotient = div(add(mul(a, em), b), scale(add(em, p), halvings))
     complete = div(scale(HALF_PI, halvings), em)
     return quotient, complete, _turns(quadrant, c, s, halvings)

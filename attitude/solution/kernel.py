@@ -7,7 +7,7 @@ the arithmetic) and writes component by component into rows: then it vectorises.
 import math
 
 from attitude.solution import codes
-from attitude.solution.machine import compiled, fma, inlined
+from attitude.solution.machine import fma, inlined, merged
 from attitude.solution.series import (
     hyperbolic_arguments,
     hyperbolic_pair,
@@ -20,7 +20,7 @@ from attitude.solution.turns import phase, sincos
 from attitude.solution.twofloat import two_sum
 
 
-@inlined
+@merged
 def evaluate(c, t, t_low, wxyz, rates):
     """Attitudes and, unless rates is None, angular velocities of one body at each epoch.
 
@@ -38,12 +38,6 @@ def evaluate(c, t, t_low, wxyz, rates):
         _trigonometric(c, t, t_low, wxyz, rates)
     else:
         _hyperbolic(c, t, t_low, wxyz, rates)
-
-
-@compiled
-def evaluate_one(constants, t, t_low, wxyz, rates):
-    """`evaluate` of the only record of an array."""
-    evaluate(constants[0], t, t_low, wxyz, rates)
 
 
 @inlined
@@ -94,7 +88,7 @@ def _store_rates(axes, w, rates, i):
         rates[k, i] = fma(axes[k][0], w[0], fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
-@inlined
+@merged
 def _uniform(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     a, b = _four(c.frame[0]), _four(c.frame[1])
@@ -110,7 +104,7 @@ def _uniform(c, t, t_low, wxyz, rates):
                 rates[k, i] = fma(0.0, sine, c.rates[0, k])
 
 
-@inlined
+@merged
 def _trigonometric(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
@@ -132,7 +126,7 @@ def _trigonometric(c, t, t_low, wxyz, rates):
         _store_attitude(frame, turned(pair, sine, cosine), wxyz, i)
 
 
-@inlined
+@merged
 def _hyperbolic(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]

@@ -11,8 +11,13 @@ CONSTANTS = np.dtype(
         ("fault", "i8"),  # codes.FINE, or why there is no motion
         ("mode", "i8"),  # codes.AT_REST .. codes.SHORT_AXIS
         ("form", "i8"),  # codes.UNIFORM, TRIGONOMETRIC or HYPERBOLIC
-        ("circulates", "i8"),  # the internal third axis: 0, 1, 2 of the given moments, by size
+        ("circulates", "i8"),  # which given moment belongs to the internal third axis; -1: none
+        # the state in Jacobi order, scaled by powers of two; pairs
+        ("ordered_moments", "f8", (3, 2)),
+        ("ordered_rates", "f8", (3, 2)),
+        ("d2", "f8", 2),  # |L^2 - 2 E I2|
         ("tempo", "i8"),  # rates were scaled by 2**-tempo
+        ("reach", "f8"),  # seconds to either side within which the phases are resolved
         # phases: precession g t, nutation x = f t + x0 (trigonometric) or 2 x (hyperbolic)
         ("precession", "f8", 2),
         ("nutation", "f8", 2),
@@ -30,6 +35,8 @@ CONSTANTS = np.dtype(
         ("rates", "f8", (4, 5)),
         ("axes", "f8", (3, 3)),
         # kept for questions about the motion
+        ("psi_rate", "f8"),  # mean turns per second of the third Euler angle (3-1-3), signed
+        ("phi_rate", "f8"),  # and of the first
         ("m", "f8"),
         ("mc", "f8", 2),
         ("quarter", "f8", 2),  # K(m)

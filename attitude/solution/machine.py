@@ -29,6 +29,10 @@ def compiled(function):
 # and no door from Python either (that halves the time to compile).
 inlined = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)
 
+# Loops over epochs become part of their caller.  Left apart, the process that compiles them would
+# run the copy that was made before its own callees were known, and which is not vectorised.
+merged = numba.njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)
+
 
 def _declare(builder, name, arguments):
     double = ir.DoubleType()

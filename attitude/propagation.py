@@ -1,0 +1,266 @@
+"""The array floor: states in, attitudes out, for optimisers and inner loops.
+
+Also the one place where arrays from Python meet the compiled solution, which is imported (and, the
+first time on a machine, compiled) at the first propagation.
+"""
+
+import math
+from functools import cache
+
+import numpy as np
+
+from attitude import gates
+from attitude.errors import AttitudeError
+from attitude.solution import codes
+from attitude.solution.layout import CONSTANTS
+
+# Bodies whose constants are in memory at a time: they stay in the second-level cache.
+_BLOCK = 256
+_IDENTITY = np.eye(3)[None]
+
+_FAULTS = {
+    codes.BAD_MOMENT: (
+        "moments are {moments}; principal moments of inertia must be finite and not negative, "
+        "and at most one of them zero."
+    ),
+    codes.NO_TRIANGLE: (
+        "moments are {moments}; no body has a moment of inertia that exceeds the sum of the other "
+        "two. Check the numbers and their units."
+    ),
+    codes.RATIO_TOO_LARGE: (
+        "moments are {moments}; they may differ by a factor of 1e45 at the most. Give 0 for the "
+        "moment of an ideal rod about itself."
+    ),
+    codes.SPIN_ABOUT_ROD: (
+        "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
+        "axis without inertia is undefined. Give 0 for it, or a moment above zero."
+    ),
+    codes.UNEQUAL_ROD: (
+        "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
+        "moments are equal. Give two equal moments, or three above zero."
+    ),
+    codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
+    codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
+}
+
+
+def propagate(
+    moments, wxyz0, omega0, t, *, t_low=None, angular_velocity=False, out=None, rates_out=None
+):
+    """Exact attitudes of freely rotating bodies at any time.
+
+    Parameters
+    ----------
+    moments : (..., 3) array_like
+        Principal moments of inertia about the body axes x, y, z: any unit, any order.
+    wxyz0 : (..., 4) array_like
+        Attitude at t = 0, body to inertial, scalar first; of any length.
+    omega0 : (..., 3) array_like
+        Angular velocity at t = 0 over the body axes, rad/s.
+    t : (..., T) array_like, or a number
+        Seconds.  The last axis is time; the others broadcast with those of the bodies.
+        NaN gives NaN.
+    t_low : array_like of t's shape, optional
+        What one double of t leaves out: the epoch is t + t_low.
+    angular_velocity : bool
+        Whether the angular velocity is returned too.
+    out, rates_out : float64 arrays (..., T, 4) and (..., T, 3), optional
+        Filled with the results, and returned.  Views of (..., 4, T) memory are filled in place;
+        others cost a copy.
+
+    Returns
+    -------
+    wxyz : (..., T, 4) array
+        Body to inertial, scalar first, unit length, of the sign that a continuous motion from
+        wxyz0 has.  A view of component-major memory; without the T axis for a single number t.
+    omega : (..., T, 3) array, only with angular_velocity=True
+        rad/s over the body axes.
+
+    Raises
+    ------
+    AttitudeError
+        For states that are not physical, shapes that do not broadcast, or spans of more than
+        5e16 turns, which two doubles of time cannot resolve.
+
+    Notes
+    -----
+    The error is at most 4e-15 rad for the exact doubles given, at any time, in every regime;
+    benchmarks/accuracy.py measures it.  Solution: van Zon & Schofield (2006), J. Comput. Phys.
+    225, 145, in the form of docs/derivation.md.
+
+    >>> wxyz = propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])
+    >>> wxyz.shape
+    (2, 4)
+    >>> wxyz[0].round(12)
+    array([1., 0., 0., 0.])
+    """
+    moments = gates.rows(moments, "moments", 3)
+    wxyz0 = gates.rows(wxyz0, "wxyz0", 4)
+    omega0 = gates.rows(omega0, "omega0", 3, unit="rad/s")
+    t = gates.seconds(t, "t")
+    scalar = t.ndim == 0
+    t = t.reshape(1) if scalar else t
+    if t_low is not None:
+        t_low = gates.seconds(t_low, "t_low")
+        t_low = np.broadcast_to(t_low, t.shape) if t_low.ndim == 0 else t_low
+        if t_low.size != t.size:
+            raise AttitudeError(
+                f"t_low has shape {t_low.shape}, t has {t.shape}; give both in the same shape."
+            )
+        t_low = t_low.reshape(t.shape)
+    lead = _lead(moments, wxyz0, omega0, t)
+    count = math.prod(lead)
+    wxyz = _filled(out, "out", (*lead, *t.shape[-1:]), 4, scalar)
+    rates = None
+    if angular_velocity:
+        rates = _filled(rates_out, "rates_out", (*lead, *t.shape[-1:]), 3, scalar)
+    elif rates_out is not None:
+        raise AttitudeError("rates_out is given without angular_velocity=True; give both.")
+    _run(
+        _flat(moments, lead, count),
+        _flat(wxyz0, lead, count),
+        _flat(omega0, lead, count),
+        _epochs(t, lead, count),
+        None if t_low is None else _epochs(t_low, lead, count),
+        wxyz.reshape(count, 4, -1),
+        None if rates is None else rates.reshape(count, 3, -1),
+    )
+    wxyz = _answer(wxyz, out, scalar)
+    return (wxyz, _answer(rates, rates_out, scalar)) if angular_velocity else wxyz
+
+
+def constants_of(moments, wxyz, omega, axes, *, first=0, count=1):
+    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
+
+    These are bodies number first, first + 1, ... of `count`, for the error message.
+
+    Parameters
+    ----------
+    moments, omega : (B, 3, 2) arrays
+    wxyz : (B, 4) array
+    axes : (1 or B, 3, 3) array
+
+    Raises
+    ------
+    AttitudeError
+        For the first state that is not physical.
+    """
+    prepare_all, _ = _compiled()
+    constants = np.zeros(len(moments), CONSTANTS)
+    if prepare_all(moments, wxyz, omega, axes, constants):
+        k = int(np.flatnonzero(constants["fault"])[0])
+        sentence = _FAULTS[int(constants["fault"][k])].format(
+            moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
+        )
+        where = f"State {first + k} of {count}: " if count > 1 else ""
+        raise AttitudeError(where + sentence)
+    return constants
+
+
+def evaluate(constants, t, t_low, wxyz, rates):
+    """Fill wxyz (B, 4, T) and rates (B, 3, T) or None at epochs t (1 or B, T) and t_low or None.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs so far away that the phases are lost.
+    """
+    _, evaluate_all = _compiled()
+    body = evaluate_all(constants, t, t_low, wxyz, rates)
+    if body >= 0:
+        far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
+        raise AttitudeError(
+            f"an epoch lies {far:.3g} s from that of the state; two doubles of time resolve this "
+            f"motion for {constants['reach'][body]:.3g} s to either side. Give a nearer epoch."
+        )
+
+
+@cache
+def _compiled():
+    from attitude.solution.motion import evaluate_all, prepare_all
+
+    return prepare_all, evaluate_all
+
+
+def _run(moments, wxyz0, omega0, t, t_low, wxyz, rates):
+    count = len(moments)
+    pairs = np.zeros((2, min(count, _BLOCK), 3, 2))
+    for start in range(0, count, _BLOCK):
+        part = slice(start, min(start + _BLOCK, count))
+        size = part.stop - part.start
+        pairs[0, :size, :, 0], pairs[1, :size, :, 0] = moments[part], omega0[part]
+        constants = constants_of(
+            pairs[0, :size], wxyz0[part], pairs[1, :size], _IDENTITY, first=start, count=count
+        )
+        here = part if len(t) > 1 else slice(None)
+        evaluate(
+            constants,
+            t[here],
+            None if t_low is None else t_low[here],
+            wxyz[part],
+            None if rates is None else rates[part],
+        )
+
+
+def _lead(moments, wxyz0, omega0, t):
+    if moments.ndim == wxyz0.ndim == omega0.ndim == t.ndim == 1:
+        return ()
+    parts = {
+        "moments": moments.shape[:-1],
+        "wxyz0": wxyz0.shape[:-1],
+        "omega0": omega0.shape[:-1],
+        "t": t.shape[:-1],
+    }
+    try:
+        return np.broadcast_shapes(*parts.values())
+    except ValueError as err:
+        listed = ", ".join(f"{name} {shape}" for name, shape in parts.items())
+        raise AttitudeError(
+            f"the leading axes do not broadcast ({listed}); give equal ones, or t[:, None] for "
+            "an own epoch of each body."
+        ) from err
+
+
+def _flat(array, lead, count):
+    if array.shape[:-1] != lead:
+        array = np.broadcast_to(array, (*lead, array.shape[-1]))
+    if not array.flags.c_contiguous:
+        array = np.ascontiguousarray(array)
+    return array.reshape(count, array.shape[-1])
+
+
+def _epochs(t, lead, count):
+    """(1, T) if all bodies share the epochs, else (B, T)."""
+    if t.size == t.shape[-1]:
+        return _flat(t.reshape(t.shape[-1]), (), 1)
+    return _flat(t, lead, count)
+
+
+def _filled(out, name, shape, width, scalar):
+    """Component-major memory (..., width, T) for the result; that of `out` where it serves."""
+    if out is not None:
+        wanted = (*shape[:-1], width) if scalar else (*shape, width)
+        if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != wanted:
+            given = getattr(out, "shape", None), getattr(out, "dtype", type(out).__name__)
+            raise AttitudeError(
+                f"{name} is an array of shape and type {given}; it must be float64 {wanted}."
+            )
+        if not out.flags.writeable:
+            raise AttitudeError(f"{name} is read-only; give an array that can be filled.")
+        memory = out[..., None] if scalar else np.moveaxis(out, -1, -2)
+        if memory.flags.c_contiguous:
+            return memory
+    return np.empty((*shape[:-1], width, shape[-1]))
+
+
+def _answer(memory, out, scalar):
+    view = memory[..., 0] if scalar else np.moveaxis(memory, -2, -1)
+    if out is None:
+        return view
+    if not np.shares_memory(out, view):
+        out[...] = view
+    return out
+
+
+def _listed(row):
+    return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"
