@@ -1,0 +1,145 @@
+"""Quaternions as arrays (..., 4), scalar first; rotation matrices and Euler angles.
+
+A unit quaternion rotates: v' = q v q*.  Every attitude in this package goes from body to inertial
+axes, so that v is what the body sees and v' what the stars see.
+
+>>> import numpy as np
+>>> quarter_about_z = np.array([np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
+>>> rotate(quarter_about_z, [1.0, 2.0, 0.0]).round(12)
+array([-2.,  1.,  0.])
+"""
+
+import numpy as np
+
+from attitude import gates
+from attitude.errors import AttitudeError
+
+# How far a matrix may be from a rotation (entries of R^T R - 1) to be taken for a rounded one.
+_NOT_A_ROTATION = 1e-6
+
+
+def multiply(p, q):
+    """The product p q: first q, then p."""
+    pw, px, py, pz = _parts(p)
+    qw, qx, qy, qz = _parts(q)
+    return np.stack(
+        [
+            pw * qw - px * qx - py * qy - pz * qz,
+            pw * qx + px * qw + py * qz - pz * qy,
+            pw * qy - px * qz + py * qw + pz * qx,
+            pw * qz + px * qy - py * qx + pz * qw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q):
+    """The inverse of a unit quaternion."""
+    return np.asarray(q) * (1.0, -1.0, -1.0, -1.0)
+
+
+def rotate(q, v):
+    """The vectors (..., 3) turned by unit quaternions; leading axes broadcast."""
+    w, x, y, z = _parts(q)
+    a, b, c = _parts(v)
+    # v + 2 w (u x v) + 2 u x (u x v)
+    d, e, f = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    turned = np.empty((3, *np.broadcast_shapes(d.shape, w.shape)))
+    turned[0] = a + w * d + (y * f - z * e)
+    turned[1] = b + w * e + (z * d - x * f)
+    turned[2] = c + w * f + (x * e - y * d)
+    return np.moveaxis(turned, 0, -1)
+
+
+def matrix(q):
+    """The rotation matrices (..., 3, 3) of unit quaternions: v' = matrix @ v."""
+    w, x, y, z = _parts(q)
+    out = np.empty((*w.shape, 3, 3))
+    out[..., 0, 0] = w * w + x * x - y * y - z * z
+    out[..., 1, 1] = w * w - x * x + y * y - z * z
+    out[..., 2, 2] = w * w - x * x - y * y + z * z
+    out[..., 0, 1], out[..., 1, 0] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
+    out[..., 0, 2], out[..., 2, 0] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
+    out[..., 1, 2], out[..., 2, 1] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+    return out
+
+
+def unit(wxyz, name="wxyz"):
+    """One quaternion (4,) of any length as a unit quaternion of the same sign.
+
+    Raises
+    ------
+    AttitudeError
+        For another shape, numbers that are not finite, or zero length.
+    """
+    q = gates.real(wxyz, name, shape=(4,))
+    largest = np.max(np.abs(q))
+    if largest == 0.0:
+        raise AttitudeError(f"{name} is zero; give a quaternion (w, x, y, z) of any other length.")
+    q /= largest
+    return q / np.sqrt(q @ q)
+
+
+def from_matrix(value, name="matrix"):
+    """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3).
+
+    Raises
+    ------
+    AttitudeError
+        For another shape, a reflection, or a matrix further than 1e-6 from a rotation.
+    """
+    from scipy.spatial.transform import Rotation
+
+    given = gates.real(value, name, shape=(3, 3))
+    off = np.max(np.abs(given.T @ given - np.eye(3)))
+    if off > _NOT_A_ROTATION:
+        raise AttitudeError(
+            f"{name} is not a rotation: {name}^T {name} differs from the unit matrix by {off:.2g} "
+            f"(up to {_NOT_A_ROTATION:.0e} is taken for rounding). Give orthonormal columns."
+        )
+    if np.linalg.det(given) < 0.0:
+        raise AttitudeError(
+            f"{name} is a reflection (determinant -1); give a right-handed one, for example with "
+            "one axis reversed."
+        )
+    return Rotation.from_matrix(given).as_quat(canonical=True, scalar_first=True)
+
+
+def from_euler(sequence, angles):
+    """The unit quaternion (4,) of three rotations about body axes, one after the other.
+
+    Parameters
+    ----------
+    sequence : str
+        Axes in capital letters or numbers, as in "ZXZ" or "313": R = Rz(a) Rx(b) Rz(c).
+        Small letters turn about the axes of the frame instead, in that order (scipy's habit).
+    angles : (3,) array_like
+        rad, or a Quantity.
+    """
+    from scipy.spatial.transform import Rotation
+
+    sequence = known_sequence(sequence)
+    angles = gates.real(angles, "angles", shape=(3,), unit="rad")
+    return Rotation.from_euler(sequence, angles).as_quat(scalar_first=True)
+
+
+def known_sequence(sequence):
+    """An Euler sequence in scipy's letters; see `from_euler`."""
+    given = sequence
+    if isinstance(sequence, int) and not isinstance(sequence, bool):
+        sequence = str(sequence)
+    if isinstance(sequence, str):
+        letters = sequence.translate(str.maketrans("123", "XYZ"))
+        known = len(letters) == 3 and set(letters.upper()) <= set("XYZ")
+        if known and letters in (letters.upper(), letters.lower()):
+            first, second, third = letters
+            if first != second != third:
+                return letters
+    raise AttitudeError(
+        f'sequence is {given!r}; give three axes, no two neighbours equal, like "ZXZ" or "313".'
+    )
+
+
+def _parts(array):
+    array = np.asarray(array, dtype=np.float64)
+    return tuple(np.moveaxis(array, -1, 0))
