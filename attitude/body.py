@@ -1,10 +1,11 @@
 """Mass properties: principal moments of inertia and where their axes lie in the body."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from attitude import gates
+from attitude import gates, quaternion
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
 
@@ -195,6 +196,13 @@ class Body(Frozen):
         out = np.zeros((3, 2))
         components(self._axes, omega, out)
         return out
+
+    @cached_property
+    def principal_wxyz(self):
+        """The unit quaternion (4,) from principal to body axes."""
+        if np.array_equal(self.principal_axes, np.eye(3)):
+            return frozen(np.array([1.0, 0.0, 0.0, 0.0]))
+        return frozen(quaternion.from_matrix(self.principal_axes))
 
     @property
     def moments_as_pairs(self):

@@ -70,7 +70,7 @@ class FreeRotation(Frozen):
             body.moments_as_pairs[None],
             spin.wxyz_icrf[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
-            body.principal_axes[None],
+            body.principal_wxyz[None],
         )
         self._set("_constants", frozen(constants))
 
@@ -165,8 +165,8 @@ class FreeRotation(Frozen):
         if self.mode in (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC, Mode.SEPARATRIX):
             c = self._constants[0]
             sign = -1.0 if self.circulates_about == "long" else 1.0
-            ordered = c["ordered_moments"][:, 0] * c["ordered_rates"][:, 0]
-            return float(sign * c["d2"][0] / np.sum(ordered**2))
+            momentum = c["moments"][:, 0] * c["omega"][:, 0]
+            return float(sign * c["d2"][0] / np.sum(momentum**2))
         middle = np.sort(moments)[1]
         return float(np.sum((moments - middle) / moments.max() * squares) / total)
 

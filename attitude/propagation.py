@@ -9,14 +9,14 @@ from functools import cache
 
 import numpy as np
 
-from attitude import gates
+from attitude import gates, tdb
 from attitude.errors import AttitudeError
 from attitude.solution import codes
 from attitude.solution.layout import CONSTANTS
 
 # Bodies whose constants are in memory at a time: they stay in the second-level cache.
 _BLOCK = 256
-_IDENTITY = np.eye(3)[None]
+_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 _FAULTS = {
     codes.BAD_MOMENT: (
@@ -122,14 +122,14 @@ def propagate(
         _flat(omega0, lead, count),
         _epochs(t, lead, count),
         None if t_low is None else _epochs(t_low, lead, count),
-        wxyz.reshape(count, 4, -1),
-        None if rates is None else rates.reshape(count, 3, -1),
+        wxyz.reshape(count, 4, t.shape[-1]),
+        None if rates is None else rates.reshape(count, 3, t.shape[-1]),
     )
     wxyz = _answer(wxyz, out, scalar)
     return (wxyz, _answer(rates, rates_out, scalar)) if angular_velocity else wxyz
 
 
-def constants_of(moments, wxyz, omega, axes, *, first=0, count=1):
+def constants_of(moments, wxyz, omega, principal, *, first=0, count=1):
     """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
 
     These are bodies number first, first + 1, ... of `count`, for the error message.
@@ -138,7 +138,8 @@ def constants_of(moments, wxyz, omega, axes, *, first=0, count=1):
     ----------
     moments, omega : (B, 3, 2) arrays
     wxyz : (B, 4) array
-    axes : (1 or B, 3, 3) array
+    principal : (1 or B, 4) array
+        Unit quaternion from principal axes to body axes.
 
     Raises
     ------
@@ -147,7 +148,7 @@ def constants_of(moments, wxyz, omega, axes, *, first=0, count=1):
     """
     prepare_all, _ = _compiled()
     constants = np.zeros(len(moments), CONSTANTS)
-    if prepare_all(moments, wxyz, omega, axes, constants):
+    if prepare_all(moments, wxyz, omega, principal, constants):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
             moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
@@ -166,12 +167,18 @@ def evaluate(constants, t, t_low, wxyz, rates):
         For epochs so far away that the phases are lost.
     """
     _, evaluate_all = _compiled()
+    if t_low is not None:
+        # The kernels take t_low for the rounding of t; any two summands make such a pair.
+        with np.errstate(invalid="ignore"):
+            t, t_low = tdb.two_sum(t, t_low)
     body = evaluate_all(constants, t, t_low, wxyz, rates)
     if body >= 0:
         far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
+        fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
         raise AttitudeError(
-            f"an epoch lies {far:.3g} s from that of the state; two doubles of time resolve this "
-            f"motion for {constants['reach'][body]:.3g} s to either side. Give a nearer epoch."
+            f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
+            "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
+            "epoch."
         )
 
 

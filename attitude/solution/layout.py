@@ -1,7 +1,7 @@
 """What one body's motion is reduced to: a record of plain numbers that the kernels read.
 
-`solution.constants` fills it, `solution.kernel` and `solution.periods` read it; nothing else
-knows its fields.  Rates are in turns per second, phases in turns, pairs are (hi, lo).
+The stages of `solution.motion` fill it, `solution.kernel` reads it.  Rates are in turns per second,
+phases in turns, pairs are (hi, lo).
 """
 
 import numpy as np
@@ -12,12 +12,14 @@ CONSTANTS = np.dtype(
         ("mode", "i8"),  # codes.AT_REST .. codes.SHORT_AXIS
         ("form", "i8"),  # codes.UNIFORM, TRIGONOMETRIC or HYPERBOLIC
         ("circulates", "i8"),  # which given moment belongs to the internal third axis; -1: none
-        # the state in Jacobi order, scaled by powers of two; pairs
-        ("ordered_moments", "f8", (3, 2)),
-        ("ordered_rates", "f8", (3, 2)),
-        ("d2", "f8", 2),  # |L^2 - 2 E I2|
+        # the state, scaled by powers of two; pairs
+        ("moments", "f8", (3, 2)),
+        ("omega", "f8", (3, 2)),
+        ("order", "i8", 3),  # indices of the moments, ascending
+        ("jacobi", "i8", 4),  # first and second internal axis; 1 where the first, third is reversed
+        ("d2", "f8", 2),  # L^2 - 2 E I2: signed at first, then its magnitude
+        ("cancelled", "i8"),  # 1 where D2 was formed exactly, its terms nearly cancelling
         ("tempo", "i8"),  # rates were scaled by 2**-tempo
-        ("reach", "f8"),  # seconds to either side within which the phases are resolved
         # phases: precession g t, nutation x = f t + x0 (trigonometric) or 2 x (hyperbolic)
         ("precession", "f8", 2),
         ("nutation", "f8", 2),

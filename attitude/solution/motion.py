@@ -1,59 +1,41 @@
 """The doors of the solution: constants of many bodies, attitudes of many bodies.
 
-All loops over bodies and epochs are inside.  The constants are made in three stages, each compiled
-by itself: nested in one function they would be optimised anew at every level, for seconds.
+All loops over bodies and epochs are compiled.  The constants are made in stages, each compiled by
+itself and only when a state wants it: nested in one function they would be optimised anew at every
+level, for seconds.
 """
 
-from attitude.solution import codes
-from attitude.solution.constants import attach, classify, reach, solve
+from attitude.solution.attach import attach_all
+from attitude.solution.classify import classify_all, refine_all
+from attitude.solution.constants import solve_all
 from attitude.solution.kernel import evaluate
 from attitude.solution.machine import compiled, inlined
+from attitude.solution.turns import LONGEST
+from attitude.solution.uniform import uniform_all
 
 
-def prepare_all(moments, wxyz, omega, axes, constants):
+def prepare_all(moments, wxyz, omega, principal, constants):
     """Constants of B motions.
 
     Given
         moments    (B, 3, 2) principal moments, pairs
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
-        axes       (1 or B, 3, 3) columns: principal axes in the given body axes
+        principal  (1 or B, 4) unit quaternion, principal axes to given body axes
     Filled
         constants  (B,) of solution.layout.CONSTANTS; fault tells what is wrong with a body
     Returned
-        whether any body has a fault
+        how many have a fault
     """
-    faults = _classify_all(moments, wxyz, omega, axes, constants)
-    _solve_all(constants)
-    _attach_all(wxyz, constants)
-    return faults > 0
-
-
-@compiled
-def _classify_all(moments, wxyz, omega, axes, constants):
-    faults = 0
-    for b in range(len(constants)):
-        c = constants[b]
-        classify(moments[b], wxyz[b], omega[b], axes[b if len(axes) > 1 else 0], c)
-        faults += c.fault != codes.FINE
+    faults, uniform, cancelled = classify_all(moments, wxyz, omega, constants)
+    if cancelled:
+        refine_all(constants)
+    if uniform:
+        uniform_all(wxyz, principal, constants)
+    if faults + uniform < len(constants):
+        solve_all(constants)
+        attach_all(wxyz, principal, constants)
     return faults
-
-
-@compiled
-def _solve_all(constants):
-    for b in range(len(constants)):
-        if constants[b].fault == codes.FINE and constants[b].form != codes.UNIFORM:
-            solve(constants[b])
-
-
-@compiled
-def _attach_all(wxyz, constants):
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.fault == codes.FINE:
-            if c.form != codes.UNIFORM:
-                attach(wxyz[b], c)
-            c.reach = reach(c)
 
 
 @compiled
@@ -73,10 +55,11 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
     """
     for b in range(len(constants)):
         k = b if len(t) > 1 else 0
-        if _beyond(t[k], constants[b].reach):
+        c = constants[b]
+        if _beyond(t[k], LONGEST / max(abs(c.precession[0]), abs(c.nutation[0]))):
             return b
         evaluate(
-            constants[b],
+            c,
             t[k],
             None if t_low is None else t_low[k],
             wxyz[b],

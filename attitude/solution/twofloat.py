@@ -38,6 +38,12 @@ def two_prod(a, b):
 
 
 @inlined
+def pair(row):
+    """The first two entries of an array as a pair."""
+    return row[0], row[1]
+
+
+@inlined
 def neg(a):
     return -a[0], -a[1]
 

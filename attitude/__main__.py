@@ -1,0 +1,8 @@
+"""``python -m attitude`` is the command ``attitude``."""
+
+import sys
+
+from attitude.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,393 @@
+"""Attitudes in other forms: matrices, Euler angles, rotation vectors, MRP, pole and spin angle.
+
+Every function takes arrays with any leading axes.  `wxyz` is always a unit quaternion (..., 4) from
+body to inertial axes, scalar first; angles are in rad, angular velocities in rad/s over the body
+axes.  Way and back is the identity to a few units of the last place, at tiny angles, at half turns
+and at gimbal lock too (where only the sum or the difference of two angles means something).
+
+>>> import numpy as np
+>>> wxyz = from_euler("ZXZ", [0.1, 0.2, 0.3])
+>>> to_euler("ZXZ", wxyz).round(12)
+array([0.1, 0.2, 0.3])
+>>> to_dcm(from_euler("Z", [np.pi / 2])).round(12)       # inertial x seen in the body: -y
+array([[ 0.,  1.,  0.],
+       [-1.,  0.,  0.],
+       [ 0.,  0.,  1.]])
+"""
+
+import numpy as np
+
+from attitude import gates, quaternion
+from attitude.errors import AttitudeError
+
+# How far a matrix may be from a rotation (entries of R^T R - 1) to be taken for a rounded one.
+_NOT_A_ROTATION = 1e-6
+EULER_SEQUENCES = (
+    *("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"),
+    *("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"),
+)
+
+
+# Quaternions ---------------------------------------------------------------------------------------
+
+
+def from_xyzw(xyzw):
+    """Scalar first of scalar last: CCSDS Q1 Q2 Q3 QC, scipy, STK and ROS."""
+    return np.roll(gates.rows(xyzw, "xyzw", 4), 1, axis=-1)
+
+
+def to_xyzw(wxyz):
+    """Scalar last of scalar first.
+
+    >>> to_xyzw([1.0, 0.0, 0.0, 0.0])
+    array([0., 0., 0., 1.])
+    """
+    return np.roll(gates.rows(wxyz, "wxyz", 4), -1, axis=-1)
+
+
+def continuous(wxyz):
+    """The same attitudes (..., N, 4) with signs such that neighbours are at most 90 deg apart.
+
+    That is the sign a motion carries along as long as it turns by less than half a turn from row
+    to row.  The first row keeps its sign.
+
+    >>> continuous([[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0]])[:, 0]
+    array([1., 1.])
+    """
+    given = gates.rows(wxyz, "wxyz", 4)
+    if given.ndim < 2 or given.shape[-2] < 2:
+        return given.copy()
+    steps = np.sum(given[..., 1:, :] * given[..., :-1, :], axis=-1)
+    signs = np.cumprod(np.where(steps < 0.0, -1.0, 1.0), axis=-1)
+    out = given.copy()
+    out[..., 1:, :] *= signs[..., None]
+    return out
+
+
+def unit(wxyz, name="wxyz", *, tolerance=None):
+    """Quaternions (..., 4) of length one, and of the same sign.
+
+    Rows whose length is 1 to 2 units in the last place are returned bit for bit.
+
+    Parameters
+    ----------
+    tolerance : float, optional
+        How far the length may be from 1; any nonzero length by default.
+
+    Raises
+    ------
+    AttitudeError
+        For rows of zero length, that are not finite, or off by more than the tolerance.
+    """
+    given = gates.rows(wxyz, name, 4)
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = np.max(np.abs(given), axis=-1, keepdims=True)
+        bad = ~((largest > 0.0) & (largest < np.inf))
+        scaled = given / np.where(bad, 1.0, largest)
+        length = np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
+        off = np.abs(length * largest - 1.0)
+    if np.any(bad):
+        row = given[bad[..., 0]][0] if given.ndim > 1 else given
+        raise AttitudeError(
+            f"{name} holds ({_listed(row)}), which is no attitude; give four finite numbers that "
+            "are not all zero."
+        )
+    if tolerance is not None and np.any(off > tolerance):
+        raise AttitudeError(
+            f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
+            f"{tolerance:g} is taken for rounding."
+        )
+    return np.where(off <= 2.0 * np.finfo(float).eps, given, scaled / length)
+
+
+# Matrices ------------------------------------------------------------------------------------------
+
+
+def from_matrix(matrix, name="matrix"):
+    """Attitudes, w >= 0, of rotation matrices (..., 3, 3): v_inertial = matrix @ v_body.
+
+    Raises
+    ------
+    AttitudeError
+        For reflections and for matrices further than 1e-6 from a rotation.
+    """
+    from scipy.spatial.transform import Rotation
+
+    given = gates.real(matrix, name, shape=(..., 3, 3))
+    off = np.max(np.abs(np.swapaxes(given, -1, -2) @ given - np.eye(3)), initial=0.0)
+    if off > _NOT_A_ROTATION:
+        raise AttitudeError(
+            f"{name} is not a rotation: its columns are orthonormal only to {off:.2g} (up to "
+            f"{_NOT_A_ROTATION:.0e} is taken for rounding). Give orthonormal columns."
+        )
+    if given.size and np.min(np.linalg.det(given)) < 0.0:
+        raise AttitudeError(f"{name} holds a reflection (determinant -1); give rotations.")
+    flat = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(canonical=True)
+    return from_xyzw(flat).reshape(*given.shape[:-2], 4)
+
+
+def from_dcm(dcm):
+    """Attitudes of direction cosine matrices: v_body = dcm @ v_inertial, the paper's A."""
+    return from_matrix(np.swapaxes(gates.real(dcm, "dcm", shape=(..., 3, 3)), -1, -2), "dcm")
+
+
+def to_matrix(wxyz):
+    """(..., 3, 3): v_inertial = matrix @ v_body."""
+    return quaternion.matrix(gates.rows(wxyz, "wxyz", 4))
+
+
+def to_dcm(wxyz):
+    """(..., 3, 3): v_body = dcm @ v_inertial, the transpose of `to_matrix`."""
+    return np.swapaxes(to_matrix(wxyz), -1, -2)
+
+
+# Euler angles --------------------------------------------------------------------------------------
+
+
+def from_euler(sequence, angles):
+    """Attitudes of one to three turns about body axes, one after the other.
+
+    Parameters
+    ----------
+    sequence : str
+        "ZXZ" or "313": body to inertial is Rz(a) Rx(b) Rz(c), as in CCSDS (EULER_ROT_SEQ) and STK.
+        Small letters turn about the inertial axes, in that order.
+    angles : (..., 3) array_like
+        rad, in the order of the turns.
+    """
+    letters = _letters(sequence)
+    angles = gates.real(angles, "angles", shape=(..., len(letters)), unit="rad")
+    out = np.zeros((*angles.shape[:-1], 4))
+    out[..., 0] = 1.0
+    for k, letter in enumerate(letters):
+        turn = np.zeros((*angles.shape[:-1], 4))
+        turn[..., 0] = np.cos(0.5 * angles[..., k])
+        turn[..., 1 + "XYZ".index(letter.upper())] = np.sin(0.5 * angles[..., k])
+        pair = (out, turn) if letter.isupper() else (turn, out)
+        out = quaternion.multiply(*pair)
+    return out
+
+
+def to_euler(sequence, wxyz):
+    """The three angles (..., 3) of `from_euler`, of any of the twelve sequences.
+
+    The middle one is in [0, pi] for sequences like ZXZ and in [-pi/2, pi/2] for those like ZYX,
+    the others are in (-pi, pi].  At gimbal lock the third is what remains of rounding; together
+    they still give the attitude to rounding.
+
+    Source: Bernardes and Viollet (2022), PLoS ONE 17, e0276302, which needs no threshold.
+    """
+    letters = quaternion.known_sequence(sequence)
+    if letters.islower():
+        return to_euler(letters[::-1].upper(), wxyz)[..., ::-1]
+    w, *parts = np.moveaxis(gates.rows(wxyz, "wxyz", 4), -1, 0)
+    third, second, first = ("XYZ".index(letter) for letter in letters)
+    symmetric = first == third
+    if symmetric:
+        third = 3 - first - second
+    sign = (first - second) * (second - third) * (third - first) // 2
+    if symmetric:
+        a, b, c, d = w, parts[first], parts[second], parts[third] * sign
+    else:
+        a, b = w - parts[second], parts[first] + parts[third] * sign
+        c, d = parts[second] + w, parts[third] * sign - parts[first]
+    middle = 2.0 * np.arctan2(np.hypot(c, d), np.hypot(a, b))
+    half_sum = np.where((a == 0.0) & (b == 0.0), 0.0, np.arctan2(b, a))
+    half_difference = np.where((c == 0.0) & (d == 0.0), 0.0, np.arctan2(d, c))
+    last, leading = half_sum - half_difference, half_sum + half_difference
+    if not symmetric:
+        leading, middle = leading * sign, middle - 0.5 * np.pi
+    return np.stack([_wrapped(leading), middle, _wrapped(last)], axis=-1)
+
+
+def euler_rates(sequence, angles, angular_velocity):
+    """Rates (..., 3) of Euler angles in rad/s.
+
+    Raises
+    ------
+    AttitudeError
+        At gimbal lock, where the rates of the outer angles do not exist.
+    """
+    axes = _turning_axes(sequence, angles)
+    omega = gates.rows(angular_velocity, "angular_velocity", 3)
+    volume = np.linalg.det(axes)  # the sine or cosine of the middle angle
+    if np.any(np.abs(volume) < 1e-12):
+        raise AttitudeError(
+            f"the Euler angles {sequence} are at gimbal lock (within 1e-12 rad), where their rates "
+            "do not exist; use another sequence, or angular velocities instead of angle rates."
+        )
+    return np.linalg.solve(axes, omega[..., None])[..., 0]
+
+
+def angular_velocity_from_euler_rates(sequence, angles, rates):
+    """Angular velocity (..., 3), body axes, of the rates of Euler angles."""
+    axes = _turning_axes(sequence, angles)
+    return (axes @ gates.rows(rates, "rates", 3)[..., None])[..., 0]
+
+
+def _turning_axes(sequence, angles):
+    """Columns (..., 3, 3): the axis of each of the three turns, in body axes."""
+    letters = quaternion.known_sequence(sequence)
+    angles = gates.real(angles, "angles", shape=(..., 3), unit="rad")
+    if letters.islower():
+        return _turning_axes(letters[::-1].upper(), angles[..., ::-1])[..., ::-1]
+    columns = []
+    for k, letter in enumerate(letters):
+        following = from_euler(letters[k + 1 :], angles[..., k + 1 :]) if k < 2 else None
+        axis = np.broadcast_to(np.eye(3)["XYZ".index(letter)], (*angles.shape[:-1], 3))
+        if following is not None:
+            axis = quaternion.rotate(quaternion.conjugate(following), axis)
+        columns.append(axis)
+    return np.stack(columns, axis=-1)
+
+
+# Rotation vectors, axis and angle, modified Rodrigues parameters -----------------------------------
+
+
+def from_rotation_vector(vector):
+    """Attitudes of rotation vectors (..., 3): axis times angle in rad, body to inertial."""
+    vector = gates.real(vector, "vector", shape=(..., 3), unit="rad")
+    angle = np.sqrt(np.sum(vector * vector, axis=-1))
+    half_sinc = 0.5 * np.sinc(angle / (2.0 * np.pi))
+    return np.concatenate([np.cos(0.5 * angle)[..., None], half_sinc[..., None] * vector], -1)
+
+
+def to_rotation_vector(wxyz):
+    """Rotation vectors (..., 3), of length at most pi, to full relative accuracy when small."""
+    axis, angle = to_axis_angle(wxyz)
+    return axis * angle[..., None]
+
+
+def from_axis_angle(axis, angle):
+    """Attitudes of turns by angles (...) about axes (..., 3) of any length."""
+    axis = gates.real(axis, "axis", shape=(..., 3))
+    angle = gates.real(angle, "angle", unit="rad")
+    largest = np.max(np.abs(axis), axis=-1, keepdims=True)
+    if np.any(largest == 0.0):
+        raise AttitudeError("axis is zero; give a direction.")
+    axis = axis / largest
+    axis = axis / np.sqrt(np.sum(axis * axis, axis=-1, keepdims=True))
+    shape = np.broadcast_shapes(axis.shape[:-1], angle.shape)
+    half = np.broadcast_to(0.5 * angle, shape)[..., None]
+    return np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
+
+
+def to_axis_angle(wxyz):
+    """Unit axes (..., 3) and angles (...) in [0, pi]; the axis of no turn is x."""
+    wxyz = gates.rows(wxyz, "wxyz", 4)
+    turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
+    vector = turned[..., 1:]
+    largest = np.max(np.abs(vector), axis=-1, keepdims=True)
+    none = largest == 0.0
+    scaled = vector / np.where(none, 1.0, largest)  # squares of tiny angles would underflow
+    length = np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
+    axis = np.where(none, (1.0, 0.0, 0.0), scaled / np.where(none, 1.0, length))
+    return axis, 2.0 * np.arctan2((length * largest)[..., 0], turned[..., 0])
+
+
+def from_mrp(mrp):
+    """Attitudes of modified Rodrigues parameters (..., 3): axis times tan(angle / 4)."""
+    p = gates.real(mrp, "mrp", shape=(..., 3))
+    square = np.sum(p * p, axis=-1, keepdims=True)
+    return np.concatenate([1.0 - square, 2.0 * p], axis=-1) / (1.0 + square)
+
+
+def to_mrp(wxyz):
+    """Modified Rodrigues parameters (..., 3) of length at most 1: never of the shadow set."""
+    wxyz = gates.rows(wxyz, "wxyz", 4)
+    turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
+    return turned[..., 1:] / (1.0 + turned[..., :1])
+
+
+# Pole and spin angle -------------------------------------------------------------------------------
+
+
+def from_pole(right_ascension, declination, spin_angle):
+    """Attitudes of a pole and the angle of the prime meridian, as the IAU gives them.
+
+    Body z points to the pole; body x is spin_angle east of the node at right ascension + 90 deg:
+    Rz(ra + 90 deg) Rx(90 deg - dec) Rz(W).  Archinal et al. (2018), Celest. Mech. 130, 22; the
+    same as SPIN_ALPHA, SPIN_DELTA and SPIN_ANGLE of CCSDS.
+
+    >>> from_pole(0.0, np.pi / 2, -np.pi / 2).round(12)
+    array([1., 0., 0., 0.])
+    """
+    angles = [
+        gates.real(right_ascension, "right_ascension", unit="rad") + 0.5 * np.pi,
+        0.5 * np.pi - gates.real(declination, "declination", unit="rad"),
+        gates.real(spin_angle, "spin_angle", unit="rad"),
+    ]
+    return from_euler("ZXZ", np.stack(np.broadcast_arrays(*angles), axis=-1))
+
+
+def to_pole(wxyz):
+    """Right ascension in [0, 2 pi), declination, spin angle in [0, 2 pi): three arrays (...)."""
+    node, tilt, spin = np.moveaxis(to_euler("ZXZ", wxyz), -1, 0)
+    return _positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, _positive(spin)
+
+
+# Rates ---------------------------------------------------------------------------------------------
+
+
+def quaternion_rate(wxyz, angular_velocity):
+    """Rate of change (..., 4) in 1/s of attitudes: q' = q (0, w) / 2, w over the body axes."""
+    omega = gates.rows(angular_velocity, "angular_velocity", 3)
+    pure = np.concatenate([np.zeros((*omega.shape[:-1], 1)), omega], axis=-1)
+    return 0.5 * quaternion.multiply(gates.rows(wxyz, "wxyz", 4), pure)
+
+
+def angular_velocity_from_quaternion_rate(wxyz, rate):
+    """Angular velocity (..., 3), body axes, of the rate of change (..., 4) of attitudes."""
+    rate = gates.rows(rate, "rate", 4)
+    return 2.0 * quaternion.multiply(quaternion.conjugate(wxyz), rate)[..., 1:]
+
+
+def body_to_inertial_rates(wxyz, angular_velocity):
+    """Components (..., 3) over the inertial axes of angular velocities over the body axes."""
+    return quaternion.rotate(gates.rows(wxyz, "wxyz", 4), angular_velocity)
+
+
+def inertial_to_body_rates(wxyz, angular_velocity):
+    """Components (..., 3) over the body axes of angular velocities over the inertial axes."""
+    return quaternion.rotate(quaternion.conjugate(gates.rows(wxyz, "wxyz", 4)), angular_velocity)
+
+
+# scipy ---------------------------------------------------------------------------------------------
+
+
+def from_rotation(rotation):
+    """Attitudes of a scipy Rotation that takes body vectors to inertial axes."""
+    if not hasattr(rotation, "as_quat"):
+        raise AttitudeError(f"rotation is {rotation!r}; give a scipy Rotation (body to inertial).")
+    return from_xyzw(rotation.as_quat())
+
+
+def to_rotation(wxyz):
+    """A scipy Rotation, body to inertial, of attitudes (4,) or (N, 4)."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(np.array(to_xyzw(wxyz)))
+
+
+def _letters(sequence):
+    """One to three axes in scipy's letters."""
+    if isinstance(sequence, str) and 1 <= len(sequence) <= 2:
+        letters = sequence.translate(str.maketrans("123", "XYZ"))
+        if set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower()):
+            return letters
+    return quaternion.known_sequence(sequence)
+
+
+def _wrapped(angle):
+    """Into (-pi, pi], for angles within two turns; angles that are in it stay as they are."""
+    angle = np.where(angle > np.pi, angle - 2.0 * np.pi, angle)
+    return np.where(angle <= -np.pi, angle + 2.0 * np.pi, angle)
+
+
+def _positive(angle):
+    angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
+    return np.where(angle >= 2.0 * np.pi, 0.0, angle)
+
+
+def _listed(row):
+    return ", ".join(f"{x:.9g}" for x in np.ravel(row))

@@ -1,0 +1,163 @@
+"""Last stage: from the internal axes of the solution to the axes that were given.
+
+q(t) = q(0) b q_int(0)* q_int(t) b*, where b carries internal to given body axes: one constant
+quaternion on each side, multiplied out to one matrix that the kernels apply.
+"""
+
+import math
+from itertools import product as combinations
+
+import numpy as np
+
+from attitude.solution import codes
+from attitude.solution.machine import compiled, inlined
+from attitude.solution.series import (
+    hyperbolic_arguments,
+    hyperbolic_pair,
+    trigonometric_pair,
+    turned,
+)
+from attitude.solution.turns import phase, sincos
+
+
+def _signed_permutations():
+    """Unit quaternions of the proper signed permutations, [first, second, sign 1, sign 3].
+
+    Column k of the rotation is the principal axis that becomes internal axis k: `first`, `second`
+    and the third one; index 1 for a negative sign.  The sign of the second axis follows.
+    """
+    table = np.zeros((3, 3, 2, 2, 4))
+    for first, second in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)):
+        third = 3 - first - second
+        for minus1, minus3 in combinations((0, 1), repeat=2):
+            matrix = np.zeros((3, 3))
+            matrix[first, 0], matrix[third, 2] = 1 - 2 * minus1, 1 - 2 * minus3
+            matrix[:, 1] = np.cross(matrix[:, 2], matrix[:, 0])
+            # 4 q q^T has entries that are sums of those of the matrix; any non-zero column is q.
+            (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = matrix
+            outer = np.array(
+                [
+                    [1 + xx + yy + zz, zy - yz, xz - zx, yx - xy],
+                    [zy - yz, 1 + xx - yy - zz, xy + yx, xz + zx],
+                    [xz - zx, xy + yx, 1 - xx + yy - zz, yz + zy],
+                    [yx - xy, xz + zx, yz + zy, 1 - xx - yy + zz],
+                ]
+            )
+            column = outer[:, np.argmax(np.diag(outer))]
+            table[first, second, minus1, minus3] = column / np.sqrt(column @ column)
+    return table
+
+
+_PERMUTATIONS = _signed_permutations()
+
+
+@compiled
+def attach_all(wxyz, principal, constants):
+    """The frame of those of B motions that tumble, and the axes of their angular velocity.
+
+    Given
+        wxyz       (B, 4) body to inertial at the epoch, of any length
+        principal  (1 or B, 4) principal axes to given body axes
+    """
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form != codes.UNIFORM:
+            given = four(principal[b if len(principal) > 1 else 0])
+            _attach(unit(four(wxyz[b])), _axes(given, c), _internal_at_epoch(c), c)
+
+
+@inlined
+def unit(q):
+    """A quaternion of any length as a unit quaternion."""
+    size = max(abs(q[0]), abs(q[1]), abs(q[2]), abs(q[3]))
+    w, x, y, z = q[0] / size, q[1] / size, q[2] / size, q[3] / size
+    size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    return w * size, x * size, y * size, z * size
+
+
+@inlined
+def product(p, q):
+    """The quaternion product p q."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+    )
+
+
+@inlined
+def turned_by(q, v):
+    """The vector q v q*; v itself, bit for bit, when q is 1."""
+    a, b, c = v
+    d = 2.0 * (q[2] * c - q[3] * b)
+    e = 2.0 * (q[3] * a - q[1] * c)
+    f = 2.0 * (q[1] * b - q[2] * a)
+    return (
+        a + q[0] * d + (q[2] * f - q[3] * e),
+        b + q[0] * e + (q[3] * d - q[1] * f),
+        c + q[0] * f + (q[1] * e - q[2] * d),
+    )
+
+
+@inlined
+def _axes(principal, c):
+    """The quaternion from internal to given body axes; its matrix is kept for the rates."""
+    permutation = four(_PERMUTATIONS[c.jacobi[0], c.jacobi[1], c.jacobi[2], c.jacobi[3]])
+    third = 3 - c.jacobi[0] - c.jacobi[1]
+    even = (c.jacobi[1] - c.jacobi[0]) % 3 == 1
+    s1, s3 = 1.0 - 2.0 * c.jacobi[2], 1.0 - 2.0 * c.jacobi[3]
+    s2 = s1 * s3 if even else -s1 * s3
+    for k, axis, sign in ((0, c.jacobi[0], s1), (1, c.jacobi[1], s2), (2, third, s3)):
+        column = turned_by(
+            principal,
+            (
+                sign if axis == 0 else 0.0,
+                sign if axis == 1 else 0.0,
+                sign if axis == 2 else 0.0,
+            ),
+        )
+        for i in range(3):
+            c.axes[i, k] = column[i]
+    return product(principal, permutation)
+
+
+@inlined
+def _internal_at_epoch(c):
+    """q_int(0), by the very series that give q_int(t) later."""
+    s, lo, half_turns = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, c.winds)
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    if c.form == codes.TRIGONOMETRIC:
+        sine, cosine = sincos(s, lo)
+        beta = four(c.beta[0]), four(c.beta[1])
+        pair = trigonometric_pair(alpha, beta, sine, cosine)
+    else:
+        dx = s + lo
+        arguments = hyperbolic_arguments(dx, c.decay, c.nome)
+        pair = hyperbolic_pair(alpha, c.beta[0, 0], dx, half_turns, arguments)
+        sine, cosine = sincos(-c.tilt * dx, 0.0)
+        pair = turned(pair, sine, cosine)
+    ar, ai, br, bi = pair
+    return unit((ar, br, bi, ai))
+
+
+@inlined
+def _attach(start, body, internal, c):
+    back = (internal[0], -internal[1], -internal[2], -internal[3])
+    left = product(product(start, body), back)
+    right = (body[0], -body[1], -body[2], -body[3])
+    for k in range(4):
+        basis = (
+            1.0 if k == 0 else 0.0,
+            1.0 if k == 1 else 0.0,
+            1.0 if k == 2 else 0.0,
+            1.0 if k == 3 else 0.0,
+        )
+        column = product(product(left, basis), right)
+        for j in range(4):
+            c.frame[j, k] = column[j]
+
+
+@inlined
+def four(row):
+    return row[0], row[1], row[2], row[3]

@@ -1,0 +1,178 @@
+"""First stage: is this a body, does it tumble at all, and on which side of the separatrix?
+
+The numbers are scaled by powers of two, so that no unit can overflow or lose digits, and D2, the
+one invariant that is a true difference, is formed exactly where its terms cancel.  Symbols are
+those of van Zon & Schofield (2006), section 3.
+"""
+
+import math
+
+import numpy as np
+
+from attitude.solution import codes
+from attitude.solution.expansion import added, rounded, times
+from attitude.solution.machine import compiled, inlined
+from attitude.solution.twofloat import less, mul, pair, same, square, sub
+
+# Below this fraction of the largest component, a rate would vanish in the squares anyway.
+_NO_RATE = 2.0**-400
+_LARGEST_RATIO = 1e45
+# What a sum or a product of measured moments may miss the triangle inequality by.
+_ROUNDING = 1e-14
+# D2 that keeps less than this of the sum of its terms is formed again, exactly.
+_CANCELLED = 0.0625
+
+
+@compiled
+def classify_all(moments, wxyz, omega, constants):
+    """Check, scale and sort B states.
+
+    Given
+        moments    (B, 3, 2) principal moments of inertia, pairs, any unit and order
+        wxyz       (B, 4) body to inertial at the epoch
+        omega      (B, 3, 2) rad/s over the principal axes, pairs
+    Filled
+        constants  (B,) fault, mode (as far as it does not depend on D2), form, the scaled state,
+                   its ascending order, and D2 to the rounding of its terms
+    Returned
+        how many have a fault, rotate uniformly, and want D2 formed exactly
+    """
+    faults = uniform = cancelled = 0
+    for b in range(len(constants)):
+        c = constants[b]
+        c.fault = _fault(moments[b], wxyz[b], omega[b])
+        if c.fault != codes.FINE:
+            faults += 1
+            continue
+        _scale(moments[b], omega[b], c)
+        if _rotates_uniformly(c):
+            uniform += 1
+        elif _order(c):
+            cancelled += 1
+    return faults, uniform, cancelled
+
+
+@compiled
+def refine_all(constants):
+    """D2 of the states whose terms cancel, exactly: products as expansions, rounded once."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.cancelled == 1:
+            c.d2[0], c.d2[1] = _exact_middle_invariant(c)
+
+
+@inlined
+def _fault(moments, wxyz, omega):
+    least, most, total = moments[0, 0], 0.0, 0.0
+    for k in range(3):
+        moment = moments[k, 0]
+        if not (moment >= 0.0 and moment < math.inf):
+            return codes.BAD_MOMENT
+        if not abs(omega[k, 0]) < math.inf:
+            return codes.BAD_RATE
+        least, most, total = min(least, moment), max(most, moment), total + moment
+    size = max(abs(wxyz[0]), abs(wxyz[1]), abs(wxyz[2]), abs(wxyz[3]))
+    sum_of_all = wxyz[0] + wxyz[1] + wxyz[2] + wxyz[3]
+    if not (size > 0.0 and size < math.inf) or sum_of_all != sum_of_all:
+        return codes.BAD_ATTITUDE
+    if most == 0.0:
+        return codes.BAD_MOMENT
+    if most > (total - most) * (1.0 + _ROUNDING):
+        return codes.NO_TRIANGLE
+    if least > 0.0:
+        return codes.RATIO_TOO_LARGE if least < most / _LARGEST_RATIO else codes.FINE
+    for k in range(3):
+        if moments[k, 0] == 0.0:
+            i, j = (k + 1) % 3, (k + 2) % 3
+            if moments[i, 0] != moments[j, 0] or moments[i, 1] != moments[j, 1]:
+                return codes.UNEQUAL_ROD
+            if omega[k, 0] != 0.0:
+                return codes.SPIN_ABOUT_ROD
+    return codes.FINE
+
+
+@inlined
+def _scale(moments, omega, c):
+    inertia = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
+    tempo = math.frexp(max(abs(omega[0, 0]), abs(omega[1, 0]), abs(omega[2, 0])))[1]
+    c.tempo = tempo
+    for k in range(3):
+        fast = abs(math.ldexp(omega[k, 0], -tempo)) >= _NO_RATE
+        for part in range(2):
+            c.moments[k, part] = math.ldexp(moments[k, part], -inertia)
+            c.omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
+
+
+@inlined
+def _rotates_uniformly(c):
+    """Whether every product (Ij - Ik) wj wk of Euler's equations vanishes, by its factors."""
+    equal = unequal = 0
+    still = 0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if same(pair(c.moments[i]), pair(c.moments[j])):
+            equal += 1
+        elif c.omega[i, 0] != 0.0 and c.omega[j, 0] != 0.0:
+            unequal += 1
+        if c.omega[k, 0] == 0.0:
+            still += 1
+    if unequal > 0:
+        return False
+    c.form = codes.UNIFORM
+    if still == 3:
+        c.mode = codes.AT_REST
+    elif equal == 3:
+        c.mode = codes.SPHERICAL
+    else:
+        c.mode = codes.PRINCIPAL_AXIS
+    return True
+
+
+@inlined
+def _order(c):
+    """Ascending order and D2 = L^2 - 2 E I2 for the middle moment I2; whether its terms cancel.
+
+    D2 is positive where the momentum circulates about the axis of greatest inertia.
+    """
+    # Replaced in the next stage where the other form serves better.
+    c.form = codes.TRIGONOMETRIC
+    p, q, r = 0, 1, 2
+    a, b, d = pair(c.moments[0]), pair(c.moments[1]), pair(c.moments[2])
+    if less(b, a):
+        p, q, a, b = q, p, b, a
+    if less(d, b):
+        q, r, b, d = r, q, d, b
+    if less(b, a):
+        p, q, a, b = q, p, b, a
+    c.order[0], c.order[1], c.order[2] = p, q, r
+    short = mul(mul(a, sub(b, a)), square(pair(c.omega[p])))
+    long = mul(mul(d, sub(d, b)), square(pair(c.omega[r])))
+    d2 = sub(long, short)
+    c.d2[0], c.d2[1] = d2
+    c.cancelled = 1 if abs(d2[0]) < _CANCELLED * (long[0] + short[0]) else 0
+    return c.cancelled == 1
+
+
+@inlined
+def _exact_middle_invariant(c):
+    """d (d - b) wd^2 + a (a - b) wa^2, every product exact.
+
+    A product with a pair doubles the number of parts twice: 4 of the difference become 256 at the
+    most, and 16 when the inputs are doubles (zeros are dropped on the way).
+    """
+    one, two = np.empty(256), np.empty(256)
+    total = np.empty(512)
+    count = 0
+    middle = c.moments[c.order[1]]
+    for k in (2, 0):
+        moment, rate = pair(c.moments[c.order[k]]), pair(c.omega[c.order[k]])
+        n = 0
+        for part in range(2):
+            n = added(one, n, moment[part])
+            n = added(one, n, -middle[part])
+        n = times(one, n, moment, two)
+        n = times(two, n, rate, one)
+        n = times(one, n, rate, two)
+        for i in range(n):
+            count = added(total, count, two[i])
+    return rounded(total, count)

@@ -1,0 +1,58 @@
+"""States that rotate about a fixed axis: spheres, principal axes, rest."""
+
+import math
+
+from attitude.solution import codes
+from attitude.solution.attach import four, product, turned_by, unit
+from attitude.solution.machine import compiled, inlined
+from attitude.solution.twofloat import TWO_PI, add, div, less, pair, sqrt, square, sub
+
+
+@compiled
+def uniform_all(wxyz, principal, constants):
+    """Constants of those of B motions whose angular velocity is constant.
+
+    q(t) = q(0) (cos + sin of half the angle times the unit axis): two columns of `frame`.
+    """
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.UNIFORM:
+            _turn(four(wxyz[b]), four(principal[b if len(principal) > 1 else 0]), c)
+            _periods(c)
+
+
+@inlined
+def _turn(wxyz, principal, c):
+    x, y, z = pair(c.omega[0]), pair(c.omega[1]), pair(c.omega[2])
+    speed = sqrt(add(add(square(x), square(y)), square(z)))
+    turns = div(speed, TWO_PI)
+    c.precession[0] = math.ldexp(0.5 * turns[0], c.tempo)
+    c.precession[1] = math.ldexp(0.5 * turns[1], c.tempo)
+    axis = turned_by(principal, (x[0], y[0], z[0]))
+    over = 0.0 if speed[0] == 0.0 else 1.0 / speed[0]
+    start = unit(wxyz)
+    turn = product(start, (0.0, axis[0] * over, axis[1] * over, axis[2] * over))
+    for k in range(4):
+        c.frame[0, k] = start[k]
+        c.frame[1, k] = turn[k]
+    for k in range(3):
+        c.rates[0, k] = math.ldexp(axis[k], c.tempo)
+
+
+@inlined
+def _periods(c):
+    """Those of a vanishing wobble about the same axis."""
+    c.circulates = -1
+    turns = 2.0 * c.precession[0]
+    psi = 0.0
+    for k in range(3):
+        if c.omega[k, 0] != 0.0:
+            here = pair(c.moments[k])
+            one, two = pair(c.moments[(k + 1) % 3]), pair(c.moments[(k + 2) % 3])
+            positive = sub(here, one)[0] * sub(here, two)[0]
+            if positive > 0.0:
+                psi = turns * math.sqrt(positive / (one[0] * two[0]))
+                psi = psi if less(here, one) else -psi
+                c.circulates = k
+    c.psi_rate = psi
+    c.phi_rate = turns - psi

@@ -1,0 +1,159 @@
+"""What does an attitude cost?
+
+    python benchmarks/speed.py
+
+Times are the least of many repetitions; ratios to numpy.sin are taken in the same run, so that
+they carry from one machine to another.  Start-up is measured in fresh processes.
+"""
+
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.metadata import version
+
+import numpy as np
+
+from attitude import Body, FreeRotation, Spin, propagate
+
+MOMENTS, WXYZ = np.array([10.0, 20.0, 26.0]), np.array([1.0, 0.0, 0.0, 0.0])
+CASES = {
+    "the paper's example": np.array([1.0, 15.0, 1.0]),
+    "long-axis mode": np.array([9.0, 2.0, 1.0]),
+    "1e-7 from the separatrix": np.array([0.003, 15.0, 0.003]),
+    "a principal axis": np.array([0.0, 0.0, 15.0]),
+}
+
+
+def main():
+    packages = ("numpy", "scipy", "numba", "llvmlite", "astropy", "skyfield")
+    print(f"{_processor()}, Python {platform.python_version()}, ", end="")
+    print(", ".join(f"{name} {version(name)}" for name in packages), "\n")
+    long_arrays()
+    bodies()
+    single()
+    dates()
+    start_up()
+
+
+def long_arrays():
+    t = np.linspace(0.0, 1e4, 10**6)
+    memory, rates = np.empty((4, t.size)).T, np.empty((3, t.size)).T
+    sine_out = np.empty_like(t)
+    print("10^6 epochs of one body, one thread        ns an epoch    x numpy.sin   with rates")
+    for name, omega in CASES.items():
+        sine = best(lambda: np.sin(t))
+        plain = best(lambda omega=omega: propagate(MOMENTS, WXYZ, omega, t))
+        both = best(lambda omega=omega: propagate(MOMENTS, WXYZ, omega, t, angular_velocity=True))
+        print(f"  {name:<40} {plain * 1e3:8.2f} {plain / sine:14.2f} {both / sine:13.2f}")
+    omega = CASES["the paper's example"]
+    sine = best(lambda: np.sin(t, out=sine_out))
+    plain = best(lambda: propagate(MOMENTS, WXYZ, omega, t, out=memory))
+    both = best(
+        lambda: propagate(
+            MOMENTS, WXYZ, omega, t, angular_velocity=True, out=memory, rates_out=rates
+        )
+    )
+    print(f"  {'the same into memory given':<40} {plain * 1e3:8.2f} {plain / sine:14.2f}"
+          f" {both / sine:13.2f}")  # fmt: skip
+    print(f"  {'numpy.sin':<40} {best(lambda: np.sin(t)) * 1e3:8.2f}\n")
+
+
+def bodies():
+    random = np.random.default_rng(1)
+    count = 10**5
+    moments = random.uniform(1.0, 1.9, (count, 3))
+    wxyz, omega = random.normal(size=(count, 4)), random.normal(size=(count, 3))
+    t = random.uniform(0.0, 1e3, (count, 1))
+    cost = best(lambda: propagate(moments, wxyz, omega, t), 10) / count
+    print(f"10^5 bodies, an own epoch each             {cost * 1e6:8.2f} us a body\n")
+
+
+def single():
+    omega = CASES["the paper's example"]
+    body = Body(moments=MOMENTS)
+    spin = Spin(epoch="2026-01-01", wxyz=WXYZ, angular_velocity=omega)
+    motion = FreeRotation(body, spin)
+    for name, call in {
+        "propagate, one epoch": lambda: propagate(MOMENTS, WXYZ, omega, 60.0),
+        "motion.at, one epoch": lambda: motion.at(60.0),
+        "making a FreeRotation": lambda: FreeRotation(body, spin),
+    }.items():
+        print(f"{name:<40}   {best(call, 20, 500) * 1e6:8.2f} us")
+    print()
+
+
+def dates():
+    from astropy import units
+    from astropy.time import Time
+
+    count = 10**5
+    spin = Spin(epoch="2026-01-01", wxyz=WXYZ, angular_velocity=(1e-4, 2e-3, 1e-4))
+    motion = FreeRotation(Body(moments=MOMENTS), spin)
+    for name, days in (("a day", 1.0), ("a year", 365.0)):
+        t = Time("2026-01-01T00:00:00") + np.linspace(0.0, days, count) * units.day
+        cost = best(lambda t=t: motion.at(t), 10) / count
+        history = motion.at(t)
+        exact = (t.tdb - motion.spin.epoch.time).to_value("s")
+        error = np.max(np.abs(history.seconds + history.low - exact))
+        print(
+            f"10^5 UTC epochs over {name:<19}   {cost * 1e6:8.2f} us an epoch, "
+            f"{error:.0e} s from astropy's TDB"
+        )
+    print()
+
+
+def start_up():
+    numpy = "import numpy; "
+    attitude = numpy + "import attitude; "
+    first = attitude + "attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 1.0])"
+    with tempfile.TemporaryDirectory() as cache:
+        bare = process("pass", cache)
+        base = process(numpy, cache)
+        light = process(attitude, cache)
+        cold = process(first, cache, 1)
+        warm = process(first, cache)
+        classes = process(attitude + "attitude.FreeRotation", cache)
+    print(f"a process that imports numpy                {base - bare:7.3f} s beyond Python's own")
+    print(f"import attitude, beyond that                {light - base:7.3f} s")
+    print(f"from attitude import FreeRotation           {classes - base:7.3f} s")
+    print(f"first propagation, cold disk cache          {cold - light:7.3f} s")
+    print(f"first propagation, warm disk cache          {warm - light:7.3f} s")
+
+
+def process(code, cache, repetitions=7):
+    """Least wall time of a fresh process in seconds."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+    times = []
+    for _ in range(repetitions):
+        start = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def best(call, repetitions=30, loop=1):
+    """Least time of a call in seconds."""
+    call()
+    least = np.inf
+    for _ in range(repetitions):
+        start = time.perf_counter()
+        for _ in range(loop):
+            call()
+        least = min(least, (time.perf_counter() - start) / loop)
+    return least
+
+
+def _processor():
+    try:
+        with open("/proc/cpuinfo") as lines:
+            found = [line for line in lines if line.startswith("model name")]
+        return found[0].split(":")[1].strip()
+    except (OSError, IndexError):
+        return platform.processor() or platform.machine()
+
+
+if __name__ == "__main__":
+    main()
