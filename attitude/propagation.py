@@ -84,7 +84,7 @@ def propagate(
 
     Notes
     -----
-    The error is at most 4e-15 rad for the exact doubles given, at any time, in every regime;
+    The error is at most 4e-15 rad for the exact doubles given, within 1e15 turns in every regime;
     benchmarks/accuracy.py measures it.  Solution: van Zon & Schofield (2006), J. Comput. Phys.
     225, 145, in the form of docs/derivation.md.
 

@@ -145,11 +145,11 @@ def _order(c):
     if less(b, a):
         p, q, a, b = q, p, b, a
     c.order[0], c.order[1], c.order[2] = p, q, r
-    short = mul(mul(a, sub(b, a)), square(pair(c.omega[p])))
-    long = mul(mul(d, sub(d, b)), square(pair(c.omega[r])))
-    d2 = sub(long, short)
+    of_least = mul(mul(a, sub(b, a)), square(pair(c.omega[p])))
+    of_greatest = mul(mul(d, sub(d, b)), square(pair(c.omega[r])))
+    d2 = sub(of_greatest, of_least)
     c.d2[0], c.d2[1] = d2
-    c.cancelled = 1 if abs(d2[0]) < _CANCELLED * (long[0] + short[0]) else 0
+    c.cancelled = 1 if abs(d2[0]) < _CANCELLED * (of_greatest[0] + of_least[0]) else 0
     return c.cancelled == 1
 
 

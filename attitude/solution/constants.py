@@ -121,7 +121,7 @@ def _solve(c):
     root = sqrt(p)
     periodic = div(mul(l, HALF_PI), mul(quarter, root))
     if long_axis:
-        # (3.42) rearranged so that all terms are positive, also for a needle
+        # Rearranged so that all terms are positive, also for a needle
         bracket = add(mul(div(d12, mul(i1, d23)), quotient), div(periodic, i3))
         bracket = add(ONE, mul(d13, bracket))
         precession = div(mul(momentum, bracket), mul(i1, TWO_PI))

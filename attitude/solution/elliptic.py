@@ -1,6 +1,7 @@
-"""Elliptic integrals by the arithmetic-geometric mean, in double-double where time multiplies them.
+"""Elliptic integrals by the arithmetic-geometric mean, in pairs where time multiplies them.
 
-Bulirsch, Numer. Math. 13, 305 (1969) for cel; DLMF 19.8 for the ascending Landen transformation.
+Bulirsch, Numer. Math. 13, 305 (1969) for cel; DLMF 19.8(ii) for the descending Landen
+transformation.
 """
 
 import math
@@ -73,7 +74,7 @@ def complete_and_phase(kc, p, a, cosine, sine):
 
 @inlined
 def _doubled(quadrant, ratio, c, s):
-    """One ascending Landen step of an amplitude kept as cosine, sine and quadrant.
+    """One descending Landen step of an amplitude, kept as cosine, sine and quadrant.
 
     tan(phi' - phi) = (b/a) tan phi on the same branch: both angles lie in one quadrant, so the
     sum lies in the half plane that starts at twice that quadrant.

@@ -92,6 +92,7 @@ def _store_rates(axes, w, rates, i):
 def _uniform(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     a, b = _four(c.frame[0]), _four(c.frame[1])
+    omega = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
     for i in range(len(t)):
         low = 0.0 if t_low is None else t_low[i]
         s, lo, _ = phase(gh, gl, 0.0, 0.0, t[i], low, 1.0)
@@ -99,9 +100,9 @@ def _uniform(c, t, t_low, wxyz, rates):
         for k in range(4):
             wxyz[k, i] = fma(a[k], cosine, b[k] * sine)
         if rates is not None:
-            # 0 t is NaN where the epoch is
+            # The sine is NaN where the epoch is.
             for k in range(3):
-                rates[k, i] = fma(0.0, sine, c.rates[0, k])
+                rates[k, i] = fma(0.0, sine, omega[k])
 
 
 @merged

@@ -20,20 +20,23 @@ CONSTANTS = np.dtype(
         ("d2", "f8", 2),  # L^2 - 2 E I2: signed at first, then its magnitude
         ("cancelled", "i8"),  # 1 where D2 was formed exactly, its terms nearly cancelling
         ("tempo", "i8"),  # rates were scaled by 2**-tempo
-        # phases: precession g t, nutation x = f t + x0 (trigonometric) or 2 x (hyperbolic)
+        # phases: precession g t, half of the turns of phi + psi; nutation x = f t + x0, the turns
+        # of psi (hyperbolic: 2 x; on the exact separatrix y = (wp t + eps) / 2 in rad)
         ("precession", "f8", 2),
         ("nutation", "f8", 2),
         ("nutation0", "f8", 2),
         ("winds", "f8"),  # 1 if whole half turns are taken out of 2 x, 0 on the exact separatrix
         # internal pair (alpha, beta) to the attitude of the given axes; columns w, x, y, z
+        # (uniform: row 0 is q(0), row 1 q(0) times the unit axis)
         ("frame", "f8", (4, 4)),
-        # series of alpha and beta (equation by equation in the kernels)
+        # series of alpha and beta: see solution.coefficients
         ("alpha", "f8", (2, 4)),
         ("beta", "f8", (2, 4)),
         ("decay", "f8"),  # hyperbolic: exp(-2|y|) = 2**(-decay |dx|)
         ("nome", "f8"),  # Q, hyperbolic: Q'
         ("tilt", "f8"),  # hyperbolic: d / pi, turns of precession per half turn of dx
-        # series of the angular velocity over the principal axes, and those axes in the given ones
+        # series of the angular velocity over the internal axes (uniform: row 0 is the constant),
+        # and the internal axes in the given ones
         ("rates", "f8", (4, 5)),
         ("axes", "f8", (3, 3)),
         # kept for questions about the motion

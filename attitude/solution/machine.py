@@ -10,19 +10,14 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from attitude.solution.cache import kept_on_disk
+
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 
 
 def compiled(function):
-    """Compile at the first call, and keep the machine code on disk where that is possible.
-
-    An installation that cannot be written, with no home directory either, has no place for the
-    cache; the function is then compiled anew in each process.
-    """
-    try:
-        return numba.njit(cache=True, **_OPTIONS)(function)
-    except RuntimeError:
-        return numba.njit(**_OPTIONS)(function)
+    """Compile at the first call, and keep the machine code on disk where that is possible."""
+    return kept_on_disk(function, _OPTIONS)
 
 
 # Called from compiled code only: part of the caller's cache entry, so it needs none of its own,

@@ -1,7 +1,7 @@
 """Principal moments and axes of a full inertia tensor, to two doubles.
 
 A moment known to one double limits the attitude to 1e-7 rad after 1e9 revolutions.  Jacobi's
-rotations in pairs of doubles leave 1e-31, keep equal moments apart from nearly equal ones, and do
+rotations in pairs of doubles leave 1e-31 and do
 not touch a tensor that is diagonal already (Golub & Van Loan, Matrix Computations, section 8.5).
 """
 

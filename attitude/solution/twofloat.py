@@ -69,7 +69,7 @@ def sub(a, b):
 
 @inlined
 def mul(a, b):
-    """a b; relative error 5 u^2 (DWTimesDW2)."""
+    """a b; relative error 6 u^2 (DWTimesDW2)."""
     p, e = two_prod(a[0], b[0])
     return quick_two_sum(p, e + fma(a[0], b[1], a[1] * b[0]))
 
@@ -89,7 +89,7 @@ def square(a):
 
 @inlined
 def div(a, b):
-    """a / b; relative error 10 u^2 (DWDivDW2)."""
+    """a / b; relative error 15 u^2."""
     q = a[0] / b[0]
     p, e = two_prod(q, b[0])
     remainder = ((a[0] - p) - e) + fma(-q, b[1], a[1])
