@@ -1,0 +1,309 @@
+"""How fast and how exact is the brightness of a body, and how much memory does it take?
+
+Prints the measured figure for each claim about light curves: facet-epochs a second beside those of
+numpy in the same run, at the block size that suits numpy best; errors against closed forms, 60
+digits and cast rays; peak memory of 1e7 epochs of 1000 facets.  One thread unless it says more.
+Random directions, so that nothing is gained from one epoch to the next.
+
+    python benchmarks/light_curve.py
+"""
+
+import os
+
+# One thread for numpy too; read when it is imported.
+for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[name] = "1"
+
+import resource
+import subprocess
+import sys
+import time
+
+import mpmath as mp
+import numba
+import numpy as np
+
+from attitude.light_curve import Visibility, brightness, brightness_by_rays, stream
+from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material
+from attitude.shape import Ellipsoid, Mesh
+from attitude.shape.geodesic import unit_sphere
+
+EPOCHS = 100_000
+ROUNDS = 7
+
+
+def directions(count, highest=180.0, lowest=0.0, seed=1):
+    """(N, 3) views of component-major memory: Sun and observer, phase angles in degrees."""
+    rng = np.random.default_rng(seed)
+    sun = rng.normal(size=(3, count))
+    sun /= np.linalg.norm(sun, axis=0)
+    side = rng.normal(size=(3, count))
+    side -= np.sum(side * sun, axis=0) * sun
+    side /= np.linalg.norm(side, axis=0)
+    alpha = np.radians(rng.uniform(lowest, highest, count))
+    return sun.T, (sun * np.cos(alpha) + side * np.sin(alpha)).T
+
+
+def random_directions(count, seed=1):
+    rng = np.random.default_rng(seed)
+    pair = rng.normal(size=(2, 3, count))
+    pair /= np.linalg.norm(pair, axis=1, keepdims=True)
+    return pair[0].T, pair[1].T
+
+
+def thousand_facets():
+    """1000 facets: a convex body of as many directions, the hull of points on an ellipsoid."""
+    from scipy.spatial import ConvexHull
+
+    k = np.arange(502)
+    z = 1.0 - (2 * k + 1) / 502
+    angle = k * np.pi * (3.0 - np.sqrt(5.0))
+    ring = np.sqrt(1.0 - z * z)
+    points = np.stack([1.5 * ring * np.cos(angle), 1.2 * ring * np.sin(angle), z], axis=1)
+    facets = ConvexHull(points).simplices
+    a, b, c = (points[facets[:, i]] for i in range(3))
+    inward = np.sum(np.cross(b - a, c - a) * a, axis=1) < 0.0
+    facets[inward] = facets[inward, ::-1]
+    return Mesh(points, facets)
+
+
+def peanut(frequency):
+    """A waist and twelve craters: 20 f^2 facets, many shadows."""
+    rng = np.random.default_rng(0)
+    vertices, facets = unit_sphere(frequency)
+    radius = np.sqrt(vertices[:, 0] ** 2 + 0.12)
+    for center in rng.normal(size=(12, 3)):
+        center /= np.linalg.norm(center)
+        radius *= 1.0 - 0.12 * np.exp(-(1.0 - vertices @ center) / 0.03)
+    return Mesh(vertices * radius[:, None], facets)
+
+
+def numpy_plain(mesh, law, sun, observer, block):
+    """The sum as one would write it."""
+    a, b = law.weights
+    out = np.empty(len(sun))
+    for k in range(0, len(sun), block):
+        mu0 = sun[k : k + block] @ mesh.normals.T
+        mu = observer[k : k + block] @ mesh.normals.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            r = mu0 * mu * (a / (mu0 + mu) + b)
+        out[k : k + block] = np.where((mu0 > 0) & (mu > 0), r, 0.0) @ mesh.areas
+    return out * law.phase(np.arccos(np.sum(sun * observer, axis=1)))
+
+
+def numpy_tuned(mesh, law, sun, observer, block):
+    """The same without masks, and with as few passes over memory as numpy allows."""
+    a, b = law.weights
+    out = np.empty(len(sun))
+    normals = np.ascontiguousarray(mesh.normals)
+    for k in range(0, len(sun), block):
+        mu0 = np.maximum(normals @ sun[k : k + block].T, 0.0)
+        mu = np.maximum(normals @ observer[k : k + block].T, 0.0)
+        product = mu0 * mu
+        mu0 += mu
+        mu0 += 1e-100
+        np.divide(a, mu0, out=mu0)
+        mu0 += b
+        product *= mu0
+        out[k : k + block] = mesh.areas @ product
+    return out * law.phase(np.arccos(np.sum(sun * observer, axis=1)))
+
+
+def least(functions, rounds=ROUNDS):
+    """Least time of each of several calls, taken in turns so that all share the machine's moods."""
+    times = np.full(len(functions), np.inf)
+    for function in functions:
+        function()
+    for _ in range(rounds):
+        for k, function in enumerate(functions):
+            begin = time.perf_counter()
+            function()
+            times[k] = min(times[k], time.perf_counter() - begin)
+    return times
+
+
+def row(what, measured, asked=""):
+    print(f"{what:58s} {measured:34s} {asked}", flush=True)
+
+
+def rms(value, reference):
+    error = 2500.0 * np.log10(value / reference)
+    return np.sqrt(np.mean(error**2))
+
+
+def convex():
+    mesh, law = thousand_facets(), LommelSeeligerLambert()
+    sun, observer = random_directions(EPOCHS)
+    part = 5000  # of the epochs, for numpy's sake
+    blocks = (5, 10, 20, 50, 100, 300, 1000)
+    calls = [lambda: brightness(mesh, law, sun, observer)]
+    names = []
+    for function in (numpy_plain, numpy_tuned):
+        for block in blocks:
+            names.append((function.__name__, block))
+            calls.append(lambda f=function, b=block: f(mesh, law, sun[:part], observer[:part], b))
+    times = least(calls)
+    ours = len(mesh) * EPOCHS / times[0] / 1e9
+    rates = len(mesh) * part / times[1:] / 1e9
+    row("convex sum, Lommel-Seeliger + Lambert, 1000 x 1e5", f"{ours:.2f} G facet-epochs/s", ">= 2")
+    for name, asked in (("numpy_plain", ">= 20"), ("numpy_tuned", "")):
+        best = max(k for k in zip(rates, names, strict=True) if k[1][0] == name)
+        row(
+            f"  against {name}, best block {best[1][1]}: {best[0]:.3f} G",
+            f"{ours / best[0]:.1f} x",
+            asked,
+        )
+    theirs = numpy_plain(mesh, law, sun[:part], observer[:part], 20)
+    mine = brightness(mesh, law, sun[:part], observer[:part])
+    shown = theirs > 1e-9
+    row("  largest difference from numpy", f"{np.max(np.abs(mine / theirs - 1)[shown]):.1e}")
+    two = least([lambda: brightness(mesh, law, sun, observer, threads=2)])[0]
+    row("  two threads", f"{len(mesh) * EPOCHS / two / 1e9:.2f} G facet-epochs/s")
+    every = least([lambda: all_facets(mesh, law, sun, observer)])[0]
+    row("  without passing over clusters turned away", f"{len(mesh) * EPOCHS / every / 1e9:.2f} G")
+    for other in (Hapke(), Material(0.3, 0.4), Material(0.3, 0.4, "cook-torrance")):
+        took = least([lambda o=other: brightness(mesh, o, sun[:part], observer[:part])], 3)[0]
+        label = type(other).__name__ + (f", {other.model}" if isinstance(other, Material) else "")
+        row(f"  {label}", f"{len(mesh) * part / took / 1e6:.0f} M facet-epochs/s")
+
+
+def all_facets(mesh, law, sun, observer):
+    """The kernel with cones so wide that every cluster is summed: what passing over them gains."""
+    from attitude.light_curve import sums
+    from attitude.light_curve.brightness import clusters_of
+
+    clusters = clusters_of(mesh)
+    cones = clusters.cones.copy()
+    cones[3, cones[3] > -9.0] = 2.0
+    out = np.empty(len(sun))
+    sums.fused(clusters.blocks, cones, *sun.T, *observer.T, out)
+    return out * law.phase(np.zeros(1))
+
+
+def ellipsoid():
+    shape = Ellipsoid((1.5, 1.2, 1.0))
+    sun, observer = random_directions(1_000_000)
+    took, two = least(
+        [
+            lambda: brightness(shape, "lommel-seeliger", sun, observer),
+            lambda: brightness(shape, "lommel-seeliger", sun, observer, threads=2),
+        ]
+    )
+    row("ellipsoid in closed form", f"{1.0 / took:.0f} M epochs/s", ">= 30")
+    row("  two threads", f"{1.0 / two:.0f} M epochs/s")
+    worst = 0.0
+    for axes in ((1, 1, 1), (1.5, 1.2, 1), (1, 2, 10)):
+        for low, high in ((0, 1e-6), (0, 180), (170, 180), (179.9, 180), (180 - 1e-6, 180)):
+            s, o = directions(200, high, low)
+            ours = brightness(Ellipsoid(axes), LommelSeeliger(), s, o)
+            worst = max(worst, *(digits(axes, *one) for one in zip(s, o, ours, strict=True)))
+    row("  largest error of 3000, against 60 digits, also backlit", f"{worst:.1e}", "<= 1e-12")
+    for label, frequency in (("980", 7), ("1280, facets(1000)", 8)):
+        for highest in (60, 90):
+            s, o = directions(20_000, highest)
+            faceted = shape.facets(20 * frequency**2)
+            error = rms(
+                brightness(faceted, "lommel-seeliger", s, o),
+                brightness(shape, "lommel-seeliger", s, o),
+            )
+            row(f"  {label} facets, phase to {highest} deg", f"{error:.2f} mmag rms", "<= 0.5")
+
+
+def digits(axes, sun, observer, value):
+    """Relative error of a brightness of albedo 1 against 60 digits."""
+    with mp.workdps(60):
+        p = [mp.mpf(float(x)) / mp.mpf(a) for x, a in zip(sun, axes, strict=True)]
+        q = [mp.mpf(float(x)) / mp.mpf(a) for x, a in zip(observer, axes, strict=True)]
+        lp, lq = (mp.sqrt(sum(x * x for x in v)) for v in (p, q))
+        both = mp.sqrt(sum((x + y) ** 2 for x, y in zip(p, q, strict=True)))
+        cosine = sum(x * y for x, y in zip(p, q, strict=True)) / (lp * lq)
+        x = both / (lp + lq)
+        y = 2 * lp * lq * (1 - cosine) / (lp + lq) ** 2
+        bracket = x - (y * mp.atanh(x) if x < 1 else 0)
+        abc = mp.mpf(axes[0]) * axes[1] * axes[2]
+        exact = abc * lp * lq / both * (1 + cosine) / 2 / x**2 * bracket / 4
+        return float(abs(mp.mpf(float(value)) / exact - 1))
+
+
+def shadows():
+    mesh = peanut(10)
+    sun, observer = directions(1500, 90.0)
+    count = 20_000
+    many = directions(count, 90.0, seed=3)
+    begin = time.perf_counter()
+    exact = brightness_by_rays(mesh, "lommel-seeliger", sun, observer)
+    took = time.perf_counter() - begin
+    row("shadows of 2000 facets: rays (embree), 8 a facet", f"{2e3 * 1500 / took / 1e6:.1f} M")
+    begin = time.perf_counter()
+    middle = brightness_by_rays(mesh, "lommel-seeliger", sun, observer, points=[[1 / 3] * 3])
+    took = time.perf_counter() - begin
+    row("  rays, one from each centroid", f"{2e3 * 1500 / took / 1e6:.1f} M facet-epochs/s")
+    none = brightness(mesh, "lommel-seeliger", sun, observer, shadows=False)
+    row("  no shadows at all", f"{rms(none, exact):.0f} mmag rms")
+    for resolution in (32, 64, 128):
+        begin = time.perf_counter()
+        table = Visibility.of(mesh, resolution=resolution)
+        made = time.perf_counter() - begin
+        ours = brightness(mesh, "lommel-seeliger", sun, observer, shadows=table)
+        took = least([lambda t=table: brightness(mesh, "lommel-seeliger", *many, shadows=t)])[0]
+        row(
+            f"  table of {resolution} cells, {table.masks.nbytes / 2**20:.0f} MiB, "
+            f"made in {made:.1f} s",
+            f"{rms(ours, exact):.2f} ({rms(ours, middle):.2f} centroids) mmag rms",
+            "<= 5",
+        )
+        row("", f"{2e3 * count / took / 1e9:.2f} G facet-epochs/s", ">= 0.5")
+
+
+def memory():
+    for how in ("arrays", "stream"):
+        text = subprocess.run(
+            [sys.executable, __file__, "memory", how], capture_output=True, text=True, check=True
+        ).stdout
+        row(f"1e7 epochs x 1000 facets, {how}", text.strip(), "<= 1 GiB")
+
+
+def memory_child(how):
+    """Peak memory of this process, in which nothing else has happened."""
+    mesh, count = thousand_facets(), 10_000_000
+    begin = time.perf_counter()
+    if how == "arrays":
+        sun, observer = np.zeros((2, 3, count))
+        for pair, speed in ((sun, 1e-3), (observer, 1.1e-3)):
+            for k in range(0, count, 100_000):
+                turn(pair[:, k : k + 100_000], speed, k)
+        brightness(mesh, "lommel-seeliger-lambert", sun.T, observer.T)
+    else:
+
+        def blocks():
+            for k in range(0, count, 100_000):
+                sun, observer = np.zeros((2, 3, 100_000))
+                turn(sun, 1e-3, k)
+                turn(observer, 1.1e-3, k)
+                yield sun.T, observer.T
+
+        for _ in stream(mesh, "lommel-seeliger-lambert", blocks()):
+            pass
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 2**30
+    print(f"{peak:.2f} GiB peak, {time.perf_counter() - begin:.0f} s")
+
+
+def turn(pair, speed, first):
+    angle = speed * (first + np.arange(pair.shape[1]))
+    pair[0], pair[1], pair[2] = 0.8 * np.cos(angle), 0.8 * np.sin(angle), 0.6
+
+
+def main():
+    print(f"numpy {np.__version__}, numba {numba.__version__}, {os.cpu_count()} cores")
+    print(f"{'what':58s} {'measured':34s} asked")
+    convex()
+    ellipsoid()
+    shadows()
+    memory()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["memory"]:
+        memory_child(sys.argv[2])
+    else:
+        main()
