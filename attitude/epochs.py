@@ -24,7 +24,6 @@ TDB is that of the geocentre unless a Time has a location, as in astropy.
 import datetime
 import math
 import numbers
-import re
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
@@ -32,7 +31,7 @@ from functools import partial
 
 import numpy as np
 
-from attitude import gates, tdb
+from attitude import dates, gates, tdb
 from attitude.errors import AttitudeError
 
 _DATES = (
@@ -40,16 +39,7 @@ _DATES = (
     "or a numpy datetime64"
 )
 _DATES_OR_SECONDS = f"plain seconds, a time Quantity or TimeDelta, or dates: {_DATES}"
-_SCALES = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
-_TEXT = re.compile(
-    r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"  # year-month-day or year-day of year
-    r"(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d*))?)?"  # hour:minute:second.fraction
-    r"(Z|[+-]\d\d:\d\d)?)?"
-    r"(?: +([A-Za-z]\w+))?",  # time scale
-    re.ASCII,
-)
-# Modified Julian date of the proleptic Gregorian day before 0001-01-01, and of 1970-01-01.
-_MJD_OF_ORDINAL_0 = -678576
+# Modified Julian date of 1970-01-01.
 _MJD_OF_1970 = 40587
 # Julian dates 0 and 10000-01-01: where calendars of four digits and ERFA's own end.
 _FIRST_JD, _LAST_JD = 0.0, 5373484.5
@@ -85,7 +75,7 @@ class Instant:
     def utc_iso(self):
         """ISO text in UTC, to the nanosecond, without trailing zeros of the fraction."""
         tt = tdb.tt_from_tdb(np.float64(self.seconds), np.float64(self.low))
-        return _utc_text(*tdb.utc_day_from_tai(*tdb.add(tt, -tdb.TT_MINUS_TAI)))
+        return dates.utc_text(*tdb.utc_day_from_tai(*tdb.add(tt, -tdb.TT_MINUS_TAI)))
 
     def after(self, seconds, low=0.0):
         """The instant that is seconds + low of TDB later."""
@@ -118,13 +108,13 @@ def instant(value, name="epoch"):
     kind, leaves, shape = _opened(value, name, _DATES)
     if kind in ("number", "duration", "TimeDelta"):
         raise AttitudeError(
-            f"{name} is {_shown(value)}, a length of time from no given moment; give {_DATES}."
+            f"{name} is {gates.shown(value)}, a length of time from no given moment; give {_DATES}."
         )
     hi, lo = _read(kind, leaves, shape, name)
     if hi.shape != ():
         raise AttitudeError(f"{name} has shape {hi.shape}; give one epoch.")
     if not math.isfinite(hi):
-        raise AttitudeError(f"{name} is {_shown(value)}, which is no epoch; give {_DATES}.")
+        raise AttitudeError(f"{name} is {gates.shown(value)}, which is no epoch; give {_DATES}.")
     return Instant(float(hi), float(lo))
 
 
@@ -178,8 +168,8 @@ def seconds_since(start, t, low=None, name="t"):
         return hi, _low(low, hi.shape, name)
     if low is not None:
         raise AttitudeError(
-            f"low goes with plain seconds, but {name} is {_shown(t)}; leave out low, which dates "
-            "and durations do not need."
+            f"low goes with plain seconds, but {name} is {gates.shown(t)}; leave out low, which "
+            "dates and durations do not need."
         )
     if kind == "duration":
         return _scattered(_durations, leaves, shape, name)[0], None
@@ -232,7 +222,7 @@ def _opened(value, name, allowed):
     if None in kinds:
         wrong = next(leaf for leaf in leaves if _kind(leaf) is None)
         raise AttitudeError(
-            f"{name} {'is' if shape == () else 'holds'} {_shown(wrong)}; give {allowed}."
+            f"{name} {'is' if shape == () else 'holds'} {gates.shown(wrong)}; give {allowed}."
         )
     if len(kinds) > 1:
         raise AttitudeError(
@@ -358,11 +348,6 @@ def _with_unit(data, unit):
     return Quantity(np.asarray(data), unit)
 
 
-def _shown(value):
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
 # Seconds from the start ---------------------------------------------------------------------------
 
 
@@ -454,7 +439,7 @@ def _astropy_time(time, name):
     if scale == "local":
         raise AttitudeError(
             f"{name} is a Time in the scale 'local', which is tied to no other; give it in one of "
-            f"{', '.join(_SCALES)}."
+            f"{', '.join(dates.SCALES)}."
         )
     # astropy keeps what a user sets with delta_tdb_tt and delta_ut1_utc under these names.
     if getattr(time, "_delta_tdb_tt", None) is not None:
@@ -491,7 +476,7 @@ def _skyfield_time(time, name):
 def _datetimes(leaves, name):
     parts = np.array([_civil(leaf, name) for leaf in leaves], dtype=np.float64)
     day, second, micro, nano = parts.T
-    return _tdb_of_day("utc", day, second, micro * 1e-6 + nano * 1e-9, name)
+    return tdb_of_day("utc", day, second, micro * 1e-6 + nano * 1e-9, name)
 
 
 def _civil(moment, name):
@@ -503,11 +488,11 @@ def _civil(moment, name):
             moment = moment.astimezone(datetime.UTC)
         except OverflowError as err:
             raise AttitudeError(
-                f"{name} is {_shown(moment)}, which in UTC lies outside of the years 1 to 9999; "
-                "give an epoch within them."
+                f"{name} is {gates.shown(moment)}, which in UTC lies outside of the years 1 to "
+                "9999; give an epoch within them."
             ) from err
     return (
-        moment.toordinal() + _MJD_OF_ORDINAL_0,
+        moment.toordinal() + dates.MJD_OF_ORDINAL_0,
         (moment.hour * 60 + moment.minute) * 60 + moment.second,
         moment.microsecond,
         getattr(moment, "nanosecond", 0),
@@ -536,17 +521,17 @@ def _datetime64(moments, name):
     rest = (moments - second) / _SECOND
     day, second = np.divmod(second.astype(np.int64), 86400)
     day = np.where(unknown, np.nan, day + float(_MJD_OF_1970))
-    return _tdb_of_day("utc", day, second.astype(np.float64), rest, name)
+    return tdb_of_day("utc", day, second.astype(np.float64), rest, name)
 
 
 def _texts(leaves, name):
-    scales, *parts = zip(*[_parsed(leaf, name) for leaf in leaves], strict=True)
+    scales, *parts = zip(*[dates.parsed(leaf, name) for leaf in leaves], strict=True)
     day, second, low = (np.array(part, dtype=np.float64) for part in parts)
     scales = np.array(scales)
     hi, lo = np.empty(len(leaves)), np.empty(len(leaves))
     for scale in sorted(set(scales.tolist())):
         here = scales == scale
-        hi[here], lo[here] = _tdb_of_day(scale, day[here], second[here], low[here], name)
+        hi[here], lo[here] = tdb_of_day(scale, day[here], second[here], low[here], name)
     return hi, lo
 
 
@@ -560,7 +545,7 @@ _READERS = {
 }
 
 
-def _tdb_of_day(scale, day, second, low, name):
+def tdb_of_day(scale, day, second, low, name):
     """TDB of a civil day (modified Julian date) and the seconds since its midnight, in a scale."""
     if scale == "utc":
         return tdb.tdb_from("tai", *tdb.tai_from_utc_day(day, second, low))
@@ -581,91 +566,3 @@ def _refuse_far_years(jd, name):
             f"{name} lies outside of the years -4712 to 9999, for which time scales are converted; "
             "give an epoch within them, or plain seconds from one."
         )
-
-
-# Text ---------------------------------------------------------------------------------------------
-
-
-def _parsed(text, name):
-    """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
-    found = _TEXT.fullmatch(text.strip())
-    if found is None:
-        raise AttitudeError(
-            f"{name} is {_shown(text)}, which cannot be read as a date; write it like "
-            '"2026-01-01T00:00:00", "2026-001T00:00:00" or "2026-01-01T00:00:00 TDB".'
-        )
-    year, month, day, yearday, hour, minute, second, fraction, zone, scale = found.groups()
-    scale = _scale(scale, zone, text, name) if scale else "utc"
-    try:
-        date = _mjd(int(year), month, day, yearday)
-    except ValueError as err:
-        raise AttitudeError(
-            f"{name} is {_shown(text)}, a date that does not exist ({err}); give one that does, "
-            "from the years 0001 to 9999."
-        ) from err
-    hour, minute, second = int(hour or 0), int(minute or 0), int(second or 0)
-    if hour > 23 or minute > 59 or second > 60:
-        raise AttitudeError(
-            f"{name} is {_shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
-        )
-    fraction = float("0." + fraction) if fraction else 0.0
-    shift, minute = divmod(hour * 60 + minute - _offset(zone), 1440)
-    if second == 60:
-        _refuse_false_leap(scale, date + shift, minute, fraction, text, name)
-    return scale, date + shift, minute * 60 + second, fraction
-
-
-def _scale(scale, zone, text, name):
-    if scale.lower() not in _SCALES:
-        raise AttitudeError(
-            f"{name} is {_shown(text)}; the time scale {scale!r} is not known, give one of "
-            f"{', '.join(_SCALES).upper()}."
-        )
-    if zone and scale.lower() != "utc":
-        raise AttitudeError(
-            f"{name} is {_shown(text)}; {zone} belongs to UTC: leave out {zone} or {scale}."
-        )
-    return scale.lower()
-
-
-def _mjd(year, month, day, yearday):
-    """Modified Julian date of a civil day; ValueError where there is none."""
-    if not yearday:
-        return datetime.date(year, int(month), int(day)).toordinal() + _MJD_OF_ORDINAL_0
-    ordinal = datetime.date(year, 1, 1).toordinal() + int(yearday) - 1
-    if datetime.date.fromordinal(ordinal).year != year:
-        raise ValueError("day of year is out of range")
-    return ordinal + _MJD_OF_ORDINAL_0
-
-
-def _offset(zone):
-    """The offset from UTC in minutes, of text such as Z or +01:00."""
-    if not zone or zone == "Z":
-        return 0
-    minutes = int(zone[1:3]) * 60 + int(zone[4:6])
-    return -minutes if zone[0] == "-" else minutes
-
-
-def _utc_text(day, second, low):
-    import erfa
-
-    whole = int(second // 1.0)
-    nano = round(((second - whole) + low) * 1e9)
-    whole, nano = whole + nano // 10**9, nano % 10**9
-    if whole + nano * 1e-9 >= tdb.DAY + tdb.leap_of_day(day):
-        day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
-    year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
-    minute = min(whole // 60, 1439)  # where a leap second is the last of the last minute
-    text = (
-        f"{year:04d}-{month:02d}-{date:02d}T"
-        f"{minute // 60:02d}:{minute % 60:02d}:{whole - 60 * minute:02d}.{nano:09d}"
-    )
-    return text.rstrip("0").rstrip(".")
-
-
-def _refuse_false_leap(scale, day, minute, fraction, text, name):
-    if scale == "utc" and minute == 1439 and fraction < tdb.leap_of_day(day):
-        return
-    raise AttitudeError(
-        f"{name} is {_shown(text)}, but there was no leap second then; give seconds from 00 to 59."
-    )

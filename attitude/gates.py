@@ -100,10 +100,10 @@ def _floats(value, name, unit):
     except ValueError as err:
         raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
     except TypeError as err:
-        raise AttitudeError(f"{name} is {_shown(value)}; give real numbers.") from err
+        raise AttitudeError(f"{name} is {shown(value)}; give real numbers.") from err
     if array.dtype.kind not in "fiu":
         raise AttitudeError(
-            f"{name} is {_shown(value)}; give real numbers"
+            f"{name} is {shown(value)}; give real numbers"
             + (f" in {unit}, or a Quantity." if unit else ".")
         )
     return np.array(array, dtype=np.float64)
@@ -129,10 +129,12 @@ def _quantity(value, name):
     from astropy import units
 
     try:
+        if isinstance(value, (list, tuple)):  # of texts too, which astropy takes one by one only
+            value = [units.Quantity(item) for item in value]
         return units.Quantity(value)
     except (TypeError, ValueError) as err:
         raise AttitudeError(
-            f"{name} is {_shown(value)}, which is not a number with a unit that astropy knows; "
+            f"{name} is {shown(value)}, which is not a number with a unit that astropy knows; "
             'write it like "14.5 deg/day".'
         ) from err
 
@@ -167,6 +169,7 @@ def _spelled(shape):
     return "(" + ", ".join("..." if n is Ellipsis else str(n) for n in shape) + ")"
 
 
-def _shown(value):
-    text = repr(value)
+def shown(value):
+    """A value as it appears in an error message: one line, shortened."""
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."

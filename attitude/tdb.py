@@ -360,7 +360,7 @@ def _ut1_minus_utc(jd1, jd2, name):
     from astropy.time import Time
     from astropy.utils import iers
 
-    table = _earth_orientation()
+    table = earth_orientation()
     found, status = table.ut1_utc(np.atleast_1d(jd1), np.atleast_1d(jd2), return_status=True)
     outside = (status == iers.TIME_BEFORE_IERS_RANGE) | (status == iers.TIME_BEYOND_IERS_RANGE)
     if np.any(outside):
@@ -374,7 +374,7 @@ def _ut1_minus_utc(jd1, jd2, name):
 
 
 @lru_cache(maxsize=1)
-def _earth_orientation():
+def earth_orientation():
     # Read from the installed file by name: IERS_Auto would ask the network for a newer one, and
     # IERS_A.open would leave its table in astropy for everybody.
     from astropy.utils import iers

@@ -1,0 +1,58 @@
+"""Where things are: the centre of mass, the Sun, the observer, at any TDB epoch on ICRF axes.
+
+A path answers ``position``, ``velocity`` and ``state`` for arrays of epochs (`Path`), relative to
+its ``center``.  `relative` composes paths, `compress` makes any of them cheap.
+
+==========================  =======================================================================
+body, ephemeris, spk        planets, Moon, Sun; asteroids and spacecraft from SPK files
+from_skyfield               any vector function of skyfield
+from_astropy                any body that astropy knows
+kepler, mpc_orbit           two-body motion from elements, and from lines of the MPC
+tle, omm                    Earth satellites by SGP4
+table, oem                  interpolated positions, and CCSDS ephemeris files
+uniform, fixed, direction   uniform motion, a point at rest, something infinitely far away
+site, observatory           places on the ground
+==========================  =======================================================================
+
+Importing this package imports neither astropy, skyfield nor numba; what needs them does when it is
+asked.  Nothing is ever downloaded.
+"""
+
+from attitude.paths.astropy_body import from_astropy
+from attitude.paths.composed import relative
+from attitude.paths.compressed import Compressed, compress
+from attitude.paths.ground import observatory, site
+from attitude.paths.kernel import spk
+from attitude.paths.mpc_line import mpc_orbit
+from attitude.paths.oem_file import oem
+from attitude.paths.path import Path
+from attitude.paths.satellite import omm, tle
+from attitude.paths.skyfield_path import from_skyfield
+from attitude.paths.solar_system import body, ephemeris
+from attitude.paths.straight import Direction, direction, fixed, uniform
+from attitude.paths.tabulated import table
+from attitude.paths.two_body import kepler
+
+__all__ = [
+    "Compressed",
+    "Direction",
+    "Path",
+    "body",
+    "compress",
+    "direction",
+    "ephemeris",
+    "fixed",
+    "from_astropy",
+    "from_skyfield",
+    "kepler",
+    "mpc_orbit",
+    "observatory",
+    "oem",
+    "omm",
+    "relative",
+    "site",
+    "spk",
+    "table",
+    "tle",
+    "uniform",
+]

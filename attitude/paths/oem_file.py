@@ -1,0 +1,250 @@
+"""CCSDS orbit ephemeris messages (OEM) in keyword = value notation.
+
+Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5 (versions 1 to 3).  Lengths are in km and
+km/s there.  Covariances and accelerations are read over.
+"""
+
+import os
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from attitude import epochs, frames
+from attitude.errors import AttitudeError
+from attitude.paths.bodies import SSB, body_name
+from attitude.paths.composed import relative
+from attitude.paths.kernel import Succession
+from attitude.paths.tabulated import table
+
+_NEEDED = ("OBJECT_NAME", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "START_TIME", "STOP_TIME")
+_KNOWN = (
+    *_NEEDED,
+    *("OBJECT_ID", "REF_FRAME_EPOCH", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),
+    *("INTERPOLATION", "INTERPOLATION_DEGREE"),
+)
+# Names of the standard that stand for one of our frames.
+_FRAMES = {"ICRF": "icrf", "GCRF": "gcrf", "GCRF1": "gcrf", "EME2000": "eme2000", "ICRF2": "icrf",
+           "ICRF3": "icrf", "ECLIPJ2000": "ecliptic"}  # fmt: skip
+_SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
+
+
+@dataclass
+class _Segment:
+    """The lines of one segment."""
+
+    line: int
+    given: dict = field(default_factory=dict)
+    times: list = field(default_factory=list)
+    states: list = field(default_factory=list)
+    lines: list = field(default_factory=list)
+
+
+def oem(file, *, ephemeris=None, degree=None):
+    """The path in an OEM file.
+
+    Parameters
+    ----------
+    file : path
+        Of one object; any number of segments, each interpolated on its own as it says (Hermite or
+        Lagrange polynomials; Hermite of degree 7 where it says nothing).
+    ephemeris : Ephemeris, path of a kernel, or None
+        See `ephemeris`; needed where segments have different centers.
+    degree : int, optional
+        Instead of the degree in the file.
+
+    Returns
+    -------
+    Path
+        ``center`` is that of the segments, or "ssb" where they differ.  At an epoch that two
+        segments cover, the later one in the file counts.
+
+    Raises
+    ------
+    AttitudeError
+        With file, line and keyword, for what is missing, unknown or cannot be read; for a frame
+        or a time system that is not known; for segments of several objects.
+    """
+    label = os.path.basename(os.fspath(file))
+    segments = _segments(_lines(file), label)
+    objects = {segment.given["OBJECT_NAME"] for segment in segments}
+    if len(objects) > 1:
+        raise AttitudeError(
+            f"{label} holds several objects ({', '.join(sorted(objects))}); give a file for each."
+        )
+    paths = [_path(segment, label, degree) for segment in segments]
+    if len({path.center for path in paths}) > 1:
+        paths = [relative(path, SSB, ephemeris) for path in paths]
+    return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
+
+
+def _lines(file):
+    try:
+        with open(file, encoding="utf-8") as stream:
+            return stream.read().splitlines()
+    except (OSError, UnicodeDecodeError) as err:
+        raise AttitudeError(
+            f"{os.fspath(file)!r} cannot be read as an OEM file ({err}); give the path of a text "
+            "file in keyword = value notation."
+        ) from err
+
+
+def _segments(lines, label):
+    """The segments of a message."""
+    found, segment, where = [], None, "header"
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        if not text or text.startswith("COMMENT"):
+            continue
+        if number == 1 or (where == "header" and not found and "CCSDS_OEM_VERS" in text):
+            if not text.startswith("CCSDS_OEM_VERS"):
+                raise AttitudeError(
+                    f"{label}, line {number}: the first line is {_shown(text)}, not "
+                    "CCSDS_OEM_VERS = ...; give an OEM in keyword = value notation (not XML)."
+                )
+            continue
+        if text == "META_START":
+            segment, where = _Segment(number), "metadata"
+            found.append(segment)
+        elif text == "META_STOP":
+            where = _closed(segment, where, number, label)
+        elif text == "COVARIANCE_START":
+            where = "covariance"
+        elif text == "COVARIANCE_STOP":
+            where = "data"
+        elif where == "metadata":
+            _keyword(segment, text, number, label)
+        elif where == "data":
+            _state(segment, text, number, label)
+        elif where == "header" and "=" not in text:
+            raise AttitudeError(
+                f"{label}, line {number}: {_shown(text)} stands before META_START; only keyword = "
+                "value lines do."
+            )
+    if where == "metadata":
+        raise AttitudeError(f"{label}, line {segment.line}: META_START has no META_STOP.")
+    if not found:
+        raise AttitudeError(f"{label} has no META_START, so no segment; give an OEM file.")
+    return found
+
+
+def _closed(segment, where, number, label):
+    if where != "metadata":
+        raise AttitudeError(f"{label}, line {number}: META_STOP has no META_START before it.")
+    for keyword in _NEEDED:
+        if keyword not in segment.given:
+            raise AttitudeError(
+                f"{label}, line {number}: the metadata from line {segment.line} on lack {keyword}, "
+                "which every segment needs."
+            )
+    return "data"
+
+
+def _keyword(segment, text, number, label):
+    keyword, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not value:
+        raise AttitudeError(
+            f"{label}, line {number}: {_shown(text)} is not of the form keyword = value."
+        )
+    if keyword not in _KNOWN:
+        raise AttitudeError(
+            f"{label}, line {number}: {keyword} is no keyword of OEM metadata; these are "
+            f"{', '.join(_KNOWN)}."
+        )
+    if keyword in segment.given:
+        raise AttitudeError(f"{label}, line {number}: {keyword} stands there twice.")
+    segment.given[keyword] = value
+
+
+def _state(segment, text, number, label):
+    time, *numbers = text.split()
+    try:
+        state = [float(each) for each in numbers]
+    except ValueError:
+        state = []
+    if len(state) not in (6, 9) or not np.isfinite(state).all():
+        raise AttitudeError(
+            f"{label}, line {number}: {_shown(text)} is no state; it must be an epoch and 6 finite "
+            "numbers (km, km/s), or 9 with accelerations."
+        )
+    segment.times.append(time)
+    segment.states.append(state[:6])
+    segment.lines.append(number)
+
+
+def _path(segment, label, degree):
+    given = segment.given
+    where = f"{label}, segment at line {segment.line}"
+    if given["TIME_SYSTEM"] not in _SYSTEMS:
+        raise AttitudeError(
+            f"{where}: TIME_SYSTEM is {given['TIME_SYSTEM']}; it must be one of "
+            f"{', '.join(_SYSTEMS)}."
+        )
+    frame = _FRAMES.get(given["REF_FRAME"])
+    if frame is None:
+        raise AttitudeError(
+            f"{where}: REF_FRAME is {given['REF_FRAME']}; only inertial frames are read: "
+            f"{', '.join(_FRAMES)}."
+        )
+    if not segment.states:
+        raise AttitudeError(f"{where}: there are no states.")
+    interpolation, degree = _interpolation(given, where, degree)
+    states = 1e3 * np.array(segment.states)
+    try:
+        return table(
+            [_dated(each, given) for each in segment.times],
+            states[:, :3],
+            states[:, 3:],
+            interpolation=interpolation,
+            degree=degree,
+            center=body_name(given["CENTER_NAME"], "CENTER_NAME"),
+            frame=frames.known(frame),
+            name=given["OBJECT_NAME"],
+            source=label,
+            span=_useable(segment, where),
+        )
+    except AttitudeError as err:
+        last = segment.lines[-1]
+        raise AttitudeError(f"{where} (states to line {last}): {err}") from err
+
+
+def _interpolation(given, where, degree):
+    name = given.get("INTERPOLATION", "HERMITE").upper()
+    if degree is None:
+        text = given.get("INTERPOLATION_DEGREE", "1" if name == "LINEAR" else "7")
+        if not text.isdigit():
+            raise AttitudeError(f"{where}: INTERPOLATION_DEGREE is {text}; it is a whole number.")
+        degree = int(text)
+    if name == "LINEAR":
+        return "lagrange", 1
+    if name not in ("HERMITE", "LAGRANGE"):
+        raise AttitudeError(
+            f"{where}: INTERPOLATION is {name}; it must be HERMITE, LAGRANGE or LINEAR."
+        )
+    return name.lower(), degree
+
+
+def _useable(segment, where):
+    """What the segment may be asked for: its useable part, within its states."""
+    given = segment.given
+    first = given.get("USEABLE_START_TIME", segment.times[0])
+    last = given.get("USEABLE_STOP_TIME", segment.times[-1])
+    span = tuple(epochs.instant(_dated(each, given), "epoch") for each in (first, last))
+    ends = [epochs.instant(_dated(segment.times[k], given), "epoch") for k in (0, -1)]
+    if not _before(ends[0], span[0]) or not _before(span[1], ends[1]):
+        raise AttitudeError(
+            f"{where}: the useable time {first} to {last} is not within the states, "
+            f"{segment.times[0]} to {segment.times[-1]}."
+        )
+    return span
+
+
+def _before(one, other):
+    return (one.seconds, one.low) <= (other.seconds, other.low)
+
+
+def _dated(text, given):
+    return f"{text.removesuffix('Z')} {given['TIME_SYSTEM']}"
+
+
+def _shown(text):
+    return repr(text if len(text) <= 60 else text[:57] + "...")

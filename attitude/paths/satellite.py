@@ -1,0 +1,370 @@
+"""Earth satellites from mean elements: TLE and OMM, propagated by SGP4.
+
+The frame of SGP4 (TEME) is turned to GCRS as skyfield does it, without skyfield's 200
+microseconds an epoch.  Elapsed time is that of TAI: where skyfield and the bare sgp4 library
+difference UTC, a satellite jumps by 7 km at a leap second.
+
+Sources: Vallado, Crawford, Hujsak & Kelso, AIAA 2006-6753; Rhodes, python-sgp4.
+"""
+
+import csv
+import io
+import json
+import os
+import re
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+
+from attitude import tdb
+from attitude.epochs import Instant
+from attitude.errors import AttitudeError
+from attitude.paths.moving_pole import pole_of_teme, to_gcrs
+from attitude.paths.path import Path, since, spelled
+
+_KM = 1000.0
+_OMM_NEEDED = (
+    *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
+    *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),
+)
+# What SGP4 ignores or only carries along.
+_OMM_DEFAULTS = {
+    "CLASSIFICATION_TYPE": "U",
+    "OBJECT_ID": "1957-001A",
+    "EPHEMERIS_TYPE": "0",
+    "ELEMENT_SET_NO": "999",
+    "REV_AT_EPOCH": "0",
+    "NORAD_CAT_ID": "0",
+    "MEAN_MOTION_DOT": "0",
+    "MEAN_MOTION_DDOT": "0",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Satellite(Path):
+    """A satellite on mean elements.  Made by `tle` and `omm`.
+
+    Attributes
+    ----------
+    lines : tuple of str, or of pairs of str
+        The two lines, or the fields of the OMM.
+    epoch : Instant
+        Of the elements.
+    """
+
+    lines: tuple
+    epoch: Instant
+    name: str
+    source: str
+
+    @property
+    def center(self):
+        return "earth"
+
+    def _state(self, instant, hi, lo):
+        base = since(instant, self.epoch)
+        elapsed = (base[0] + hi) + (base[1] + lo)
+        # The last bits of what that sum rounds move a satellite by less than 1e-7 m a year.
+        position, velocity = self._teme(elapsed, instant, hi)
+        seconds = tdb.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        pole = pole_of_teme(*seconds)
+        return to_gcrs(*pole, position), to_gcrs(*pole, velocity)
+
+    def _teme(self, elapsed, instant, hi):
+        model = _model(self.lines)
+        # TDB and TAI run alike to 3e-10, 1 ms a month: 1e-6 of it at most enters per second.
+        days = _elapsed_tai(self.epoch, elapsed) / tdb.DAY
+        whole = np.floor(days)
+        jd = model.jdsatepoch + whole
+        errors, position, velocity = model.sgp4_array(jd, model.jdsatepochF + (days - whole))
+        if errors.any():
+            self._refuse(errors, instant, hi)
+        return position.T * _KM, velocity.T * _KM
+
+    def _refuse(self, errors, instant, hi):
+        from sgp4.api import SGP4_ERRORS
+
+        bad = int(np.argmax(errors != 0))
+        at = instant.after(hi[bad])
+        days = (at.seconds - self.epoch.seconds) / tdb.DAY
+        raise AttitudeError(
+            f"SGP4 gives no position of {self.name} at {spelled(at)}, {days:+.1f} days from the "
+            f"elements' epoch: {SGP4_ERRORS[int(errors[bad])]}; ask nearer to the epoch, or give "
+            "elements of that time."
+        )
+
+
+def _elapsed_tai(epoch, elapsed):
+    """Seconds of TAI for seconds of TDB since the epoch."""
+    start = np.float64(epoch.seconds), np.float64(epoch.low)
+    first = tdb.difference_at(*start)
+    return elapsed - (tdb.difference_at(start[0] + elapsed, start[1]) - first)
+
+
+def tle(text, *, name=None):
+    """The path of a satellite from two-line elements, relative to the Earth.
+
+    Parameters
+    ----------
+    text : str, path or sequence of str
+        The two lines, with or without a line for the name before them: as one text, as a list of
+        lines, or as the path of a file.
+    name : str, optional
+        Which satellite of a file of several: its name or catalog number.
+
+    Returns
+    -------
+    Satellite
+        From the center of the Earth, ICRF axes.
+
+    Raises
+    ------
+    AttitudeError
+        For lines of another length or form, a wrong checksum, and more than one satellite without
+        a name; when asked for an epoch at which SGP4 has no orbit left.
+
+    Notes
+    -----
+    Positions are those of skyfield's EarthSatellite to 1 mm; 0.6 to 1 microsecond an epoch.  What
+    SGP4 itself errs is 1 km at the epoch and some km a day.
+
+    >>> tle('''ENVISAT
+    ... 1 27386U 02009A   13296.16551405  .00000100  00000-0  47533-4 0  8339
+    ... 2 27386 098.4160 001.9229 0001126 079.5538 280.5787 14.37637337609529''')
+    <path of ENVISAT from earth: TLE of 2013-10-23T03:59:27.596 TDB>
+    """
+    lines, label = _text_lines(text)
+    found = _pairs(lines, label)
+    title, first, second = _chosen(found, name, label)
+    _check_line(first, "1", label)
+    _check_line(second, "2", label)
+    if first[2:7] != second[2:7]:
+        raise AttitudeError(
+            f"{label}: line 1 is of satellite {first[2:7]} and line 2 of {second[2:7]}; give two "
+            "lines of one."
+        )
+    return _satellite((first, second), title or first[2:7].strip(), "TLE")
+
+
+def omm(message, *, name=None):
+    """The path of a satellite from a CCSDS orbit mean-elements message; see `tle`.
+
+    Parameters
+    ----------
+    message : dict, str or path
+        The fields by their CCSDS names; or a text or file in keyword = value notation, XML, JSON
+        or CSV (as Celestrak and Space-Track give them).
+    name : str, optional
+        Which satellite of several: OBJECT_NAME or NORAD_CAT_ID.
+
+    Raises
+    ------
+    AttitudeError
+        For a missing or unreadable field, and another theory, frame or time system.
+    """
+    records, label = _records(message)
+    fields = _chosen_record(records, name, label)
+    for keyword in _OMM_NEEDED:
+        if not fields.get(keyword):
+            raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
+    for keyword, allowed in (
+        ("MEAN_ELEMENT_THEORY", ("SGP4", "SGP/SGP4", "SGP")),
+        ("REF_FRAME", ("TEME",)),
+        ("TIME_SYSTEM", ("UTC",)),
+        ("CENTER_NAME", ("EARTH",)),
+    ):
+        given = fields.get(keyword) or allowed[0]
+        if given.upper() not in allowed:
+            raise AttitudeError(f"{label}: {keyword} is {given}; it must be {allowed[0]}.")
+    fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
+    stamp = fields["EPOCH"].removesuffix("Z")
+    fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # as sgp4 reads it
+    title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
+    return _satellite(tuple(sorted(fields.items())), title, "OMM")
+
+
+def _satellite(lines, name, kind):
+    model = _model(lines)
+    jd1, jd2 = np.float64(model.jdsatepoch), np.float64(model.jdsatepochF)
+    epoch = Instant(*tdb.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
+    return Satellite(lines, epoch, name, f"{kind} of {spelled(epoch)}")
+
+
+def _tai_of_utc(jd1, jd2):
+    # sgp4 counts 86400 s in every day; leap seconds follow at the end of theirs.
+    day = np.floor(jd1 - 2400000.5 + jd2)
+    second = ((jd1 - 2400000.5 - day) + jd2) * tdb.DAY
+    return tdb.tai_from_utc_day(day, second)
+
+
+def _model(lines):
+    """sgp4's own object, made once for the elements; it is no value to be pickled."""
+    if lines not in _models:
+        if len(_models) > 256:
+            _models.clear()
+        _models[lines] = _made(lines)
+    return _models[lines]
+
+
+_models = {}
+
+
+def _made(lines):
+    from sgp4 import omm as reader
+    from sgp4.api import Satrec
+
+    if isinstance(lines[0], str):
+        return Satrec.twoline2rv(*lines)
+    model = Satrec()
+    fields = dict(lines)
+    try:
+        reader.initialize(model, fields)
+    except (ValueError, KeyError) as err:
+        raise AttitudeError(
+            f"the OMM of {fields.get('OBJECT_NAME', 'a satellite')} cannot be read: {err}; check "
+            "that field."
+        ) from err
+    return model
+
+
+# Reading ------------------------------------------------------------------------------------------
+
+
+def _text_lines(given):
+    """Lines, and how their source is called in messages."""
+    if isinstance(given, (list, tuple)) and all(isinstance(line, str) for line in given):
+        return [line.rstrip() for line in given if line.strip()], "TLE"
+    text, label = _text(given, "TLE")
+    return [line.rstrip() for line in text.splitlines() if line.strip()], label
+
+
+def _text(given, kind):
+    if isinstance(given, str) and ("\n" in given or given.lstrip().startswith(("<", "{", "["))):
+        return given, kind
+    if not isinstance(given, (str, os.PathLike)):
+        raise AttitudeError(f"the {kind} is {given!r}; give its text, or the path of a file.")
+    try:
+        with open(given, encoding="utf-8") as stream:
+            return stream.read(), os.path.basename(os.fspath(given))
+    except (OSError, UnicodeDecodeError) as err:
+        raise AttitudeError(
+            f"the {kind} file {os.fspath(given)!r} cannot be read ({err}); give the path of a "
+            "text file, or the text itself."
+        ) from err
+
+
+def _pairs(lines, label):
+    """All satellites of a text: (name, line 1, line 2)."""
+    found = []
+    for k, line in enumerate(lines[:-1]):
+        if line.startswith("1 ") and lines[k + 1].startswith("2 "):
+            before = lines[k - 1] if k and not lines[k - 1].startswith(("1 ", "2 ")) else ""
+            found.append((before.removeprefix("0 ").strip(), line, lines[k + 1]))
+    if not found:
+        raise AttitudeError(
+            f'{label} has no two lines that start with "1 " and "2 "; give two-line elements.'
+        )
+    return found
+
+
+def _chosen(found, name, label):
+    if name is not None:
+        wanted = str(name).strip().lower()
+        found = [
+            each
+            for each in found
+            if wanted in (each[0].lower(), each[1][2:7].strip().lstrip("0").lower())
+        ]
+    if len(found) != 1:
+        raise AttitudeError(
+            f"{label} holds {len(found)} satellites"
+            + ("; give name=..." if name is None else f" called {name!r}; give another name.")
+        )
+    return found[0]
+
+
+def _check_line(line, number, label):
+    if len(line) != 69:
+        raise AttitudeError(
+            f"{label}, line {number} of the elements has {len(line)} characters, not 69: {line!r}; "
+            "give it whole, with its spaces."
+        )
+    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+    if line[68] != str(total):
+        raise AttitudeError(
+            f"{label}, line {number} of the elements ends in the checksum {line[68]}, but its "
+            f"digits sum to {total}: {line!r}; a character in it is wrong, get it anew."
+        )
+    if not _LINES[number].fullmatch(line):
+        raise AttitudeError(
+            f"{label}, line {number} of the elements is not in the columns of the format: "
+            f"{line!r}; give it whole, with its spaces."
+        )
+
+
+_LINES = {
+    "1": re.compile(r"1 [ 0-9A-Z][ 0-9]{4}. .{8} [ \d]\d[ \d]{3}\.\d{8}.{32}[ \d]{4}\d"),
+    "2": re.compile(
+        r"2 [ 0-9A-Z][ 0-9]{4} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{7} "
+        r"[ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{2}\.\d{8}[ \d]{5}\d"
+    ),
+}
+
+
+def _records(message):
+    """Dictionaries of the fields of each satellite in a message, and how it is called."""
+    if hasattr(message, "items"):
+        return [_as_text(message)], "the OMM"
+    text, label = _text(message, "OMM")
+    head = text.lstrip()
+    try:
+        if head.startswith("<"):
+            return [_of_xml(each) for each in ElementTree.fromstring(text).iter("segment")], label
+        if head.startswith(("{", "[")):
+            given = json.loads(text)
+            return [
+                _as_text(each) for each in (given if isinstance(given, list) else [given])
+            ], label
+    except (ElementTree.ParseError, json.JSONDecodeError, AttributeError) as err:
+        raise AttitudeError(f"{label} cannot be read as an OMM: {err}.") from err
+    if "=" not in text and "," in text:
+        return [_as_text(each) for each in csv.DictReader(io.StringIO(text))], label
+    return [_of_keywords(text, label)], label
+
+
+def _as_text(fields):
+    return {str(key).upper(): "" if value is None else str(value) for key, value in fields.items()}
+
+
+def _of_xml(segment):
+    return {each.tag: (each.text or "").strip() for each in segment.iter() if len(each) == 0}
+
+
+def _of_keywords(text, label):
+    fields = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        line = line.strip()
+        if not line or line.startswith("COMMENT"):
+            continue
+        keyword, equals, value = line.partition("=")
+        if not equals:
+            raise AttitudeError(f"{label}, line {number}: {line!r} is not keyword = value.")
+        fields[keyword.strip()] = value.partition("[")[0].strip()
+    return fields
+
+
+def _chosen_record(records, name, label):
+    if name is not None:
+        wanted = str(name).strip().lower()
+        records = [
+            each
+            for each in records
+            if wanted in (each.get("OBJECT_NAME", "").lower(), each.get("NORAD_CAT_ID", ""))
+        ]
+    if len(records) != 1:
+        raise AttitudeError(
+            f"{label} holds {len(records)} satellites"
+            + ("; give name=..." if name is None else f" called {name!r}; give another name.")
+        )
+    return records[0]

@@ -1,0 +1,87 @@
+"""Anything that skyfield can tell the position of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import tdb
+from attitude.errors import AttitudeError
+from attitude.paths.bodies import body_name
+from attitude.paths.moving_pole import timescale
+from attitude.paths.path import Path, julian
+
+_DAY = 86400.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SkyfieldPath(Path):
+    """A vector function of skyfield.  Made by `from_skyfield`."""
+
+    function: object
+    center: str
+    name: str
+    source: str
+
+    def _state(self, instant, hi, lo):
+        from skyfield.constants import AU_M
+        from skyfield.errors import EphemerisRangeError
+
+        jd1, jd2 = np.broadcast_arrays(*julian(instant, hi, lo))
+        time = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / _DAY)
+        # skyfield's own TDB, a short series, is off by up to 10 microseconds; kernels ask for it.
+        time.tdb_fraction = (jd1 - time.whole) + jd2
+        try:
+            found = self.function.at(time)
+        except EphemerisRangeError as err:
+            raise AttitudeError(
+                f"skyfield does not know {self.name} at every epoch asked for: {err}; leave out "
+                "what is outside."
+            ) from err
+        position, velocity = found.position.au * AU_M, found.velocity.au_per_d * (AU_M / _DAY)
+        # A decayed satellite comes with a message, and sometimes with a place inside the Earth.
+        messages = [each for each in np.ravel(getattr(found, "message", None)) if each]
+        if messages or not np.isfinite(position).all():
+            reason = messages[0] if messages else "it gives NaN"
+            raise AttitudeError(
+                f"skyfield has no position of {self.name} at an epoch asked for: {reason}; ask "
+                "where it has one."
+            )
+        return position, velocity
+
+
+def from_skyfield(function, *, name=None):
+    """The path of any vector function of skyfield.
+
+    Parameters
+    ----------
+    function : skyfield vector function
+        What has ``.at(t)`` and ``.center``: ``planets["mars barycenter"]``, ``wgs84.latlon(...)``,
+        an EarthSatellite, a sum or difference of such.
+    name : str, optional
+        skyfield's own, if not given.
+
+    Raises
+    ------
+    AttitudeError
+        For other things; when asked for epochs that skyfield does not know.
+
+    Notes
+    -----
+    skyfield's numbers at its cost: 1 microsecond an epoch for a kernel, 200 to 300 for satellites
+    and ground sites, which `compress` amortises.  Its times are built from two doubles of TT and
+    of TDB; a time from one double would move the Earth by 0.6 m.  Paths of skyfield's objects can
+    be pickled where these can.
+    """
+    if not hasattr(function, "at") or not hasattr(function, "center"):
+        raise AttitudeError(
+            f"{function!r} is no vector function of skyfield; give what has .at(t) and .center, "
+            'such as load("de421.bsp")["mars"].'
+        )
+    center = function.center
+    if not isinstance(center, (int, np.integer)):
+        raise AttitudeError(
+            f"{function!r} has the center {center!r}, which is no body; add to it the vector from "
+            "a body that skyfield knows."
+        )
+    label = name or getattr(function, "target_name", None) or type(function).__name__
+    return SkyfieldPath(function, body_name(int(center)), str(label), "skyfield")

