@@ -133,18 +133,19 @@ class Body(Frozen):
 
         Parameters
         ----------
-        shape : object with ``mass_properties(density=...)``
+        shape : attitude.shape.Mesh or attitude.shape.Ellipsoid
+            A closed mesh, m; the body axes are the axes of the shape.
         density : float, optional
             kg/m3.  Without it the moments are relative.
         """
         known = density is not None
         density = gates.positive(density, "density", unit="kg/m3") if known else 1.0
-        mass, center, tensor = shape.mass_properties(density=density)
+        found = shape.mass_properties(density=density)
         return cls(
-            tensor=tensor,
-            mass=mass if known else None,
+            tensor=found.inertia,
+            mass=found.mass if known else None,
             relative=not known,
-            center_of_mass=center,
+            center_of_mass=found.center_of_mass,
         )
 
     def __repr__(self):

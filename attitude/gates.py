@@ -129,8 +129,9 @@ def _quantity(value, name):
     from astropy import units
 
     try:
-        if isinstance(value, (list, tuple)):  # of texts too, which astropy takes one by one only
-            value = [units.Quantity(item) for item in value]
+        if isinstance(value, (list, tuple)):
+            # Each entry may have a unit of its own.
+            return units.Quantity([_quantity(item, name) for item in value])
         return units.Quantity(value)
     except (TypeError, ValueError) as err:
         raise AttitudeError(

@@ -19,7 +19,7 @@ asked.  Nothing is ever downloaded.
 """
 
 from attitude.paths.astropy_body import from_astropy
-from attitude.paths.composed import relative
+from attitude.paths.composed import body, relative
 from attitude.paths.compressed import Compressed, compress
 from attitude.paths.ground import observatory, site
 from attitude.paths.kernel import spk
@@ -28,7 +28,7 @@ from attitude.paths.oem_file import oem
 from attitude.paths.path import Path
 from attitude.paths.satellite import omm, tle
 from attitude.paths.skyfield_path import from_skyfield
-from attitude.paths.solar_system import body, ephemeris
+from attitude.paths.solar_system import ephemeris
 from attitude.paths.straight import Direction, direction, fixed, uniform
 from attitude.paths.tabulated import table
 from attitude.paths.two_body import kepler

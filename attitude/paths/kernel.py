@@ -14,16 +14,16 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from attitude import frames
 from attitude.epochs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths import pieces
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path, spelled
+from attitude.paths.segment import FRAMES, Segment
+from attitude.paths.spice import SpiceSegment
 
 _KM = 1000.0
 # NAIF numbers of inertial frames.
-_FRAMES = {1: "icrf", 17: "ecliptic"}
 
 
 class Kernel:
@@ -152,39 +152,17 @@ def _words(file, segment):
 
 
 def _segment_path(kernel, name, number, segment):
-    if segment.frame not in _FRAMES:
+    if segment.frame not in FRAMES:
         raise AttitudeError(
             f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
             "frames are read: J2000 (1) and ECLIPJ2000 (17)."
         )
     if segment.data_type in (2, 3):
         return KernelSegment(kernel, number, name, segment)
-    from attitude.paths.spice import SpiceSegment
-
     return SpiceSegment(kernel, number, name, segment)
 
 
-class _Segment(Path):
-    """What is common to segments, whoever evaluates them."""
-
-    def __init__(self, kernel, number, name, segment):
-        self.kernel = kernel
-        self.number = number
-        self.name = name
-        self.center = body_name(segment.center)
-        self.source = kernel.source
-        self.span = Instant(segment.start_second), Instant(segment.end_second)
-        self.rotation = frames.matrix_to_icrf(_FRAMES[segment.frame])
-        self.is_turned = segment.frame != 1
-
-    def __reduce__(self):
-        return _segment_again, (self.kernel, self.number)
-
-    def _in_icrf(self, vectors):
-        return self.rotation @ vectors if self.is_turned else vectors
-
-
-class KernelSegment(_Segment):
+class KernelSegment(Segment):
     """A segment of type 2 or 3: Chebyshev polynomials over equal intervals."""
 
     def __init__(self, kernel, number, name, segment):
@@ -229,19 +207,6 @@ class KernelSegment(_Segment):
         else:
             position, velocity = pieces.values_and_rates(self.pieces, *placed)
         return self._in_icrf(position), self._in_icrf(velocity)
-
-
-def _segment_again(kernel, number):
-    for target, segments in kernel._segments.items():
-        for place, _ in segments:
-            if place == number:
-                step = kernel.step(target)
-                parts = step.parts if isinstance(step, Succession) else (step,)
-                return next(part for part in parts if part.number == number)
-    raise AttitudeError(
-        f"{kernel.source} has no segment {number} any more; it was exchanged for another file: "
-        "make the path anew."
-    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -13,7 +13,6 @@ from types import MappingProxyType
 from attitude.errors import AttitudeError
 from attitude.paths.astropy_body import BUILT_IN_SOURCE, AstropyBody
 from attitude.paths.bodies import SSB, body_name
-from attitude.paths.composed import relative
 from attitude.paths.kernel import Kernel, open_kernel
 
 BUILT_IN = "builtin"
@@ -116,29 +115,3 @@ def installed_kernel():
         return None
     file = os.path.join(spec.submodule_search_locations[0], "de440.bsp")
     return file if os.path.isfile(file) else None
-
-
-def body(name, kernel=None, *, center=SSB):
-    """The path of a body of the solar system.
-
-    Parameters
-    ----------
-    name : str or int
-        "sun", "moon", "earth", "emb", "mars barycenter", ...; or a NAIF number.
-    kernel : path, "builtin", an ephemeris, or None
-        See `ephemeris`.
-    center : str, int or Path
-        What it is relative to; the solar system barycentre if not given.
-
-    Raises
-    ------
-    AttitudeError
-        For a name that is not known, or a body that the ephemeris lacks.
-
-    Notes
-    -----
-    Positions agree with skyfield and astropy on the same kernel and the same TDB to 0.1 mm at
-    1 au and to rounding farther out (2 mm at Neptune).  1e6 epochs of the Earth or the Moon take
-    0.06 s, of a planet 0.02 s: there is no need to compress what comes from a kernel.
-    """
-    return relative(name, center, ephemeris(kernel))

@@ -12,10 +12,10 @@ import numpy as np
 
 from attitude import tdb
 from attitude.errors import AttitudeError
-from attitude.paths.kernel import _Segment
+from attitude.paths.segment import Segment
 
 
-class SpiceSegment(_Segment):
+class SpiceSegment(Segment):
     """A segment that SPICE evaluates, one epoch at a time: some 4 microseconds each.
 
     SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); what that

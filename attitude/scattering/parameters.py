@@ -1,0 +1,33 @@
+"""What a law accepts as its numbers."""
+
+import numpy as np
+
+from attitude import gates
+from attitude.errors import AttitudeError
+
+
+def within(value, name, low, high, *, unit=None):
+    """A number from low to high, both allowed; see `gates.number`."""
+    given = gates.number(value, name, unit=unit)
+    if not low <= given <= high:
+        raise AttitudeError(
+            f"{name} is {given!r}; it must lie from {low:g} to {high:g}"
+            + (f" {unit}." if unit else ".")
+        )
+    return given
+
+
+def geometry(mu0, mu, alpha):
+    """Cosines of incidence and emission and the phase angle as arrays of one shape.
+
+    Angles that no three directions make are the caller's: only the single ranges are checked.
+    """
+    arrays = np.broadcast_arrays(
+        gates.real(mu0, "mu0"), gates.real(mu, "mu"), gates.real(alpha, "alpha", unit="rad")
+    )
+    for array, name in zip(arrays[:2], ("mu0", "mu"), strict=True):
+        if np.any(np.abs(array) > 1.0 + 1e-9):
+            raise AttitudeError(f"{name} holds {np.max(np.abs(array))}; cosines lie from -1 to 1.")
+    if np.any((arrays[2] < 0.0) | (arrays[2] > np.pi)):
+        raise AttitudeError("alpha must lie from 0 to pi rad.")
+    return arrays

@@ -1,0 +1,127 @@
+"""Phase functions of whole asteroids, as the IAU adopted them: reduced magnitudes from H."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from attitude import gates
+from attitude.errors import AttitudeError
+
+# Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
+_NODES = np.array([7.5, 30.0, 60.0, 90.0, 120.0, 150.0])
+_PHI1 = np.array([7.5e-1, 3.3486016e-1, 1.3410560e-1, 5.1104756e-2, 2.1465687e-2, 3.6396989e-3])
+_PHI2 = np.array([9.25e-1, 6.2884169e-1, 3.1755495e-1, 1.2716367e-1, 2.2373903e-2, 1.6505689e-4])
+_SLOPES1 = (-1.9098593, -9.1328612e-2)
+_SLOPES2 = (-5.7295780e-1, -8.6573138e-8)
+_NODES3 = np.array([0.0, 0.3, 1.0, 2.0, 4.0, 8.0, 12.0, 20.0, 30.0])
+_PHI3 = np.concatenate(
+    [
+        [1.0, 8.3381185e-1, 5.7735424e-1, 4.2144772e-1, 2.3174230e-1],
+        [1.0348178e-1, 6.1733473e-2, 1.6107006e-2, 0.0],
+    ]
+)
+_SLOPES3 = (-1.0630097, 0.0)
+
+
+def hg(alpha, h=0.0, g=0.15):
+    """Reduced magnitude H - 2.5 log10[(1 - G) phi1 + G phi2].
+
+    Parameters
+    ----------
+    alpha : array_like
+        Phase angle, rad, 0 to pi.
+    h, g : float
+        Absolute magnitude, and slope parameter from -0.25 to 1.2, within which the function
+        falls with alpha and stays positive.
+
+    Returns
+    -------
+    array
+        Magnitudes; inf at alpha = pi.
+
+    Source: Bowell et al., Asteroids II, 1989, eq. A4.  Given for alpha up to 120 deg.
+    """
+    alpha = _angle(alpha)
+    h = gates.number(h, "h", unit="mag")
+    g = gates.number(g, "g")
+    if not -0.25 <= g <= 1.2:
+        raise AttitudeError(f"g is {g!r}; it must lie from -0.25 to 1.2.")
+    tangent = np.tan(0.5 * alpha)
+    sine = np.sin(alpha)
+    near = np.exp(-90.56 * tangent * tangent)
+    disc = 0.119 + 1.341 * sine - 0.754 * sine * sine
+    parts = [
+        near * (1.0 - c * sine / disc) + (1.0 - near) * np.exp(-a * tangent**b)
+        for a, b, c in ((3.332, 0.631, 0.986), (1.862, 1.218, 0.238))
+    ]
+    return h + _magnitude((1.0 - g) * parts[0] + g * parts[1])
+
+
+def hg1g2(alpha, h=0.0, g1=0.62, g2=0.14):
+    """Reduced magnitude H - 2.5 log10[G1 phi1 + G2 phi2 + (1 - G1 - G2) phi3].
+
+    Parameters
+    ----------
+    alpha : array_like
+        Phase angle, rad, 0 to pi.
+    h, g1, g2 : float
+        Absolute magnitude; weights, each not below 0 and together not above 1.
+
+    Returns
+    -------
+    array
+        Magnitudes; inf where the function has reached 0.
+
+    Notes
+    -----
+    phi1 and phi2 are linear below 7.5 deg, splines to 150 deg, and go on along the spline's
+    end slope from there, which the paper leaves open: phi1 reaches 0 at 152.3 deg.
+
+    Source: Muinonen et al., Icarus 209, 542, 2010, eq. 18 and tables 3, 4.
+    """
+    alpha = _angle(alpha)
+    h = gates.number(h, "h", unit="mag")
+    g1, g2 = gates.number(g1, "g1"), gates.number(g2, "g2")
+    if g1 < 0.0 or g2 < 0.0 or g1 + g2 > 1.0 + 1e-12:
+        raise AttitudeError(
+            f"g1 is {g1!r} and g2 is {g2!r}; neither may be negative, nor their sum above 1."
+        )
+    one, two, three = (_spline(k) for k in range(3))
+    total = g1 * one(alpha) + g2 * two(alpha) + (1.0 - g1 - g2) * three(alpha)
+    return h + _magnitude(total)
+
+
+@lru_cache(maxsize=3)
+def _spline(k):
+    """One of the three basis functions, of radians."""
+    from scipy.interpolate import CubicSpline
+
+    nodes, values, slopes = (
+        (_NODES, _PHI1, _SLOPES1),
+        (_NODES, _PHI2, _SLOPES2),
+        (_NODES3, _PHI3, _SLOPES3),
+    )[k]
+    nodes = np.radians(nodes)
+    spline = CubicSpline(nodes, values, bc_type=((1, slopes[0]), (1, slopes[1])))
+
+    def function(alpha):
+        inside = spline(np.clip(alpha, nodes[0], nodes[-1]))
+        # Exactly: phi3 is 0 from its last node on, which the spline meets but to rounding.
+        inside = np.where(alpha >= nodes[-1], values[-1], inside)
+        before = slopes[0] * np.minimum(alpha - nodes[0], 0.0)
+        after = slopes[1] * np.maximum(alpha - nodes[-1], 0.0)
+        return inside + before + after
+
+    return function
+
+
+def _angle(alpha):
+    alpha = gates.real(alpha, "alpha", unit="rad")
+    if np.any((alpha < 0.0) | (alpha > np.pi)):
+        raise AttitudeError("alpha must lie from 0 to pi rad.")
+    return alpha
+
+
+def _magnitude(total):
+    with np.errstate(divide="ignore"):
+        return -2.5 * np.log10(np.maximum(total, 0.0))

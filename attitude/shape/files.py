@@ -1,0 +1,247 @@
+"""Shapes from files: OBJ and DAMIT's shape.txt, read strictly here; STL and PLY through trimesh."""
+
+from pathlib import Path
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+from attitude.shape.mesh import SURFACE, Mesh
+
+_FORMATS = {".obj": "obj", ".txt": "damit", ".stl": "stl", ".ply": "ply"}
+# Statements of OBJ that say nothing about the surface as such.
+_IGNORED = {"vt", "vn", "vp", "o", "g", "s", "mtllib", "l", "p", "usemap", "maplib"}
+
+
+def read(path, *, unit="m", format=None, closed=True, repair=False):
+    """The mesh in a file.
+
+    Parameters
+    ----------
+    path : str or path
+        OBJ (.obj), DAMIT (.txt), STL (.stl) or PLY (.ply); the last two need trimesh.
+    unit : str
+        Of the numbers in the file, as astropy spells it: "m", "km".  DAMIT's models mostly have
+        a unit of their own: read them as they are, then `Mesh.scaled`.
+    format : "obj", "damit", "stl" or "ply", optional
+        Where the name of the file does not tell.
+    closed : bool
+        Whether the surface must bound a solid.
+    repair : bool
+        Whether trimesh may merge vertices, drop degenerate facets, turn facets round and fill
+        small holes first.  Materials are then lost.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    AttitudeError
+        For a file that is missing, cut short or malformed (with the line), and for meshes that
+        `Mesh` or, with ``closed``, `Mesh.require_closed` refuse.
+    """
+    path = Path(path)
+    kind = format or _FORMATS.get(path.suffix.lower())
+    if kind not in _FORMATS.values():
+        raise AttitudeError(
+            f"{path.name}: a shape is read as obj, damit, stl or ply; name the file .obj, .txt, "
+            f".stl or .ply, or say which with format= (given {format!r})."
+        )
+    if not path.is_file():
+        raise AttitudeError(f"{path}: there is no such file.")
+    factor = _metres(unit)
+    if kind in ("stl", "ply"):
+        parts = _through_trimesh(path, kind)
+    else:
+        lines = _lines(path)
+        parts = (read_obj if kind == "obj" else read_damit)(lines, path.name)
+    vertices, facets, materials = parts
+    if repair:
+        vertices, facets, materials = _repaired(vertices, facets)
+    try:
+        mesh = Mesh(vertices * factor, facets, materials)
+        return mesh.require_closed() if closed else mesh
+    except AttitudeError as err:
+        raise AttitudeError(f"{path.name}: {err}") from err
+
+
+def read_obj(lines, name="OBJ"):
+    """Vertices, facets and materials of the lines of a Wavefront OBJ; polygons become fans."""
+    vertices, facets, materials = [], [], []
+    material = SURFACE
+    for number, line in _statements(lines):
+        key, *fields = line.split()
+        where = f"{name}, line {number}"
+        if key == "v":
+            # x y z, with a weight or three colours after them in some dialects.
+            if len(fields) not in (3, 4, 6, 7):
+                raise AttitudeError(
+                    f"{where}: a vertex has 3 coordinates, this has {len(fields)}: {line!r}; "
+                    "the file may be cut short."
+                )
+            vertices.append(_numbers(fields[:3], where))
+        elif key == "f":
+            corners = [_corner(field, len(vertices), where) for field in fields]
+            if len(corners) < 3:
+                raise AttitudeError(
+                    f"{where}: a facet has at least 3 vertices, this has {len(corners)}: {line!r}; "
+                    "the file may be cut short."
+                )
+            for k in range(1, len(corners) - 1):
+                facets.append((corners[0], corners[k], corners[k + 1]))
+                materials.append(material)
+        elif key == "usemtl":
+            material = " ".join(fields) or SURFACE
+        elif key not in _IGNORED:
+            raise AttitudeError(
+                f"{where}: {key!r} is no statement of a polygon mesh; allowed are v, f, usemtl and "
+                "those that only decorate (vt, vn, o, g, s, mtllib)."
+            )
+    if not facets:
+        raise AttitudeError(f"{name}: holds no facets; is it an OBJ file, and is it whole?")
+    return np.array(vertices), np.array(facets), tuple(materials)
+
+
+def read_damit(lines, name="shape.txt"):
+    """Vertices, facets and materials of the lines of a DAMIT shape model.
+
+    Numbers of vertices and facets; x y z of each vertex; three vertex numbers from 1 of each
+    facet, anticlockwise seen from outside.
+    """
+    statements = list(_statements(lines))
+    if not statements:
+        raise AttitudeError(
+            f"{name}: is empty; its first line gives the numbers of vertices and facets."
+        )
+    number, first = statements[0]
+    where = f"{name}, line {number}"
+    try:
+        vertex_count, facet_count = (int(field) for field in first.split())
+    except ValueError as err:
+        raise AttitudeError(
+            f"{where}: must give the numbers of vertices and facets, holds {first[:60]!r}."
+        ) from err
+    if vertex_count < 1 or facet_count < 1:
+        raise AttitudeError(f"{where}: a shape needs vertices and facets, this counts {first!r}.")
+    expected = 1 + vertex_count + facet_count
+    if len(statements) != expected:
+        short = len(statements) < expected
+        raise AttitudeError(
+            f"{name}, line {statements[-1][0]}: the file {'ends here' if short else 'goes on'} "
+            f"after {len(statements)} lines, where {vertex_count} vertices and {facet_count} "
+            f"facets need {expected}; it is {'cut short' if short else 'not what line 1 says'}."
+        )
+    rows = [
+        _numbers(_three(line, f"{name}, line {at}"), f"{name}, line {at}")
+        for at, line in statements[1 : 1 + vertex_count]
+    ]
+    facets = []
+    for at, line in statements[1 + vertex_count :]:
+        where = f"{name}, line {at}"
+        facets.append([_corner(f, vertex_count, where) for f in _three(line, where)])
+    return np.array(rows), np.array(facets), SURFACE
+
+
+def _lines(path):
+    try:
+        return path.read_text(encoding="utf-8", errors="strict").splitlines()
+    except UnicodeDecodeError as err:
+        raise AttitudeError(
+            f"{path.name}: is not text (byte {err.start}); a binary shape is read with "
+            'format="stl" or "ply".'
+        ) from err
+
+
+def _statements(lines):
+    """Number from 1 and text of each line that is neither empty nor a comment."""
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#", 1)[0].strip()
+        if text:
+            yield number, text
+
+
+def _three(line, where):
+    fields = line.split()
+    if len(fields) != 3:
+        raise AttitudeError(
+            f"{where}: must hold 3 numbers, holds {len(fields)}: {line[:60]!r}; the file may be "
+            "cut short, or its facets may not be triangles."
+        )
+    return fields
+
+
+def _numbers(fields, where):
+    try:
+        values = [float(field) for field in fields]
+    except ValueError as err:
+        raise AttitudeError(f"{where}: {' '.join(fields)!r} are not numbers.") from err
+    if not np.all(np.isfinite(values)):
+        raise AttitudeError(f"{where}: {' '.join(fields)!r}; every coordinate must be finite.")
+    return values
+
+
+def _corner(field, count, where):
+    """Index from 0 of "7", "7/1", "7//3", "7/1/3", or from the end, "-1"."""
+    try:
+        index = int(field.split("/", 1)[0])
+    except ValueError as err:
+        raise AttitudeError(f"{where}: {field!r} is no vertex number.") from err
+    resolved = count + index if index < 0 else index - 1
+    if not 0 <= resolved < count:
+        raise AttitudeError(
+            f"{where}: vertex {index} does not exist; {count} are known here, numbered from 1."
+        )
+    return resolved
+
+
+def _metres(unit):
+    from astropy import units
+
+    try:
+        return float(units.Unit(unit).to("m"))
+    except (ValueError, TypeError, units.UnitConversionError) as err:
+        raise AttitudeError(
+            f'unit is {unit!r}; give a length that astropy knows, such as "m" or "km".'
+        ) from err
+
+
+def _trimesh():
+    try:
+        import trimesh
+    except ImportError as err:
+        raise AttitudeError(
+            "STL and PLY files, and repair=True, need the package trimesh: "
+            'pip install "attitude-propagation[mesh]".'
+        ) from err
+    return trimesh
+
+
+def _through_trimesh(path, kind):
+    trimesh = _trimesh()
+    try:
+        loaded = trimesh.load(path, file_type=kind, force="mesh", process=False)
+        vertices, facets = np.array(loaded.vertices), np.array(loaded.faces)
+    except Exception as err:
+        raise AttitudeError(
+            f"{path.name}: trimesh cannot read it as {kind} ({err}); the file may be cut short."
+        ) from err
+    if len(facets) == 0:
+        raise AttitudeError(f"{path.name}: holds no facets; is it a whole {kind} file?")
+    # STL repeats the corners of each facet: those with the same coordinates are one vertex.
+    vertices, joined = np.unique(vertices, axis=0, return_inverse=True)
+    return vertices, joined.reshape(-1)[facets], SURFACE
+
+
+def _repaired(vertices, facets):
+    trimesh = _trimesh()
+    mesh = trimesh.Trimesh(vertices, facets, process=True, validate=True)
+    mesh.update_faces(mesh.nondegenerate_faces())
+    try:
+        trimesh.repair.fill_holes(mesh)
+        trimesh.repair.fix_normals(mesh, multibody=True)
+    except ImportError as err:
+        raise AttitudeError(
+            f"repair=True needs a package that trimesh misses ({err}): "
+            'pip install "attitude-propagation[mesh]".'
+        ) from err
+    return np.array(mesh.vertices), np.array(mesh.faces), SURFACE

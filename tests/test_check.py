@@ -1,0 +1,68 @@
+"""The self-test: it passes here, it can fail, and its stored answers are those of the oracle."""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from attitude import check, cli
+from tests.oracle import Oracle, rotation_error
+
+
+def test_this_installation_passes(capsys):
+    assert cli.main(["check", "--families"]) == 0
+    shown = capsys.readouterr().out
+    assert "passed" in shown and "times numpy.sin" in shown and "numba" in shown
+    assert "near_separatrix" in shown
+
+
+def test_every_family_of_states_is_in_the_file():
+    from tests import states
+
+    assert {state["family"] for state in check.reference_states()} == set(states.FAMILIES)
+
+
+def test_stored_answers_are_the_exact_ones():
+    """To all 30 digits, for one state of each family."""
+    for state in check.reference_states()[::2]:
+        moments, wxyz0, omega0, t = (
+            [float.fromhex(x) for x in state[key]] for key in ("moments", "wxyz0", "omega0", "t")
+        )
+        exact = Oracle(moments, wxyz0, omega0)
+        for seconds, wxyz in zip(t, state["wxyz"], strict=True):
+            with mp.workdps(40):
+                found = exact.at(seconds)[0]
+                assert max(abs(a - mpf(b)) for a, b in zip(found, wxyz, strict=True)) < 1e-29
+
+
+def test_errors_are_measured_as_the_oracle_measures_them():
+    """Against the 40-digit angle, for an answer that is made wrong on purpose."""
+    state = dict(check.reference_states()[0])
+    assert check.errors_of(state)[0] < 2e-15
+    turned = [[str(mpf(x) + mpf("1e-9") * k) for k, x in enumerate(row)] for row in state["wxyz"]]
+    wrong = check.errors_of({**state, "wxyz": turned})[0]
+    expected = max(
+        rotation_error([float(x) for x in row], [mpf(x) for x in other])
+        for row, other in zip(state["wxyz"], turned, strict=True)
+    )
+    assert wrong == pytest.approx(expected, rel=1e-5)  # the 1e-16 rounding of the float() above
+
+
+@pytest.mark.parametrize("fault", [1e-13, np.nan, "sign"])
+def test_a_wrong_installation_fails(monkeypatch, capsys, fault):
+    """Exit code 1 for an error above the promise, a NaN, or a wrong sign."""
+    real = check.propagate
+
+    def broken(*state, **settings):
+        answer = real(*state, **settings)
+        if not settings:
+            return answer
+        wxyz, omega = (np.array(part) for part in answer)
+        if fault == "sign":
+            wxyz *= -1.0
+        else:
+            wxyz[-1, 0] += fault
+        return wxyz, omega
+
+    monkeypatch.setattr(check, "propagate", broken)
+    assert cli.main(["check"]) == 1
+    assert "FAILED" in capsys.readouterr().out

@@ -1,0 +1,190 @@
+"""Scattering laws: reciprocity and energy for each, limits, and sbpy for phase functions."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from attitude.errors import AttitudeError
+from attitude.scattering import (
+    Hapke,
+    Lambert,
+    LommelSeeliger,
+    LommelSeeligerLambert,
+    Material,
+    Materials,
+    hg,
+    hg1g2,
+    law,
+)
+
+COOK = Material(0.3, 0.5, "cook-torrance", roughness=0.3, f0=0.5)
+LAWS = [
+    Lambert(0.4),
+    LommelSeeliger(0.3),
+    LommelSeeligerLambert(),
+    Hapke(),
+    Hapke(w=0.6, g=0.2, roughness=0.0),
+    Hapke(w=0.9, g=-0.2, roughness="40 deg"),
+    Material(0.3, 0.5),
+    COOK,
+]
+
+
+def directions(incidence, emission, azimuth):
+    """mu0, mu and the phase angle, from the vectors."""
+    sun = np.array([np.sin(incidence), 0.0 * incidence, np.cos(incidence)])
+    seen = np.array([np.sin(emission) * np.cos(azimuth), np.sin(emission) * np.sin(azimuth)])
+    seen = np.array([*seen, np.cos(emission)])
+    cross = np.linalg.norm(np.cross(sun, seen))
+    return sun[2], seen[2], np.arctan2(cross, sun @ seen)
+
+
+def reflected(given_law, incidence, count=300):
+    """Share of the light falling in that leaves again: integral of r mu / mu0 over the sky."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    mu, weights = (nodes + 1.0) / 2.0, weights / 2.0
+    azimuth = (np.arange(2 * count) + 0.5) * np.pi / (2 * count)
+    mu0 = np.cos(incidence)
+    mu, azimuth = mu[:, None], azimuth[None]
+    sine = np.sqrt(1.0 - mu * mu)
+    cosine = mu * mu0 + sine * np.sin(incidence) * np.cos(azimuth)
+    other = np.hypot(sine * np.sin(azimuth), sine * np.cos(azimuth) * mu0 - mu * np.sin(incidence))
+    r = given_law.reflectance(mu0, np.broadcast_to(mu, cosine.shape), np.arctan2(other, cosine))
+    return np.sum(weights[:, None] * r * mu) * np.pi / count / mu0
+
+
+@pytest.mark.parametrize("given_law", LAWS, ids=repr)
+@given(
+    st.floats(0.0, 1.57),
+    st.floats(0.0, 1.57),
+    st.floats(0.0, np.pi),
+)
+def test_reciprocity(given_law, incidence, emission, azimuth):
+    mu0, mu, alpha = directions(incidence, emission, azimuth)
+    there = given_law.reflectance(mu0, mu, alpha) * mu
+    back = given_law.reflectance(mu, mu0, alpha) * mu0
+    # Rounding of Hapke's azimuth at grazing incidence is the largest error.
+    assert there == pytest.approx(back, rel=1e-9, abs=1e-300)
+    assert there >= 0.0
+
+
+# Kaasalainen's phase function is a fit of any scale, f(0) = 1.5: it promises no energy.
+@pytest.mark.parametrize("given_law", [x for x in LAWS if x != LommelSeeligerLambert()], ids=repr)
+@pytest.mark.parametrize("incidence", [0.0, 0.5, 1.0, 1.4])
+def test_no_law_returns_more_light_than_it_gets(given_law, incidence):
+    assert 0.0 < reflected(given_law, incidence) <= 1.0
+
+
+@pytest.mark.parametrize("incidence", [0.0, 0.5, 1.0, 1.4])
+def test_energy_in_closed_form(incidence):
+    mu0 = np.cos(incidence)
+    assert reflected(Lambert(0.7), incidence) == pytest.approx(0.7, rel=1e-12)
+    expected = 0.5 * (1.0 - mu0 * np.log((1.0 + mu0) / mu0))
+    assert reflected(LommelSeeliger(), incidence) == pytest.approx(expected, rel=1e-9)
+    # Lafortune & Willems normalise the mirror lobe at vertical incidence, where it is whole.
+    if incidence == 0.0:
+        gloss = Material(0.0, 1.0, exponent=50.0)
+        assert reflected(gloss, incidence) == pytest.approx(1.0, rel=1e-9)
+    # Hapke 2012, eq. 11.13, with his H: the hypergeometric integrals agree to 8%.
+    gamma = np.sqrt(0.5)
+    expected = (1.0 - gamma) / (1.0 + 2.0 * gamma * mu0)
+    isotropic = Hapke(w=0.5, g=0.0, b0=0.0, roughness=0.0)
+    assert reflected(isotropic, incidence) == pytest.approx(expected, rel=0.12)
+
+
+def test_a_smooth_dark_isotropic_hapke_surface_is_lommel_seeliger():
+    dark = Hapke(w=1e-6, g=0.0, b0=0.0, roughness=0.0)
+    simple = LommelSeeliger(1e-6)
+    mu0, mu, alpha = directions(0.7, 1.1, 2.0)
+    ours, theirs = dark.reflectance(mu0, mu, alpha), simple.reflectance(mu0, mu, alpha)
+    assert ours == pytest.approx(theirs, rel=2e-6)  # multiple scattering is of order w
+
+
+def test_roughness_goes_to_smooth_continuously():
+    mu0, mu, alpha = directions(0.7, 1.1, 2.0)
+    smooth = Hapke(roughness=0.0).reflectance(mu0, mu, alpha)
+    for slope in (1e-3, 1e-5, 1e-7):
+        rough = Hapke(roughness=slope).reflectance(mu0, mu, alpha)
+        assert rough == pytest.approx(smooth, rel=10 * slope**2 + 1e-13)
+
+
+def test_opposition_doubles_a_hapke_surge_of_one():
+    surging = Hapke(b0=1.0, g=0.0, w=1e-9, roughness=0.0)
+    plain = Hapke(b0=0.0, g=0.0, w=1e-9, roughness=0.0)
+    assert surging.reflectance(0.5, 0.5, 0.0) / plain.reflectance(0.5, 0.5, 0.0) == pytest.approx(2)
+    assert surging.reflectance(0.1, 0.1, 3.0) == pytest.approx(
+        plain.reflectance(0.1, 0.1, 3.0), rel=2e-3
+    )
+
+
+def test_gloss_shines_in_the_mirror_direction():
+    for gloss in (Material(0.1, 0.8, exponent=1000.0), Material(0.1, 0.8, "cook-torrance")):
+        mirror = gloss.reflectance(*directions(0.6, 0.6, np.pi))
+        aside = gloss.reflectance(*directions(0.6, 0.6, 2.0))
+        assert mirror > 10.0 * aside
+        assert aside == pytest.approx(0.1 / np.pi * np.cos(0.6), rel=1e-2)
+
+
+def test_backlit_grazing_and_opposite_are_finite():
+    for given_law in LAWS:
+        value = given_law.reflectance([0.0, 1e-300, 1e-9, 1.0], [1e-9, 1e-300, 1e-9, 1.0],
+                                      [np.pi, np.pi, np.pi, 0.0])  # fmt: skip
+        assert np.all(np.isfinite(value)) and value[0] == 0.0
+
+
+def test_kaasalainens_phase_function_stops_at_zero():
+    function = LommelSeeligerLambert().phase
+    assert function(0.0) == pytest.approx(1.5)
+    assert function(np.array([2.0, 2.5, 3.0])) == pytest.approx([0.0, 0.0, 0.0], abs=1e-8)
+
+
+def test_phase_functions_against_sbpy():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # astropy's, of its test runner, through sbpy
+        photometry = pytest.importorskip("sbpy.photometry", reason="sbpy, the witness, is missing")
+        alpha = np.radians(np.linspace(0.0, 150.0, 1001))
+        theirs = photometry.HG.evaluate(alpha, 3.3, 0.2)
+        assert np.max(np.abs(hg(alpha, 3.3, 0.2) - theirs)) < 1e-13
+        for g1, g2 in ((0.62, 0.14), (0.1, 0.8), (0.0, 0.0)):
+            part = alpha if g1 else alpha[alpha < np.radians(29.0)]
+            theirs = photometry.HG1G2.evaluate(part, 3.3, g1, g2)
+            assert np.max(np.abs(hg1g2(part, 3.3, g1, g2) - theirs)) < 1e-12
+
+
+def test_phase_functions_at_their_ends():
+    # The published slope of phi1, 6/pi, is rounded to 8 digits.
+    assert hg(0.0, 5.0) == 5.0 and hg1g2(0.0, 5.0) == pytest.approx(5.0, abs=2e-9)
+    assert hg1g2(np.pi) == np.inf
+    assert hg1g2("40 deg", g1=0.0, g2=0.0) == np.inf
+    assert hg(np.pi) > 100.0
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Lambert(1.1), "albedo is 1.1; it must lie from 0 to 1"),
+        (lambda: LommelSeeliger(-0.1), "albedo is -0.1"),
+        (lambda: LommelSeeligerLambert(d=0.0), "d is 0.0"),
+        (lambda: Hapke(w=2.0), "w is 2.0"),
+        (lambda: Hapke(g=1.0), "g is 1.0"),
+        (lambda: Hapke(roughness="70 deg"), "roughness is 1.22.* rad"),
+        (lambda: Hapke(h=np.nan), "h holds nan"),
+        (lambda: Material(0.6, 0.5), "add up to more than 1"),
+        (lambda: Material(0.6, model="blinn"), "model is 'blinn'"),
+        (lambda: Material(0.6, 0.1, exponent=0.5), "exponent is 0.5"),
+        (lambda: Materials({}), "Materials is empty"),
+        (lambda: Materials({"body": 0.3}), "material 'body' is 0.3"),
+        (lambda: Materials({"body": COOK})["wing"], "material 'wing' is unknown; known are 'body'"),
+        (lambda: law("oren-nayar"), "law is 'oren-nayar'; give one of 'lambert'"),
+        (lambda: hg(-0.1), "alpha must lie from 0 to pi"),
+        (lambda: hg(0.1, 0.0, 2.0), "g is 2.0"),
+        (lambda: hg1g2(0.1, 0.0, 0.9, 0.2), "nor their sum above 1"),
+        (lambda: Lambert().reflectance(2.0, 0.5, 0.1), "cosines lie from -1 to 1"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(make, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        make()
