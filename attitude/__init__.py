@@ -11,10 +11,12 @@ __version__ = "0.1.0"
 
 _WHERE = {
     "AttitudeHistory": "attitude.history",
+    "AttitudeTable": "attitude.attitude_table",
     "Body": "attitude.body",
     "FreeRotation": "attitude.free_rotation",
     "Mode": "attitude.regime",
     "Spin": "attitude.spin",
+    "fit": "attitude.fitting",
     "propagate": "attitude.propagation",
 }
 

@@ -6,12 +6,21 @@ from functools import cached_property
 
 import numpy as np
 
-from attitude import epochs, propagation, quaternion
+from attitude import (
+    epochs,
+    frames,
+    labelling,
+    polhode,
+    predictability,
+    propagation,
+    published,
+    quaternion,
+)
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
 from attitude.history import AttitudeHistory
-from attitude.regime import Mode
+from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
 
 # "Within rounding": what changes of some units in the last place of the input can reach.
@@ -42,9 +51,9 @@ class FreeRotation(Frozen):
 
     Notes
     -----
-    Attitudes err by at most 4e-15 rad for the exact doubles given, at any epoch within 5e16 turns:
-    van Zon & Schofield (2006), in the form of docs/derivation.md.  Rates of a million years are no
-    worse than those of a second; what limits a prediction is the input.
+    Attitudes err by at most 4e-15 rad for the exact doubles given, at any epoch within 1e15 turns
+    (5e-14 rad at 5e16, beyond which epochs are refused): van Zon & Schofield (2006), in the form
+    of docs/derivation.md.  What limits a prediction is the input.
 
     >>> motion = FreeRotation(
     ...     Body(moments=(10, 20, 26)),
@@ -126,6 +135,92 @@ class FreeRotation(Frozen):
         return _period(self._constants["phi_rate"][0])
 
     @cached_property
+    def regime(self):
+        """The `Regime` of the motion: E/E0, periods in both conventions, ranges, times."""
+        return regime_of(self.body.moments_as_pairs[None], self._constants)
+
+    def published(self, convention, frame=None):
+        """The motion as observers print it: mode, periods, pole, angles at the epoch.
+
+        Parameters
+        ----------
+        convention : "L" or "S"
+            Whether phi is the angle of the long or of the short axis about the momentum.
+        frame : str, optional
+            Of the pole; that of the spin unless given.
+
+        Returns
+        -------
+        Published
+            ``Spin.from_periods(body, **published.keywords())`` makes the same spin.
+        """
+        frame = self.spin.frame if frame is None else frames.known(frame)
+        wxyz = quaternion.multiply(
+            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.spin.wxyz_icrf
+        )
+        return published.published(
+            self.body,
+            self.regime,
+            self.spin.wxyz if frame == self.spin.frame else wxyz,
+            self.spin.angular_velocity,
+            convention=convention,
+            epoch=self.spin.epoch,
+            frame=frame,
+        )
+
+    def angles(self, t, convention, frame=None):
+        """Euler angles (S, 3) about the momentum at epochs t: phi, theta, psi, in rad.
+
+        3-1-3, of the axes in either labelling, as in `published`: phi from the meridian of growing
+        colatitude of the pole in `frame` (that of the spin unless given); phi, psi in [0, 2 pi).
+        """
+        frame = self.spin.frame if frame is None else frame
+        wxyz = quaternion.multiply(
+            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.at(t).wxyz
+        )
+        wxyz = quaternion.multiply(wxyz, labelling.axes_wxyz(self.body, convention))
+        momentum = frames.matrix_to_icrf(frame).T @ self.momentum
+        momentum = quaternion.rotate(quaternion.conjugate(wxyz), momentum)
+        return np.stack(labelling.angles_of(wxyz, momentum)[1:], axis=-1)
+
+    def polhode(self, points=361):
+        """The path of the angular velocity in the body (points, 3), rad/s, over one P_psi.
+
+        Closed in the modes that circulate; see attitude.polhode.
+        """
+        return polhode.polhode(self._constants[0], self.body.principal_axes, points)
+
+    def herpolhode(self, t):
+        """The path (S, 2) of the angular velocity on the invariable plane, rad/s, at epochs t.
+
+        About the foot of the momentum, towards the axes of attitude.polhode.plane.
+        """
+        return polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
+
+    def predictable_time(self, *, moments_error=0.0, rates_error=0.0, tolerance=0.1):
+        """Seconds for which the attitude is known to a tolerance, given errors of the input.
+
+        Parameters
+        ----------
+        moments_error : float or (3,) array_like
+            One standard deviation of each principal moment, relative to it.
+        rates_error : float or (3,) array_like
+            One standard deviation of each angular velocity component over the principal axes,
+            relative to the magnitude of the angular velocity.
+        tolerance : float or Quantity
+            rad.
+
+        See attitude.predictability.
+        """
+        return predictability.predictable_time(
+            self.body.moments_as_pairs,
+            self.body.rates_about_principal_axes(self.spin.angular_velocity),
+            moments_error=moments_error,
+            rates_error=rates_error,
+            tolerance=tolerance,
+        )
+
+    @cached_property
     def momentum(self):
         in_body = self.body.tensor @ self.spin.angular_velocity
         return frozen(quaternion.rotate(self.spin.wxyz_icrf, in_body))
@@ -186,9 +281,9 @@ class FreeRotation(Frozen):
         elif self.mode is not Mode.AT_REST:
             if np.sum(rates > _ROUNDING * rates.max()) == 1:
                 found.append(Mode.PRINCIPAL_AXIS)
-            elif abs(self.separatrix_distance) <= _ROUNDING:
+            elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
                 found.append(Mode.SEPARATRIX)
-        if np.any(close):
+        if np.any(close) and not np.all(close):
             found.append(Mode.SYMMETRIC)
         return tuple(mode for mode in found if mode is not self.mode)
 

@@ -82,6 +82,8 @@ class AttitudeHistory(Frozen):
     @cached_property
     def angular_acceleration(self):
         """(S, 3) rad/s2 over the body axes: the rate of change of angular_velocity."""
+        if hasattr(self.motion, "angular_acceleration_at"):  # torques, or more than one body
+            return frozen(self.motion.angular_acceleration_at(self.seconds, self.low))
         return frozen(self.motion.angular_acceleration_from(self.angular_velocity))
 
     @cached_property

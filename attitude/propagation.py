@@ -85,7 +85,8 @@ def propagate(
     Notes
     -----
     The error is at most 4e-15 rad for the exact doubles given, within 1e15 turns in every regime;
-    benchmarks/accuracy.py measures it.  Solution: van Zon & Schofield (2006), J. Comput. Phys.
+    benchmarks/accuracy.py measures it.  Rates below 2^-400 (4e-121) of the largest count as 0.
+    Solution: van Zon & Schofield (2006), J. Comput. Phys.
     225, 145, in the form of docs/derivation.md.
 
     >>> wxyz = propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])

@@ -81,7 +81,7 @@ def unit(wxyz, name="wxyz"):
     largest = np.max(np.abs(q))
     if largest == 0.0:
         raise AttitudeError(f"{name} is zero; give a quaternion (w, x, y, z) of any other length.")
-    if abs(q @ q - 1.0) <= _UNIT:
+    if largest < 2.0 and abs(q @ q - 1.0) <= _UNIT:  # a large one overflows when squared
         return q
     q /= largest
     return q / np.sqrt(q @ q)

@@ -1,8 +1,24 @@
-"""Which kind of motion a state belongs to."""
+"""Which kind of motion a state belongs to, its periods and ranges; on arrays of states.
+
+With A <= B <= C the principal moments, L the angular momentum and E the energy, the dynamic inertia
+D = L^2/2E tells where the momentum goes: about the long axis (that of A) for D < B, about the short
+axis (of C) for D > B.  Two labellings of the axes are in use; `Regime` gives both.  "L": the Euler
+angle phi is that of the long axis about the momentum, "S": of the short axis.
+"""
 
 from enum import IntEnum
 
+import numpy as np
+
+from attitude import gates, propagation
+from attitude.errors import AttitudeError
+from attitude.frozen import Frozen, frozen
 from attitude.solution import codes
+from attitude.solution.layout import CONSTANTS
+
+# States whose constants are in memory at a time.
+_BLOCK = 256
+_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class Mode(IntEnum):
@@ -38,3 +54,330 @@ _PHRASES = {
         "short-axis mode (SAM): the momentum circulates about the axis of greatest inertia"
     ),
 }
+
+
+def known_convention(convention):
+    """ "L" or "S", or a sentence that tells what they mean."""
+    given = convention.upper() if isinstance(convention, str) else convention
+    if given in ("L", "S"):
+        return given
+    raise AttitudeError(
+        f'convention is {convention!r}; give "L" where phi is the angle of the long axis about '
+        'the momentum, "S" where it is that of the short axis.'
+    )
+
+
+def classify(moments, omega):
+    """The modes of many states.
+
+    Parameters
+    ----------
+    moments : (..., 3) array_like
+        Principal moments of inertia, any unit, any order.
+    omega : (..., 3) array_like
+        Angular velocity over the principal axes, rad/s.
+
+    Returns
+    -------
+    (...) array of int8
+        Codes of `Mode`; a Mode for one state.  Exact statements about the doubles given: the sign
+        of L^2 - 2 E B is that of the exact number, whatever cancels.
+
+    Raises
+    ------
+    AttitudeError
+        For the first state that is not physical.
+
+    >>> classify((10, 20, 26), [(1, 15, 1), (0, 15, 0), (9, 2, 1)])
+    array([6, 2, 5], dtype=int8)
+    >>> classify((10, 20, 26), (1, 15, 1)).name
+    'SHORT_AXIS'
+    """
+    from attitude.solution.classify import classify_all, refine_all
+    from attitude.solution.periods import modes_all
+
+    moments, omega, lead = _states(moments, omega)
+    count = len(moments)
+    found = np.empty(count, np.int8)
+    constants = np.zeros(min(count, _BLOCK), CONSTANTS)
+    for part in _blocks(count):
+        pairs, wxyz = _as_pairs(moments, omega, part)
+        some = constants[: len(wxyz)]
+        faults, _, cancelled = classify_all(pairs[0], wxyz, pairs[1], some)
+        if faults:
+            _constants(moments, omega, part, count)  # raises the sentence
+        if cancelled:
+            refine_all(some)
+        modes_all(some, found[part])
+    return Mode(int(found[0])) if lead == () else found.reshape(lead)
+
+
+class Regime(Frozen):
+    """Periods, ranges and times of the motions of states of shape S; made by `regimes`.
+
+    All attributes have shape S (a float for one state); those marked (S, 2) hold the least and the
+    greatest value.  Periods of what does not move are inf; at rest, angles to the momentum and
+    quotients by it are NaN.
+
+    Attributes
+    ----------
+    mode : int array, or a Mode for one state
+    circulates : int array
+        1 where the momentum circulates about the short axis, -1 about the long axis, 0 neither.
+    energy_ratio : float
+        2 E C / L^2, what observers call E/E0: 1 for rotation about the short axis, C/B on the
+        separatrix, C/A for rotation about the long axis.
+    dynamic_inertia : float
+        D = L^2 / 2E, in the unit of the moments.
+    m, one_minus_m : float
+        Parameter of the elliptic functions and its complement, each with all its digits.  For a
+        uniform rotation the limit: m = 0, and m = 1 about the middle axis.
+    P_psi : float
+        s; period of psi, the angle about the axis that the momentum circulates about.
+    P_phi_L, P_phi_S : float
+        s; mean period of the long and of the short axis about the momentum:
+        1/P_phi_S = 1/P_phi_L + 1/P_psi.
+    nutation_L, nutation_S : (S, 2)
+        rad; angle between the momentum and the long, the short axis.  Of an axis about which the
+        momentum circulates the end nearer to it is meant.
+    precession_rate_L, precession_rate_S : (S, 2)
+        rad/s; d phi/dt of either axis.
+    libration : float
+        rad; amplitude of psi in the labelling in which it librates: about 0 or 180 deg with "L" in
+        short-axis mode, about 90 or 270 deg with "S" in long-axis mode.
+    spin_rate : float
+        rad/s; |w| at the epoch.
+    spin_rate_range : (S, 2)
+    mean_spin_rate : float
+        Its average over time (made when first asked for).
+    spin_rate_along : float
+        Component of the angular velocity along the momentum, 2 E / L: constant.
+    flip_time, dwell_time : float
+        s; half the period P_psi is their sum.  pi / wp is the time in which the middle axis turns
+        over, if it kept its greatest rate; the rest is spent with that axis near the momentum. On
+        the separatrix the dwell is inf, and the departure from the middle axis grows e-fold in
+        flip_time / pi.
+
+    Notes
+    -----
+    Relative error at most 1e-15 for the doubles given, near every limit, except where these
+    doubles leave the number open: one place of an input moves 1 - m by 2e-16, so that P_psi near
+    the separatrix is that of the exact input.  Sources: van Zon & Schofield (2006), eqs. 3.32-3.48;
+    Samarasinha & A'Hearn, Icarus 93, 194 (1991), for the two labellings.
+    """
+
+    def __init__(self, rows):
+        self._set("_rows", frozen(rows))
+
+    def __setattr__(self, name, value):
+        raise AttributeError("a Regime does not change; make a new one.")
+
+    def _get(self, name):
+        value = self._rows[name]
+        return value.item() if value.ndim == 0 else value
+
+    @property
+    def shape(self):
+        return self._rows.shape
+
+    def __len__(self):
+        return len(self._rows)
+
+    def __getitem__(self, index):
+        return Regime(np.array(self._rows[index]))
+
+    @property
+    def mode(self):
+        found = self._get("mode")
+        return Mode(found) if self.shape == () else found
+
+    @property
+    def circulates(self):
+        return self._get("circulates")
+
+    @property
+    def energy_ratio(self):
+        return self._get("energy_ratio")
+
+    @property
+    def dynamic_inertia(self):
+        return self._get("dynamic_inertia")
+
+    @property
+    def m(self):
+        return self._get("m")
+
+    @property
+    def one_minus_m(self):
+        return self._get("mc")
+
+    @property
+    def P_psi(self):
+        return _period(self._rows["psi_rate"])
+
+    @property
+    def P_phi_L(self):
+        return _period(self._rows["phi_rate_long"])
+
+    @property
+    def P_phi_S(self):
+        return _period(self._rows["phi_rate_short"])
+
+    def P_phi(self, convention):
+        """Mean period of phi in either labelling, s."""
+        return self.P_phi_L if known_convention(convention) == "L" else self.P_phi_S
+
+    @property
+    def nutation_L(self):
+        return self._rows["nutation_long"]
+
+    @property
+    def nutation_S(self):
+        return self._rows["nutation_short"]
+
+    def nutation(self, convention):
+        """Least and greatest angle (S, 2) between the axis of a labelling and the momentum, rad."""
+        return self.nutation_L if known_convention(convention) == "L" else self.nutation_S
+
+    @property
+    def precession_rate_L(self):
+        return self._rows["precession_long"]
+
+    @property
+    def precession_rate_S(self):
+        return self._rows["precession_short"]
+
+    def precession_rate(self, convention):
+        """Least and greatest d phi/dt (S, 2) in either labelling, rad/s."""
+        if known_convention(convention) == "L":
+            return self.precession_rate_L
+        return self.precession_rate_S
+
+    @property
+    def libration(self):
+        return self._get("libration")
+
+    @property
+    def spin_rate(self):
+        return self._get("speed")
+
+    @property
+    def spin_rate_range(self):
+        return frozen(np.sort(self._rows["speed_at"], axis=-1))
+
+    @property
+    def mean_spin_rate(self):
+        if "_mean" not in self.__dict__:
+            from attitude.solution.periods import mean_speeds
+
+            mean = np.empty(self._rows.size)
+            mean_speeds(self._rows.reshape(-1), mean)
+            self._set("_mean", frozen(mean.reshape(self.shape)))
+        return self._mean.item() if self.shape == () else self._mean
+
+    @property
+    def spin_rate_along(self):
+        return self._get("speed_along")
+
+    @property
+    def flip_time(self):
+        return self._get("flip")
+
+    @property
+    def dwell_time(self):
+        return self._get("dwell")
+
+    def __repr__(self):
+        if self.shape == ():
+            return (
+                f"<Regime: {self.mode.name}, E/E0 {self.energy_ratio:.6g}, P_psi {self.P_psi:.6g} "
+                f"s, P_phi {self.P_phi_L:.6g} s (L), {self.P_phi_S:.6g} s (S)>"
+            )
+        return f"<Regime of {self._rows.size} states>"
+
+
+def regimes(moments, omega):
+    """The `Regime` of many states: modes, periods, ranges.
+
+    Parameters
+    ----------
+    moments : (..., 3) array_like
+        Principal moments of inertia, any unit, any order.
+    omega : (..., 3) array_like
+        Angular velocity over the principal axes, rad/s.
+
+    Raises
+    ------
+    AttitudeError
+        For the first state that is not physical.
+
+    >>> found = regimes((10, 20, 26), [(1, 15, 1), (9, 2, 1)])
+    >>> found.P_psi.round(6), found.P_phi_L.round(6), found.P_phi_S.round(6)
+    (array([2.347113, 1.253201]), array([0.439469, 1.383953]), array([0.370161, 0.657668]))
+    """
+    moments, omega, lead = _states(moments, omega)
+    count = len(moments)
+    rows = None
+    for part in _blocks(count):
+        given, constants = _constants(moments, omega, part, count)
+        found = _rows_of(given, constants)
+        rows = np.empty(count, found.dtype) if rows is None else rows
+        rows[part] = found
+    if rows is None:
+        raise AttitudeError("moments and omega hold no state; give at least one.")
+    return Regime(rows.reshape(lead))
+
+
+def regime_of(moments, constants):
+    """The Regime of one motion whose constants are made: moments (1, 3, 2) pairs."""
+    return Regime(_rows_of(moments, constants).reshape(()))
+
+
+def _rows_of(moments, constants):
+    from attitude.solution.periods import REGIME, regimes_all
+
+    rows = np.zeros(len(constants), REGIME)
+    regimes_all(moments, constants, rows)
+    return rows
+
+
+def _blocks(count):
+    return [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
+
+
+def _as_pairs(moments, omega, part):
+    """Some of the states as pairs (2, B, 3, 2), and any attitudes for them."""
+    size = part.stop - part.start
+    pairs = np.zeros((2, size, 3, 2))
+    pairs[0, ..., 0], pairs[1, ..., 0] = moments[part], omega[part]
+    return pairs, np.broadcast_to(_IDENTITY, (size, 4)).copy()
+
+
+def _constants(moments, omega, part, count):
+    pairs, wxyz = _as_pairs(moments, omega, part)
+    constants = propagation.constants_of(
+        pairs[0], wxyz, pairs[1], _IDENTITY, first=part.start, count=count
+    )
+    return pairs[0], constants
+
+
+def _states(moments, omega):
+    """Moments and rates as (N, 3) doubles, and their leading shape."""
+    moments = gates.rows(moments, "moments", 3)
+    omega = gates.rows(omega, "omega", 3, unit="rad/s")
+    try:
+        lead = np.broadcast_shapes(moments.shape[:-1], omega.shape[:-1])
+    except ValueError as err:
+        raise AttitudeError(
+            f"moments {moments.shape} and omega {omega.shape} do not broadcast; give equal leading "
+            "axes, or one row of either."
+        ) from err
+    both = (np.broadcast_to(each, (*lead, 3)).reshape(-1, 3) for each in (moments, omega))
+    moments, omega = (np.ascontiguousarray(each) for each in both)
+    return moments, omega, lead
+
+
+def _period(rate):
+    with np.errstate(divide="ignore"):
+        value = 1.0 / np.abs(rate)
+    return float(value) if np.ndim(value) == 0 else frozen(value)

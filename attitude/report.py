@@ -8,6 +8,8 @@ from attitude import frames
 from attitude.regime import Mode
 
 _DAY = 86400.0
+# 1 - m below which a body is seen to dwell near its middle axis, and to turn over.
+_NEAR_SEPARATRIX = 1e-2
 _TUMBLING = (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC)
 # What would hold after changes in the last places of the input, and what follows from it.
 _NEARLY = {
@@ -35,45 +37,12 @@ def description(motion):
     rows = [("epoch", f"{motion.spin.epoch.utc_iso} UTC"), ("body", _body(motion.body))]
     rows += _rates(motion)
     rows += _momentum(motion)
-    if motion.mode not in (Mode.AT_REST, Mode.SPHERICAL):
+    if motion.mode in (*_TUMBLING, Mode.SEPARATRIX):
         rows.append(("1 - 2 E I2 / L^2", _separatrix(motion)))
-    rows += [("within rounding", _NEARLY[mode]) for mode in motion.within_rounding]
+    rows += [("within rounding", _NEARLY[mode]) for mode in _near(motion)]
     width = max(len(label) for label, _ in rows)
     lines = [f"  {label:<{width}}  {value}" for label, value in rows]
     return "\n".join([phrase[0].upper() + phrase[1:], *lines])
-
-
-def nutation_range(motion):
-    """The least and the greatest angle between the momentum and the axis it circulates about.
-
-    Returns
-    -------
-    (float, float)
-        rad; of the long axis in long-axis mode, of the short axis in short-axis mode, of the axis
-        of symmetry of a symmetric body.  NaN in the other modes.
-
-    Notes
-    -----
-    From van Zon & Schofield (2006), eqs. 3.32-3.36: L^2 - 2 E I_k is never formed by subtraction,
-    and angles are arc tangents, so that both are good for a slight wobble and near the separatrix.
-    """
-    if motion.mode not in _TUMBLING:
-        return math.nan, math.nan
-    moments = motion.body.moments / motion.body.moments.max()
-    rates = motion.body.rates_about_principal_axes(motion.spin.angular_velocity)[:, 0]
-    rates = rates / np.max(np.abs(rates))
-    order = np.argsort(moments)
-    if motion.circulates_about == "long":
-        order = order[::-1]
-    (i1, i2, i3), (w1, w2, w3) = moments[order], rates[order]
-    total = (i1 * w1) ** 2 + (i2 * w2) ** 2 + (i3 * w3) ** 2
-    # D / L^2 of the axes that the momentum circulates about, and of the first; see the paper.
-    d1 = (i2 * (i2 - i1) * w2**2 + i3 * (i3 - i1) * w3**2) / total
-    d3 = (i1 * (i1 - i3) * w1**2 + i2 * (i2 - i3) * w2**2) / total
-    d2 = motion.separatrix_distance
-    least = math.atan2(math.sqrt(i1 * d3 / (i1 - i3)), math.sqrt(i3 * d1 / (i3 - i1)))
-    most = math.atan2(math.sqrt(i2 * d3 / (i2 - i3)), math.sqrt(i3 * d2 / (i3 - i2)))
-    return least, max(least, most)
 
 
 def _body(body):
@@ -83,36 +52,85 @@ def _body(body):
 
 def _rates(motion):
     rate = np.degrees(np.linalg.norm(motion.spin.angular_velocity))
-    rows = [("angular velocity", f"{rate:.9g} deg/s = {rate * _DAY:.9g} deg/d at the epoch")]
     if motion.mode is Mode.AT_REST:
         return []
+    slow = f" = {rate * _DAY:.9g} deg/d" if rate < 0.1 else ""
+    rows = [("angular velocity", f"{rate:.9g} deg/s{slow} at the epoch")]
     if motion.mode in (Mode.SPHERICAL, Mode.PRINCIPAL_AXIS):
-        return [*rows, ("period", period(360.0 / rate))]
+        rows.append(("period", period(360.0 / rate)))
+        if _about_middle(motion):
+            rows.append(("stability", "about the middle axis: any disturbance turns the body over"))
+        return rows
     if motion.mode is Mode.SEPARATRIX:
         return [*rows, ("period psi", period(motion.period_psi))]
+    return [*rows, *_periods(motion), *_ranges(motion)]
+
+
+def _periods(motion):
     axis = motion.circulates_about
-    low, high = np.degrees(nutation_range(motion))
-    if motion.mode is Mode.SYMMETRIC:
-        name, angle = "axis of symmetry", f"{low:.6g} deg"
-    else:
-        name, angle = f"{axis} axis", f"{low:.6g} to {high:.6g} deg"
-    return [
-        *rows,
+    other = "short" if axis == "long" else "long"
+    name = "axis of symmetry" if motion.mode is Mode.SYMMETRIC else f"{axis} axis"
+    rows = [
         ("period psi", f"{period(motion.period_psi)}: rotation about the {name}"),
-        ("period phi", f"{period(motion.period_phi)}: {name} about the momentum, in the mean"),
-        ("nutation", f"{angle} between {name} and momentum"),
+        ("period phi", f"{period(motion.period_phi)}: {name} about the momentum"),
     ]
+    if motion.mode is not Mode.SYMMETRIC:
+        letter = other[0].upper()
+        seconds = float(motion.regime.P_phi(letter))
+        rows.append(("", f"{period(seconds)}: {other} axis, convention {letter}"))
+    return rows
+
+
+def _ranges(motion):
+    regime, axis = motion.regime, motion.circulates_about
+    low, high = np.degrees(regime.nutation("L" if axis == "long" else "S"))
+    if motion.mode is Mode.SYMMETRIC:
+        angle = f"{low:.6g} deg between axis of symmetry and momentum"
+    else:
+        angle = f"{low:.6g} to {high:.6g} deg between {axis} axis and momentum"
+    slow, fast = np.degrees(regime.spin_rate_range)
+    mean = np.degrees(float(regime.mean_spin_rate))
+    rows = [
+        ("nutation", angle),
+        ("spin rate", f"{_rate(slow)} to {_rate(fast)}, {_rate(mean)} in the mean"),
+        ("2 E C / L^2", f"{float(regime.energy_ratio):.9g} (E/E0)"),
+        ("1 - m", f"{float(regime.one_minus_m):.6g} (0 on the separatrix)"),
+    ]
+    if motion.mode is not Mode.SYMMETRIC and float(regime.one_minus_m) < _NEAR_SEPARATRIX:
+        flip, dwell = period(float(regime.flip_time)), period(float(regime.dwell_time))
+        rows.append(("turning over", f"takes {flip}; near the middle axis for {dwell} in between"))
+    return rows
+
+
+def _rate(degrees):
+    return f"{degrees:.6g} deg/s" if degrees >= 0.1 else f"{degrees * _DAY:.6g} deg/d"
 
 
 def period(seconds):
-    """A period in seconds, hours and days.
+    """A period in seconds, and in hours and days where it is at least a tenth of them.
 
-    >>> period(86400.0)
-    '86400 s = 24 h = 1 d'
+    >>> period(86400.0), period(60.0)
+    ('86400 s = 24 h = 1 d', '60 s')
     """
     if math.isinf(seconds):
         return "infinite"
-    return f"{seconds:.9g} s = {seconds / 3600.0:.9g} h = {seconds / _DAY:.9g} d"
+    units = [(seconds, "s"), (seconds / 3600.0, "h"), (seconds / _DAY, "d")]
+    return " = ".join(f"{x:.9g} {unit}" for x, unit in units if unit == "s" or x >= 0.1)
+
+
+def _about_middle(motion):
+    rates = motion.body.rates_about_principal_axes(motion.spin.angular_velocity)[:, 0]
+    moment = motion.body.moments[np.argmax(np.abs(rates))]
+    return motion.body.moments.min() < moment < motion.body.moments.max()
+
+
+def _near(motion):
+    """What holds within rounding and is not said by the mode itself."""
+    said = {
+        Mode.SPHERICAL: (Mode.SYMMETRIC, Mode.SEPARATRIX),
+        Mode.PRINCIPAL_AXIS: (Mode.SEPARATRIX,),
+    }.get(motion.mode, ())
+    return [mode for mode in motion.within_rounding if mode not in said]
 
 
 def _momentum(motion):
@@ -150,4 +168,4 @@ def _separatrix(motion):
     if distance == 0.0:
         return "0: on the separatrix"
     side = "short-axis" if distance > 0.0 else "long-axis"
-    return f"{distance:.6g}: 0 on the separatrix, {'positive' if distance > 0 else 'negative'} "f"on the {side} side"
+    return f"{distance:.6g}: on the {side} side of the separatrix, which is at 0"

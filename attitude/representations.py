@@ -28,7 +28,7 @@ EULER_SEQUENCES = (
 )
 
 
-# Quaternions ---------------------------------------------------------------------------------------
+# Quaternions --------------------------------------------------------------------------------------
 
 
 def from_xyzw(xyzw):
@@ -67,7 +67,7 @@ def continuous(wxyz):
 def unit(wxyz, name="wxyz", *, tolerance=None):
     """Quaternions (..., 4) of length one, and of the same sign.
 
-    Rows whose length is 1 to 2 units in the last place are returned bit for bit.
+    Rows whose length is 1 to 16 units in the last place are returned bit for bit.
 
     Parameters
     ----------
@@ -97,10 +97,10 @@ def unit(wxyz, name="wxyz", *, tolerance=None):
             f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
             f"{tolerance:g} is taken for rounding."
         )
-    return np.where(off <= 2.0 * np.finfo(float).eps, given, scaled / length)
+    return np.where(off <= 16.0 * np.finfo(float).eps, given, scaled / length)
 
 
-# Matrices ------------------------------------------------------------------------------------------
+# Matrices -----------------------------------------------------------------------------------------
 
 
 def from_matrix(matrix, name="matrix"):
@@ -141,7 +141,7 @@ def to_dcm(wxyz):
     return np.swapaxes(to_matrix(wxyz), -1, -2)
 
 
-# Euler angles --------------------------------------------------------------------------------------
+# Euler angles -------------------------------------------------------------------------------------
 
 
 def from_euler(sequence, angles):
@@ -241,7 +241,7 @@ def _turning_axes(sequence, angles):
     return np.stack(columns, axis=-1)
 
 
-# Rotation vectors, axis and angle, modified Rodrigues parameters -----------------------------------
+# Rotation vectors, axis and angle, modified Rodrigues parameters ----------------------------------
 
 
 def from_rotation_vector(vector):
@@ -299,7 +299,7 @@ def to_mrp(wxyz):
     return turned[..., 1:] / (1.0 + turned[..., :1])
 
 
-# Pole and spin angle -------------------------------------------------------------------------------
+# Pole and spin angle ------------------------------------------------------------------------------
 
 
 def from_pole(right_ascension, declination, spin_angle):
@@ -326,7 +326,7 @@ def to_pole(wxyz):
     return _positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, _positive(spin)
 
 
-# Rates ---------------------------------------------------------------------------------------------
+# Rates --------------------------------------------------------------------------------------------
 
 
 def quaternion_rate(wxyz, angular_velocity):
@@ -352,7 +352,7 @@ def inertial_to_body_rates(wxyz, angular_velocity):
     return quaternion.rotate(quaternion.conjugate(gates.rows(wxyz, "wxyz", 4)), angular_velocity)
 
 
-# scipy ---------------------------------------------------------------------------------------------
+# scipy --------------------------------------------------------------------------------------------
 
 
 def from_rotation(rotation):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import epochs, frames, gates, quaternion
+from attitude import epochs, frames, gates, published, quaternion
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
 
@@ -71,6 +71,110 @@ class Spin(Frozen):
         """From Euler angles: "313" or "ZXZ" is body to frame = Rz(a) Rx(b) Rz(c); rad."""
         return cls(epoch, quaternion.from_euler(sequence, angles), angular_velocity, frame)
 
+    @classmethod
+    def from_periods(
+        cls, body, *, epoch, pole, phi0, mode=None, convention=None, P_psi=None, P_phi=None,
+        psi0=None, theta_branch=None, P=None, frame="ecliptic",
+    ):  # fmt: skip
+        """From a published set: pole, two periods, angles at an epoch.
+
+        Parameters
+        ----------
+        body : Body
+            Ratios of the moments will do.  The labels of its axes follow from the moments.
+        mode : "LAM", "SAM" or Mode
+            Long-axis or short-axis mode.  Required: the periods do not tell.
+        convention : "L" or "S"
+            Whether phi and P_phi are those of the long or of the short axis (see
+            attitude.labelling and docs/conventions.md).  Required, for the same reason.
+        P_psi, P_phi : float or Quantity
+            s; rotation about the axis, and its mean circulation about the momentum.
+        pole : (2,) array_like
+            Longitude and latitude of the momentum in `frame`, rad or Quantities.
+        phi0, psi0 : float or Quantity
+            rad, at the epoch; theta0 follows.
+        theta_branch : "acute" or "obtuse", optional
+            Which side of 90 degrees theta0 is on.  Required where psi librates (SAM with "L", LAM
+            with "S"), else acute unless told otherwise.
+        P : float or Quantity
+            s; instead of all of mode, convention, P_psi, P_phi and psi0: a relaxed rotator, about
+            the short axis of the body or, with body=None, about its z axis, as in DAMIT.
+        frame : str
+            The ecliptic of J2000 unless told otherwise, as in the literature.
+
+        Raises
+        ------
+        AttitudeError
+            Where no motion has these numbers: which range would be possible, and which other
+            modes or conventions would have a motion.
+
+        Notes
+        -----
+        Round trips with `FreeRotation.published` hold to 1e-12.
+
+        >>> from attitude import Body
+        >>> apophis = Body(moments=(0.61, 0.965, 1.0), relative=True)
+        >>> Spin.from_periods(
+        ...     apophis, mode="SAM", convention="S", P_psi="263 h", P_phi="27.38 h",
+        ...     pole=["250 deg", "-75 deg"], phi0=0.0, psi0=0.0, epoch="2012-12-23",
+        ... )
+        <Spin at 2012-12-23T00:00:00 UTC: angular velocity ...>
+        """
+        if P is not None:
+            given = (mode, convention, P_psi, P_phi, psi0, theta_branch)
+            if any(each is not None for each in given):
+                raise AttitudeError(
+                    "P is the one period of a relaxed rotator; leave out mode, convention, P_psi, "
+                    "P_phi, psi0 and theta_branch, or give P_psi and P_phi."
+                )
+            return cls(epoch, *published.relaxed(body, P=P, pole=pole, phi0=phi0), frame)
+        _require(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
+        state = published.from_periods(
+            body, mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, pole=pole,
+            phi0=phi0, psi0=psi0, theta_branch=theta_branch,
+        )  # fmt: skip
+        return cls(epoch, *state, frame)
+
+    @classmethod
+    def from_energy(
+        cls, body, *, epoch, energy_ratio, convention, pole, phi0, psi0, P_psi=None, P_phi=None,
+        mode=None, theta_branch=None, frame="ecliptic",
+    ):  # fmt: skip
+        """From E/E0 = 2 E C / L^2, which tells the mode, and one period; see `from_periods`."""
+        state = published.from_energy(
+            body, energy_ratio=energy_ratio, convention=convention, pole=pole, phi0=phi0,
+            psi0=psi0, P_psi=P_psi, P_phi=P_phi, mode=mode, theta_branch=theta_branch,
+        )  # fmt: skip
+        return cls(epoch, *state, frame)
+
+    @classmethod
+    def from_pole(
+        cls, body, *, epoch, convention, pole, phi0, angular_velocity=None, theta0=None, psi0=None,
+        P_psi=None, P_phi=None, frame="ecliptic",
+    ):  # fmt: skip
+        """From the direction of the momentum, with rates or with angles and one period.
+
+        Either angular_velocity (3,), rad/s in body axes, from which theta0 and psi0 follow; or
+        theta0, psi0 and one of P_psi and P_phi.  The others as in `from_periods`.
+        """
+        state = published.from_pole(
+            body, convention=convention, pole=pole, phi0=phi0, theta0=theta0, psi0=psi0,
+            P_psi=P_psi, P_phi=P_phi, angular_velocity=angular_velocity,
+        )  # fmt: skip
+        return cls(epoch, *state, frame)
+
+    @classmethod
+    def from_angles(cls, body, *, epoch, convention, angles, angular_velocity, frame="ecliptic"):
+        """From 3-1-3 angles and rates of labelled axes, as radar observers print them.
+
+        Labelled axes to frame is Rz(a) Rx(b) Rz(c), rad; angular_velocity (3,) in rad/s is over
+        the labelled axes too: (B, C, A) with "L", (A, B, C) with "S".
+        """
+        state = published.from_angles(
+            body, convention=convention, angles=angles, angular_velocity=angular_velocity
+        )
+        return cls(epoch, *state, frame)
+
     @property
     def wxyz_icrf(self):
         """The attitude (4,) from body axes to ICRF."""
@@ -81,3 +185,13 @@ class Spin(Frozen):
     def __repr__(self):
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
+
+
+def _require(**given):
+    missing = [name for name, value in given.items() if value is None]
+    if missing:
+        raise AttitudeError(
+            f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
+            '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
+            "a relaxed rotator."
+        )

@@ -37,12 +37,12 @@ def solve_all(constants):
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
-            _jacobi(c)
+            jacobi(c)
             _solve(c)
 
 
 @inlined
-def _jacobi(c):
+def jacobi(c):
     """Jacobi ordering (3.32): the angular momentum circulates about the internal third axis.
 
     A proper signed permutation also makes the first and third rates non-negative.

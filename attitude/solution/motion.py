@@ -13,6 +13,8 @@ from attitude.solution.machine import compiled, inlined
 from attitude.solution.turns import LONGEST
 from attitude.solution.uniform import uniform_all
 
+_FARTHEST = 1.7976931348623157e308  # s, the largest double
+
 
 def prepare_all(moments, wxyz, omega, principal, constants):
     """Constants of B motions.
@@ -56,7 +58,9 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
     for b in range(len(constants)):
         k = b if len(t) > 1 else 0
         c = constants[b]
-        if _beyond(t[k], LONGEST / max(abs(c.precession[0]), abs(c.nutation[0]))):
+        # infinity is beyond the reach of a body at rest too
+        reach = min(LONGEST / max(abs(c.precession[0]), abs(c.nutation[0])), _FARTHEST)
+        if _beyond(t[k], reach):
             return b
         evaluate(
             c,

@@ -44,15 +44,20 @@ def _periods(c):
     """Those of a vanishing wobble about the same axis."""
     c.circulates = -1
     turns = 2.0 * c.precession[0]
-    psi = 0.0
+    psi, phi = 0.0, turns
     for k in range(3):
         if c.omega[k, 0] != 0.0:
             here = pair(c.moments[k])
             one, two = pair(c.moments[(k + 1) % 3]), pair(c.moments[(k + 2) % 3])
             positive = sub(here, one)[0] * sub(here, two)[0]
             if positive > 0.0:
-                psi = turns * math.sqrt(positive / (one[0] * two[0]))
-                psi = psi if less(here, one) else -psi
+                root = math.sqrt(positive / (one[0] * two[0]))
                 c.circulates = k
+                if less(here, one):
+                    # phi' = turns (1 - root), without the cancellation of a needle's
+                    rest = here[0] / one[0] * (sub(add(one, two), here)[0] / two[0])
+                    psi, phi = turns * root, turns * rest / (1.0 + root)
+                else:
+                    psi, phi = -turns * root, turns * (1.0 + root)
     c.psi_rate = psi
-    c.phi_rate = turns - psi
+    c.phi_rate = phi

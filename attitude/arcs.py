@@ -1,0 +1,364 @@
+"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+
+>>> import numpy as np
+>>> from attitude import Body, Spin
+>>> from attitude.arcs import Arcs, Impulse
+>>> body = Body(moments=(10, 20, 26))
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.5))
+>>> stop = Impulse(at=60.0, angular_momentum=(0, 0, -13))
+>>> motion = Arcs(body, spin, [stop])
+>>> motion.at([59.0, 61.0]).angular_velocity
+array([[0. , 0. , 0.5],
+       [0. , 0. , 0. ]])
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import epochs, frames, gates, propagation, quaternion, tdb
+from attitude.body import Body
+from attitude.crossing import first
+from attitude.errors import AttitudeError
+from attitude.frozen import Frozen, frozen
+from attitude.history import AttitudeHistory
+from attitude.spin import Spin
+
+# Runs of epochs on one arc shorter than this are evaluated all at once, each with a copy of its
+# constants (a kilobyte): cheaper than a call for every run.
+_SHORT_RUN = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Impulse(Frozen):
+    """Angular momentum added in an instant.
+
+    Parameters
+    ----------
+    at : epoch, seconds or event
+        When: TDB seconds since the epoch of the spin, an epoch of any kind that `Spin` takes, or
+        an event such as `crossing.PointMeetsPlane`: the first time after the change before.
+    angular_momentum : (3,) array_like, or function
+        kg m2/s (in the body's unit of inertia if that is relative).  A function is given the
+        AttitudeHistory of that one epoch, before the change, and returns the vector.
+    frame : str
+        "body": over the body axes at that epoch; "icrf", "eme2000" or "ecliptic".
+    """
+
+    at: object
+    angular_momentum: object
+    frame: str = "body"
+
+    def __post_init__(self):
+        _check_frame(self)
+        if not callable(self.angular_momentum):
+            given = gates.real(
+                self.angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s"
+            )
+            self._set("angular_momentum", frozen(given))
+
+
+@dataclass(frozen=True, eq=False)
+class InertiaChange(Frozen):
+    """The body becomes another in an instant: a boom is deployed, a servicer docks.
+
+    Body axes, attitude and angular momentum stay; the angular velocity follows from them.
+
+    Parameters
+    ----------
+    at : epoch, seconds or event
+        As for `Impulse`.
+    body : Body
+        The body from then on, over the same body axes.
+    angular_momentum : (3,) array_like, or function
+        What the change adds to it, as for `Impulse`: that which a servicer brings along.
+    frame : str
+    """
+
+    at: object
+    body: Body
+    angular_momentum: object = (0.0, 0.0, 0.0)
+    frame: str = "body"
+
+    def __post_init__(self):
+        if not isinstance(self.body, Body):
+            raise AttitudeError(f"body is {type(self.body).__name__}; give a Body.")
+        Impulse.__post_init__(self)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Arcs(Frozen):
+    """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
+
+    Parameters
+    ----------
+    body : Body
+        Until an `InertiaChange`.
+    spin : Spin
+        The state at its epoch; the first arc reaches back from it without end.
+    changes : sequence of Impulse and InertiaChange
+        In order of time, after the epoch of the spin.
+
+    Attributes
+    ----------
+    joints : (N,) array
+        TDB seconds since the epoch of the spin at which the changes happen, those of events found.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs that are equal or not in order, events that do not happen, and changes that
+        leave no physical state.
+
+    Notes
+    -----
+    At a joint the state is that after it.  From joint to joint the state is carried in two
+    doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
+    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given.  What an
+    error of the input becomes is another matter: each impulse at a wrong phase changes all that
+    follows.  The times of events are rounded to a double.
+
+    Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
+    """
+
+    body: Body
+    spin: Spin
+    changes: tuple
+
+    def __post_init__(self):
+        if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
+            raise AttitudeError(
+                "Arcs takes a Body, a Spin and a list of changes; given were "
+                f"{type(self.body).__name__} and {type(self.spin).__name__}."
+            )
+        changes = self.changes
+        if isinstance(changes, (Impulse, InertiaChange)):
+            changes = (changes,)
+        self._set("changes", tuple(changes))
+        for k, change in enumerate(self.changes):
+            if not isinstance(change, (Impulse, InertiaChange)):
+                raise AttitudeError(
+                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
+                )
+        self._build()
+
+    def __reduce__(self):
+        return Arcs, (self.body, self.spin, self.changes)
+
+    def __repr__(self):
+        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"
+
+    def __len__(self):
+        """How many arcs there are."""
+        return len(self.joints) + 1
+
+    def at(self, t, low=None):
+        """The attitudes at some epochs; see `FreeRotation.at`."""
+        seconds, low = epochs.seconds_since(self.spin.epoch, t, low)
+        wxyz = self._evaluate(seconds, low)[0]
+        kept = None if low is None else np.array(low)
+        return AttitudeHistory(self, self.spin.epoch, np.array(seconds), kept, wxyz)
+
+    def angular_velocity_at(self, seconds, low=None):
+        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
+        return self._evaluate(seconds, low, rates=True)[1]
+
+    def angular_acceleration_at(self, seconds, low=None):
+        """Euler's equations with the body of each epoch: (..., 3) rad/s2 in body axes."""
+        from attitude.free_rotation import FreeRotation
+
+        rates = np.array(self.angular_velocity_at(seconds, low))
+        arc = self._arc(np.asarray(seconds), low)[0]
+        out = np.empty(rates.shape)
+        for number, body in enumerate(self._bodies):
+            here = arc == number
+            if np.any(here):
+                out[here] = FreeRotation(body, self.spin).angular_acceleration_from(rates[here])
+        return out
+
+    def body_at(self, t):
+        """The Body at one epoch."""
+        seconds, low = epochs.seconds_since(self.spin.epoch, t)
+        return self._bodies[int(self._arc(np.asarray(seconds), low)[0])]
+
+    # How the arcs are joined ---------------------------------------------------------------------
+
+    def _build(self):
+        times = [
+            self._epoch(change.at, f"changes[{k}].at") for k, change in enumerate(self.changes)
+        ]
+        self._check_order(times)
+        body, spin = self.body, self.spin
+        q = np.zeros((4, 2))
+        q[:, 0] = spin.wxyz_icrf
+        w = body.rates_about_principal_axes(spin.angular_velocity)
+        self._set("_bodies", [body])
+        self._set("_constants", _constants(body, q, w)[None])
+        self._set("_starts", np.array([[0.0, 0.0]]))
+        records, starts = [self._constants[0]], [(0.0, 0.0)]
+        for k, change in enumerate(self.changes):
+            name = f"changes[{k}]"
+            time = times[k]
+            if time is None or callable(change.angular_momentum):
+                # What looks at the motion so far is shown the motion so far.
+                self._set("_constants", np.array(records))
+                self._set("_starts", np.array(starts))
+            if time is None:
+                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
+                fastest = _fastest(body, w[:, 0])
+                time = (first(change.at, self, starts[-1][0], end, fastest, name), 0.0)
+            added = self._added(change, time, name)
+            body = self._join(change, added, body, time, starts[-1], records[-1], q, w)
+            self._bodies.append(body)
+            try:
+                records.append(_constants(body, q, w))
+            except AttitudeError as err:
+                raise AttitudeError(f"{name} leaves no physical state: {err}") from err
+            starts.append(time)
+        self._set("_bodies", tuple(self._bodies))
+        self._set("_constants", frozen(np.array(records)))
+        self._set("_starts", frozen(np.array(starts)))
+        self._set("joints", frozen(self._starts[1:, 0].copy()))
+
+    def _epoch(self, at, name):
+        """(high, low) seconds since the epoch of the spin, or None for an event."""
+        if hasattr(at, "values") and hasattr(at, "arm"):
+            return None
+        seconds, low = epochs.seconds_since(self.spin.epoch, at, name=name)
+        if np.ndim(seconds):
+            raise AttitudeError(f"{name} holds {np.size(seconds)} epochs; give one.")
+        pair = float(seconds), 0.0 if low is None else float(low)
+        if not np.isfinite(sum(pair)):
+            raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
+        return pair
+
+    def _check_order(self, times):
+        before, whose = (0.0, 0.0), "the epoch of the spin"
+        for k, time in enumerate(times):
+            if time is None:
+                continue
+            if time <= before:
+                how = "the same as" if time == before else "earlier than"
+                raise AttitudeError(
+                    f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
+                    "changes in order of time, after the epoch of the spin, and join those of one "
+                    "epoch to one change."
+                )
+            before, whose = time, f"changes[{k}]"
+
+    def _added(self, change, time, name):
+        """Angular momentum (3,) that a change adds, in its frame."""
+        if not callable(change.angular_momentum):
+            return change.angular_momentum
+        before = self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
+        value = change.angular_momentum(before)
+        return gates.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+
+    def _join(self, change, added, body, time, start, record, q, w):
+        """Carry the state over a joint, in place; the body after it."""
+        from attitude.solution.flow import flow
+        from attitude.solution.joints import change_axes, exchange, strike
+
+        length = tdb.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
+        length = float(length[0]), float(length[1])
+        change_axes(q, body.principal_wxyz, 1.0)
+        flow(record, body.moments_as_pairs, length, q, w)
+        change_axes(q, body.principal_wxyz, -1.0)
+        nothing = np.zeros(3)
+        if change.frame == "body":
+            in_body, in_space = added, nothing
+        elif change.frame == "icrf":
+            in_body, in_space = nothing, added
+        else:
+            turn = frames.wxyz_to_icrf(change.frame)
+            in_body, in_space = nothing, quaternion.rotate(turn, added)
+        in_body, in_space = np.array(in_body), np.array(in_space)
+        strike(body.moments_as_pairs, body._axes, q, w, in_body, in_space)
+        if isinstance(change, InertiaChange):
+            new = change.body
+            exchange(body.moments_as_pairs, body._axes, new.moments_as_pairs, new._axes, w)
+            body = new
+        return body
+
+    # Evaluation ----------------------------------------------------------------------------------
+
+    def _arc(self, seconds, low):
+        """The number of the arc of each epoch, and seconds since that arc's start."""
+        starts, starts_low = self._starts[:, 0], self._starts[:, 1]
+        arc = np.searchsorted(starts, seconds, side="right") - 1
+        rest = np.float64(0.0) if low is None else np.asarray(low)
+        # Epochs before the first, and equal high parts, where the low part decides.
+        arc = np.maximum(arc, 0)
+        early = (arc > 0) & (seconds == starts[arc]) & (rest < starts_low[arc])
+        arc = arc - early
+        local = tdb.add((seconds, rest + 0.0 * seconds), -starts[arc], -starts_low[arc])
+        return arc, local
+
+    def _evaluate(self, seconds, low, *, rates=False):
+        seconds = np.asarray(seconds)
+        shape = seconds.shape
+        arc, (t, t_low) = self._arc(seconds, low)
+        arc, t, t_low = arc.reshape(-1), np.reshape(t, -1), np.reshape(t_low, -1)
+        wxyz = np.empty((4, t.size))
+        omega = np.empty((3, t.size)) if rates else None
+        runs = np.flatnonzero(np.diff(arc)) + 1
+        if t.size < _SHORT_RUN * (len(runs) + 1):
+            self._all_at_once(arc, t, t_low, wxyz, omega)
+        else:
+            for part in zip([0, *runs], [*runs, t.size], strict=True):
+                self._one_run(slice(*part), arc[part[0]], t, t_low, wxyz, omega)
+        return (
+            np.moveaxis(wxyz.reshape(4, *shape), 0, -1),
+            np.moveaxis(omega.reshape(3, *shape), 0, -1) if rates else None,
+        )
+
+    def _all_at_once(self, arc, t, t_low, wxyz, omega):
+        """Epochs scattered over arcs: each with the constants of its own."""
+        for begin in range(0, t.size, 256):
+            part = slice(begin, begin + 256)
+            size = len(t[part])
+            some = np.empty((size, 4, 1))
+            turning = None if omega is None else np.empty((size, 3, 1))
+            propagation.evaluate(
+                self._constants[arc[part]],
+                t[part].reshape(size, 1),
+                t_low[part].reshape(size, 1),
+                some,
+                turning,
+            )
+            wxyz[:, part] = some[:, :, 0].T
+            if omega is not None:
+                omega[:, part] = turning[:, :, 0].T
+
+    def _one_run(self, part, number, t, t_low, wxyz, omega):
+        """Neighbouring epochs on one arc."""
+        size = part.stop - part.start
+        some = np.empty((1, 4, size))
+        turning = None if omega is None else np.empty((1, 3, size))
+        constants = self._constants[number : number + 1]
+        t, t_low = t[part].reshape(1, size), t_low[part].reshape(1, size)
+        propagation.evaluate(constants, t, t_low, some, turning)
+        wxyz[:, part] = some[0]
+        if omega is not None:
+            omega[:, part] = turning[0]
+
+
+def _constants(body, q, w):
+    """The record of the free motion from a state in pairs."""
+    principal = body.principal_wxyz[None]
+    return propagation.constants_of(
+        body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy(), principal
+    )[0]
+
+
+def _fastest(body, w):
+    """A bound of the angular rate (rad/s) that holds for the whole arc, from 2 E and L^2."""
+    moments = body.moments
+    momentum, energy = np.sum((moments * w) ** 2), np.sum(moments * w**2)
+    some = moments > 0.0
+    return float(np.sqrt(np.sum(np.minimum(energy / moments[some], momentum / moments[some] ** 2))))
+
+
+def _check_frame(change):
+    if change.frame != "body":
+        change._set("frame", frames.known(change.frame))

@@ -1,0 +1,197 @@
+"""Equally spaced epochs of any number, made block by block.
+
+Where a date was given the steps are seconds of UTC (leap seconds are seconds too), so that 00:00
+is followed by 01:00; where start and stop count from the epoch they are seconds of TDB, those of
+``motion.at(seconds)``.  The two differ by microseconds.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from attitude import epochs, tdb
+from attitude.errors import AttitudeError
+from attitude.formats import measured
+
+# Beyond this a table is a mistake: a terabyte of text.
+_MOST_ROWS = 10**10
+_SHORTEST = Fraction(1, 10**9)
+# Seconds since J2000 of years that the calendar's four digits hold.
+_FIRST, _LAST = -63082281600.0, 252455529600.0
+# A stop that a whole number of steps misses by less, in steps, is reached.
+_ROUNDING = Fraction(1, 10**9)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Epochs start + k step, for k from 0 to count - 1.
+
+    Attributes
+    ----------
+    epoch : Instant
+        What `seconds` count from.
+    start : Instant
+    step : Fraction
+        Seconds, negative for times that run backwards.
+    count : int
+    uniform_in : str
+        "utc" or "tdb": whose seconds the steps are.
+    """
+
+    epoch: epochs.Instant
+    start: epochs.Instant
+    step: Fraction
+    count: int
+    uniform_in: str
+
+    def block(self, first, count):
+        """TDB seconds since the epoch, as arrays hi and lo (N,), of some epochs.
+
+        From epoch number `first` on, at most `count` of them.
+        """
+        number = np.arange(first, min(first + count, self.count), dtype=np.float64)
+        elapsed = _times(number, self.step)
+        offset = tdb.add((self.start.seconds, self.start.low), -self.epoch.seconds, -self.epoch.low)
+        seconds = tdb.add(offset, *elapsed)
+        if self.uniform_in == "tdb":
+            return seconds
+        tt0 = _tt(self.start)
+        change = tdb.difference_at(*tdb.add(tt0, *elapsed)) - tdb.difference_at(*tt0)
+        # The difference from an array and from one number may differ by 5e-15 s.
+        return tdb.add(seconds, np.where(number == 0.0, 0.0, change))
+
+    @property
+    def digits(self):
+        """How many decimals of a second UTC needs: 0, 3, 6 or 9."""
+        if self.uniform_in == "tdb" and self.count > 1:
+            return 9
+        step = self.step if self.count > 1 else Fraction(0)
+        fraction = re.search(r"\.(\d+)$", self.start.utc_iso)
+        fraction = Fraction("0." + fraction.group(1)) if fraction else Fraction(0)
+        for digits in (0, 3, 6):
+            if (fraction * 10**digits).denominator == (step * 10**digits).denominator == 1:
+                return digits
+        return 9
+
+
+def grid(epoch, start, stop, step):
+    """The Grid of three texts, as the command line gives them.
+
+    Parameters
+    ----------
+    epoch : Instant
+    start, stop : str
+        Dates, or times after the epoch: seconds ("3600") or with a unit ("3 d").
+    step : str
+        Seconds or with a unit; negative where stop lies before start.
+    """
+    pace = duration(step, "--step")
+    if pace == 0:
+        raise AttitudeError('--step is zero; give the time between two rows, like "10 s" or "1 h".')
+    if abs(pace) < _SHORTEST:
+        raise AttitudeError(f"--step is {step}; the shortest that UTC here resolves is 1e-9 s.")
+    first, last = _moment(start, "--start"), _moment(stop, "--stop")
+    dated = isinstance(first, epochs.Instant) or isinstance(last, epochs.Instant)
+    uniform_in = "utc" if dated else "tdb"
+    begin = _instant(first, epoch, uniform_in, "--start", start)
+    end = _instant(last, epoch, uniform_in, "--stop", stop)
+    span = _exact(_tt(end)) - _exact(_tt(begin)) if dated else last - first
+    if span * pace < 0 and abs(span) > _ROUNDING:
+        where = "before" if span < 0 else "after"
+        raise AttitudeError(
+            f"--stop {stop} lies {where} --start {start}, but --step is {step}; exchange the two, "
+            "or change the sign of the step."
+        )
+    count = math.floor(span / pace + _ROUNDING) + 1
+    if count > _MOST_ROWS:
+        raise AttitudeError(
+            f"--step {step} makes {count} rows, more than {_MOST_ROWS}; take a longer step."
+        )
+    return Grid(epoch, begin, pace, max(count, 1), uniform_in)
+
+
+def duration(text, name):
+    """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d"."""
+    numbers, unit = measured.numbers_and_unit(text, name)
+    if len(numbers) != 1:
+        raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
+    length = Fraction(numbers[0])
+    if unit:
+        from astropy import units
+
+        try:
+            # The shortest decimal of the factor: 0.001 s for a ms, not the double nearest to it.
+            length *= Fraction(repr(float(measured.unit_of(unit, name).to("s"))))
+        except units.UnitConversionError as err:
+            raise AttitudeError(
+                f'{name} is {text!r}; give a time, like "10 s", "1 h" or "3 d".'
+            ) from err
+    return length
+
+
+def _moment(text, name):
+    """A date as Instant, a time after the epoch as Fraction."""
+    if re.match(r"\s*\d{4}-\d", text):
+        return epochs.instant(text, name)
+    try:
+        return duration(text, name)
+    except AttitudeError as err:
+        if re.match(r"\s*[-+.]?\d", text):
+            raise
+        raise AttitudeError(
+            f'{name} is {text!r}; give a date in UTC like "2026-01-01T00:00:00", or a time after '
+            'the epoch like 3600 or "3 d".'
+        ) from err
+
+
+def _instant(moment, epoch, scale, name, text):
+    found = moment
+    if not isinstance(moment, epochs.Instant):
+        # Within reach before it becomes a float, which 10**400 does not.
+        if abs(moment) > Fraction(_LAST - _FIRST):
+            raise _out_of_calendar(name, text)
+        hi = float(moment)
+        lo = float(moment - Fraction(hi))
+        if scale == "tdb":
+            found = epoch.after(hi, lo)
+        elif moment == 0:
+            found = epoch
+        else:
+            tt = tdb.add(_tt(epoch), hi, lo)
+            found = epochs.Instant(*map(float, tdb.tdb_from("tt", *map(np.float64, tt))))
+    if not _FIRST <= found.seconds < _LAST:
+        raise _out_of_calendar(name, text)
+    return found
+
+
+def _out_of_calendar(name, text):
+    return AttitudeError(f"{name} is {text}, which leads out of the years 0001 to 9999.")
+
+
+def _tt(instant):
+    return tdb.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+
+
+def _exact(pair):
+    return Fraction(float(pair[0])) + Fraction(float(pair[1]))
+
+
+def _times(number, step):
+    """The products of whole numbers below 2**34 and a fraction, as a pair without loss."""
+    # 19 bits of the step at a time, so that each product with a number of 34 bits is exact.
+    hi, lo, rest = 0.0 * number, 0.0 * number, step
+    while rest:
+        part = _leading(rest)
+        rest -= Fraction(part)
+        hi, lo = tdb.add((hi, lo), number * part)
+        if abs(rest) * 2**140 < abs(step):
+            break
+    return hi, lo
+
+
+def _leading(fraction):
+    mantissa, exponent = math.frexp(float(fraction))
+    return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)

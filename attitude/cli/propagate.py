@@ -1,0 +1,78 @@
+"""``attitude propagate FILE.toml``: attitudes at equally spaced epochs as a table."""
+
+import sys
+
+from attitude.errors import AttitudeError
+
+HELP = "write a table of attitudes at equally spaced epochs"
+EPILOG = """\
+example:
+  attitude propagate toutatis.toml --start 1992-12-01 --stop 1992-12-20 --step "1 h" \\
+      --output toutatis.csv
+
+columns:
+  utc            ISO date
+  tdb_seconds    TDB seconds since the epoch of the spin file
+  w x y z        attitude from body axes to ICRF, a quaternion with its scalar first
+  omega_x _y _z  with --rates: angular velocity over the body axes, rad/s
+
+A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). Where start and stop both
+count from the epoch the step is in seconds of TDB, else in those of UTC.
+"""
+# Rows that are made and written at a time: long tables need no more memory than short ones.
+_BLOCK = 16384
+
+
+def add_arguments(parser):
+    parser.add_argument("file", metavar="FILE.toml", help="spin file: a body and its state")
+    parser.add_argument(
+        "--start",
+        default="0",
+        metavar="TIME",
+        help='date (UTC), or seconds or a time such as "3 d" after the epoch (default: the epoch)',
+    )
+    parser.add_argument("--stop", required=True, metavar="TIME", help="likewise; included")
+    parser.add_argument(
+        "--step", required=True, metavar="TIME", help='time between rows, such as "10 s" or "1 h"'
+    )
+    parser.add_argument(
+        "--rates", action="store_true", help="write the angular velocity over the body axes too"
+    )
+    parser.add_argument(
+        "--output",
+        metavar="FILE",
+        help="x.csv or x.ecsv (default: CSV to standard output); appears whole or not at all",
+    )
+
+
+def run(arguments):
+    from attitude.cli.grid import grid
+    from attitude.formats import spin_file
+    from attitude.formats.aside import written_whole
+
+    kind = _kind(arguments.output)
+    motion = spin_file.read(arguments.file).motion
+    epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
+    motion.at(epochs.block(epochs.count - 1, 1)[0])  # out of reach: said before a row is written
+    if arguments.output is None:
+        _write(sys.stdout, kind, epochs, motion, arguments.rates)
+    else:
+        with written_whole(arguments.output, "--output") as file:
+            _write(file, kind, epochs, motion, arguments.rates)
+
+
+def _write(file, kind, epochs, motion, rates):
+    from attitude.cli import table
+
+    file.write(table.header(kind, motion, rates=rates))
+    for first in range(0, epochs.count, _BLOCK):
+        file.write(table.rows(epochs, motion, first, _BLOCK, rates=rates))
+
+
+def _kind(output):
+    if output is None:
+        return "csv"
+    ending = output.rpartition(".")[2].lower() if "." in output else ""
+    if ending not in ("csv", "ecsv"):
+        raise AttitudeError(f"--output is {output!r}; give a file name that ends in .csv or .ecsv.")
+    return ending

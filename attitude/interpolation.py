@@ -1,0 +1,186 @@
+"""Attitudes and rates between the records of a table: Lagrange, Hermite or great circles.
+
+Windows of neighbouring quaternions are interpolated component by component by the polynomial
+through them (Hermite: through their rates of change too), in Newton's form, and the result is
+brought back to length one.  SPICE's CK types 5 and 6 do the same.
+"""
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.errors import AttitudeError
+
+METHODS = ("slerp", "lagrange", "hermite")
+MOST_DEGREE = 31
+# Where nothing is said: four records with rates, or eight without.
+USUAL_DEGREE = 7
+_CHUNK = 8192
+
+
+def settled(method, degree, count, has_rates):
+    """The method and degree that a table of so many records can have, from those that it states.
+
+    Hermite without rates becomes Lagrange; a degree is reduced to what the records allow, and an
+    even one of Hermite by one; one record alone is a fixed attitude ("slerp").
+    """
+    if method is None:
+        method = "hermite" if has_rates else "lagrange"
+    method = method.lower()
+    method = "slerp" if method in ("linear", "sphericallinear", "spherical linear") else method
+    if method not in METHODS:
+        raise AttitudeError(
+            f"the interpolation method is {method!r}; it must be one of {', '.join(METHODS)}."
+        )
+    degree = USUAL_DEGREE if degree is None else degree
+    whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
+    if not whole or not 1 <= degree <= MOST_DEGREE:
+        raise AttitudeError(
+            f"the interpolation degree is {degree!r}; give a whole number from 1 to {MOST_DEGREE}."
+        )
+    degree = int(degree)
+    if method == "hermite" and not has_rates:
+        method = "lagrange"
+    if method == "slerp" or count == 1:
+        return "slerp", 1
+    if method == "hermite":
+        return method, max(1, min((degree + 1) // 2, count)) * 2 - 1
+    return method, min(degree, count - 1)
+
+
+def evaluate(table, row, ahead, *, order):
+    """Attitudes of unit length and their derivatives.
+
+    Parameters
+    ----------
+    table : object
+        With arrays `hi`, `lo`, `nodes` (N, 4), `rates` (N, 3) or None, and `method`, `degree`.
+    row : (T,) int array
+        The record before each epoch, or at it.
+    ahead : (T,) array
+        Seconds from that record to the epoch.
+    order : int
+        0 for attitudes alone, 1 for angular velocity too, 2 for angular acceleration too.
+
+    Returns
+    -------
+    list of arrays (T, 4), (T, 3), (T, 3), the first order + 1 of them
+    """
+    parts = [
+        _evaluate(table, row[k : k + _CHUNK], ahead[k : k + _CHUNK], order)
+        for k in range(0, max(len(row), 1), _CHUNK)
+    ]
+    return [np.concatenate(each) for each in zip(*parts, strict=True)]
+
+
+def _evaluate(table, row, ahead, order):
+    found = _along_circles if table.method == "slerp" else _by_polynomial
+    out = found(table, row, ahead, order)
+    if order and table.rates is not None and table.method != "hermite":
+        out[1:] = _interpolated_rates(table, row, ahead)[:order]
+    return out
+
+
+def _by_polynomial(table, row, ahead, order):
+    repeat = 2 if table.method == "hermite" else 1
+    width = (table.degree + 1) // repeat
+    first, x, scale, at = _window(table, row, ahead, width)
+    index = first[:, None] + np.arange(width)
+    columns = [table.nodes[index[:, k]] for k in range(width)]
+    slopes = None
+    if repeat == 2:
+        rates = [table.rates[index[:, k]] for k in range(width)]
+        slopes = [
+            scale[:, None] * forms.quaternion_rate(q, w)
+            for q, w in zip(columns, rates, strict=True)
+        ]
+    p, dp, ddp = _newton(at, columns, slopes, x, order)
+    square = np.sum(p * p, axis=1, keepdims=True)
+    out = [p / np.sqrt(square)]
+    if order:
+        turn = quaternion.conjugate(p)
+        omega = 2.0 * quaternion.multiply(turn, dp)[:, 1:] / square
+        out.append(omega / scale[:, None])
+    if order > 1:
+        # d/dt of 2 vec(q* q') / |q|^2, in which vec(q'* q') vanishes
+        change = 2.0 * np.sum(p * dp, axis=1, keepdims=True)
+        bend = (2.0 * quaternion.multiply(turn, ddp)[:, 1:] - omega * change) / square
+        out.append(bend / scale[:, None] ** 2)
+    return out
+
+
+def _window(table, row, ahead, width):
+    """First record of each window, the epoch in it, its scale in s, and where its records lie."""
+    first = np.clip(row - (width - 1) // 2, 0, len(table.hi) - width)
+    index = first[:, None] + np.arange(width)
+    offsets = (table.hi[index] - table.hi[row][:, None]) + (
+        table.lo[index] - table.lo[row][:, None]
+    )
+    scale = offsets[:, -1] - offsets[:, 0] if width > 1 else np.ones(len(row))
+    return first, ahead / scale, scale, offsets / scale[:, None]
+
+
+def polynomial(at, values, slopes, x):
+    """The polynomials (T, ...) through rows of values and slopes, at x.
+
+    Parameters
+    ----------
+    at : (T, width) array
+        Where the values belong.
+    values, slopes : lists of `width` arrays (T, ...)
+        Slopes may be None.
+    x : (T,) array
+    """
+    return _newton(at, values, slopes, x, 0)[0]
+
+
+def _newton(at, values, slopes, x, order):
+    """The polynomial through values (and slopes) at the columns of `at`, and its derivatives."""
+    repeat = 1 if slopes is None else 2
+    place = np.repeat(at, repeat, axis=1)
+    level = [value for value in values for _ in range(repeat)]
+    coefficients = [level[0]]
+    for step in range(1, len(level)):
+        following = []
+        for k in range(len(level) - 1):
+            if step == 1 and repeat == 2 and k % 2 == 0:
+                following.append(slopes[k // 2])
+            else:
+                gap = (place[:, k + step] - place[:, k])[:, None]
+                following.append((level[k + 1] - level[k]) / gap)
+        level = following
+        coefficients.append(level[0])
+    p, dp, ddp = coefficients[-1], 0.0 * coefficients[-1], 0.0 * coefficients[-1]
+    for k in range(len(coefficients) - 2, -1, -1):
+        step = (x - place[:, k])[:, None]
+        if order > 1:
+            ddp = ddp * step + 2.0 * dp
+        if order:
+            dp = dp * step + p
+        p = p * step + coefficients[k]
+    return p, dp, ddp
+
+
+def _along_circles(table, row, ahead, order):
+    """The great circle from record to record, at a constant rate."""
+    if len(table.hi) == 1:
+        return [table.nodes[row], np.zeros((len(row), 3)), np.zeros((len(row), 3))][: order + 1]
+    start = np.minimum(row, len(table.hi) - 2)
+    step = (table.hi[start + 1] - table.hi[start]) + (table.lo[start + 1] - table.lo[start])
+    since = ahead + ((table.hi[row] - table.hi[start]) + (table.lo[row] - table.lo[start]))
+    p, q = table.nodes[start], table.nodes[start + 1]
+    turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
+    part = forms.from_rotation_vector(turn * (since / step)[:, None])
+    out = [quaternion.multiply(p, part), turn / step[:, None], np.zeros((len(row), 3))]
+    return out[: order + 1]
+
+
+def _interpolated_rates(table, row, ahead):
+    """Given rates by the same method, componentwise; and their derivative."""
+    if len(table.hi) == 1:
+        return [table.rates[row], np.zeros((len(row), 3))]
+    width = 2 if table.method == "slerp" else table.degree + 1
+    first, x, scale, at = _window(table, row, ahead, width)
+    values = [table.rates[first + k] for k in range(width)]
+    p, dp, _ = _newton(at, values, None, x, 1)
+    return [p, dp / scale[:, None]]

@@ -1,0 +1,208 @@
+"""Pictures of a motion: the polhode, the body axes on the sky, rates and angles against time.
+
+Every function draws into the axes of a matplotlib figure that it is given, so that pictures can be
+combined; `overview` makes a figure of four.  No window is opened, and no global setting changed.
+"""
+
+import numpy as np
+
+from attitude import frames, gates, labelling, propagation
+from attitude import polhode as curves
+from attitude.errors import AttitudeError
+
+_COLORS = ("#0072b2", "#d55e00", "#009e73")
+_NAMES = ("long axis", "middle axis", "short axis")
+_UNITS = ((86400.0 * 3.0, 86400.0, "d"), (3.0 * 3600.0, 3600.0, "h"), (0.0, 1.0, "s"))
+_POINTS = 1201
+
+
+def overview(motion, *, span=None, frame="ecliptic", title=None):
+    """A figure of four pictures: polhode, sky, angular velocity, Euler angles.
+
+    Parameters
+    ----------
+    motion : FreeRotation
+    span : float or Quantity, optional
+        Seconds from the epoch; three turns of the slower phase unless given.
+    frame : str
+        Whose longitudes and latitudes the sky shows.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Save it with ``figure.savefig("motion.png")``.
+
+    Raises
+    ------
+    AttitudeError
+        For a body at rest, a span that is not positive, or if matplotlib is not installed.
+    """
+    figure = new_figure((11.0, 8.5))
+    seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
+    polhode(figure.add_subplot(2, 2, 1, projection="3d"), motion)
+    sky(figure.add_subplot(2, 2, 2, projection="mollweide"), motion, seconds, frame=frame)
+    rates(figure.add_subplot(2, 2, 3), motion, seconds)
+    angles(figure.add_subplot(2, 2, 4), motion, seconds)
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def new_figure(size):
+    """An empty figure of a size in inches that belongs to no window."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as err:
+        raise AttitudeError(
+            "matplotlib is not installed, which draws the pictures; install it with "
+            "pip install matplotlib."
+        ) from err
+    return Figure(figsize=size, layout="constrained")
+
+
+def time_span(motion, span=None):
+    """The seconds to show: as given, or three turns of the slower phase."""
+    if span is not None:
+        return gates.positive(span, "span", unit="s")
+    regime = motion.regime
+    slowest = [each for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(each)]
+    if not slowest:
+        raise AttitudeError("the body is at rest; there is no motion to draw. Give a span of time.")
+    # On the separatrix one turn-over is all there is.
+    once = 4.0 * regime.flip_time if np.isfinite(regime.flip_time) else 0.0
+    longest = max(slowest)
+    return 3.0 * longest if np.isfinite(regime.P_psi) else max(3.0 * longest, once)
+
+
+def polhode(axes, motion):
+    """The path of the angular velocity on the ellipsoid of its energy (3D axes).
+
+    Grey: the polhodes of other momenta of the same energy; black: the separatrix.
+    """
+    body = motion.body
+    order = labelling.order(body)
+    moments = body.moments[order]
+    turn = labelling.axes(body, "S")
+    if moments[0] == 0.0:
+        raise AttitudeError("one moment is zero; a rod has no ellipsoid of energy to draw on.")
+    scale = np.degrees(1.0)
+    semi = np.sqrt(2.0 * motion.energy / moments) * scale
+    longitude, latitude = np.mgrid[0 : 2 * np.pi : 49j, -np.pi / 2 : np.pi / 2 : 25j]
+    surface = (
+        semi[0] * np.cos(latitude) * np.cos(longitude),
+        semi[1] * np.cos(latitude) * np.sin(longitude),
+        semi[2] * np.sin(latitude),
+    )
+    axes.plot_surface(*surface, color="#dddddd", alpha=0.35, linewidth=0.0)
+    for color, line in _family(moments, semi):
+        axes.plot(*line.T, color=color, linewidth=0.6)
+    path = motion.polhode(721) @ turn * scale
+    axes.plot(*path.T, color=_COLORS[1], linewidth=2.0)
+    now = motion.spin.angular_velocity @ turn * scale
+    axes.plot(*now[:, None], "o", color=_COLORS[1])
+    for k, name in enumerate(_NAMES):
+        end = np.zeros((3, 2))
+        end[k] = 0.0, 1.25 * semi[k]
+        axes.plot(*end, color=_COLORS[0], linewidth=0.8)
+        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=8)
+    axes.set_box_aspect(semi, zoom=1.5)
+    axes.set_axis_off()
+    axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
+
+
+def _family(moments, semi):
+    """Polhodes of the same energy, from the long axis to the short one, on all four sides."""
+    a, b, c = moments
+    places = np.linspace(0.1, 0.9, 5) * np.pi / 2
+    states = [(np.cos(place), 0.0, np.sin(place)) for place in places]
+    if a < b < c:
+        # on the separatrix a (b - a) wa^2 = c (c - b) wc^2
+        node = np.arctan2(np.sqrt(b - a), np.sqrt(c - b))
+        states.append((np.cos(node), 0.0, np.sin(node)))
+    units = np.array(states)
+    omega = np.zeros((len(units), 3, 2))
+    omega[..., 0] = units * semi
+    pairs = np.zeros_like(omega)
+    pairs[..., 0] = moments
+    identity = np.tile([1.0, 0.0, 0.0, 0.0], (len(units), 1))
+    constants = propagation.constants_of(pairs, identity, omega, identity[:1])
+    for k, record in enumerate(constants):
+        line = curves.polhode(record, np.eye(3), 361)
+        color = "black" if k == len(places) else "#999999"
+        for sides in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+            yield color, line * (sides[0], sides[0] * sides[1], sides[1])
+
+
+def sky(axes, motion, seconds, *, frame="ecliptic"):
+    """Where the body axes and the momentum point among the stars (mollweide axes)."""
+    history = motion.at(seconds)
+    turn = frames.matrix_to_icrf(frame)
+    directions = labelling.axes(motion.body, "S")
+    for k, name in enumerate(_NAMES):
+        if k != 1:
+            path = history.body_to_inertial(directions[:, k]) @ turn
+            axes.plot(*_unbroken(*_map(path)), color=_COLORS[k], linewidth=0.8, label=name)
+            axes.plot(*_map(path[:1]), "o", color=_COLORS[k], markersize=4)
+    if np.any(motion.momentum):
+        axes.plot(*_map((motion.momentum @ turn)[None]), "k*", markersize=9, label="momentum")
+    axes.grid(True, linewidth=0.3)
+    axes.tick_params(labelsize=6)
+    _legend(axes, -0.05)
+    axes.set_title(f"body axes on the sky ({frames.known(frame)})", fontsize=10)
+
+
+def rates(axes, motion, seconds):
+    """Angular velocity over the axes of inertia against time, deg/s or deg/d."""
+    omega = motion.angular_velocity_at(seconds) @ labelling.axes(motion.body, "S")
+    largest = np.degrees(np.max(np.abs(omega)))
+    factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
+    time, label = _time(seconds)
+    for k, name in enumerate(_NAMES):
+        axes.plot(time, np.degrees(omega[:, k]) * factor, color=_COLORS[k], label=name)
+    axes.set(xlabel=label, ylabel=f"angular velocity, {unit}")
+    _legend(axes, -0.13)
+
+
+def angles(axes, motion, seconds, *, convention=None):
+    """phi, theta, psi about the momentum against time, in degrees.
+
+    Of the axis about which the momentum circulates, unless a convention "L" or "S" is given.
+    """
+    if convention is None:
+        convention = "L" if motion.regime.circulates < 0 else "S"
+    found = np.degrees(motion.angles(seconds, convention))
+    time, label = _time(seconds)
+    for k, name in enumerate(("phi", "theta", "psi")):
+        axes.plot(*_unbroken(time, found[:, k], 180.0), color=_COLORS[k], label=name)
+    axes.set(xlabel=label, ylabel="deg", ylim=(0.0, 360.0), yticks=range(0, 361, 60))
+    axes.set_title(f'Euler angles about the momentum, convention "{convention}"', fontsize=10)
+    _legend(axes, -0.13)
+
+
+def _legend(axes, height):
+    """Below the picture, where it hides nothing."""
+    axes.legend(
+        fontsize=7, ncols=3, loc="upper center", bbox_to_anchor=(0.5, height), frameon=False
+    )
+
+
+def _time(seconds):
+    longest = np.max(np.abs(seconds))
+    for least, unit, name in _UNITS:
+        if longest >= least:
+            return seconds / unit, f"time since the epoch, {name}"
+    raise AssertionError("the last unit takes every span")
+
+
+def _map(vectors):
+    x, y, z = vectors.T
+    return np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))
+
+
+def _unbroken(x, y, jump=None):
+    """The line with gaps where an angle runs over its end (x of a map, else y)."""
+    x, y = np.array(x, dtype=float), np.array(y, dtype=float)
+    leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump
+    gaps = np.flatnonzero(leap) + 1
+    return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)

@@ -1,0 +1,51 @@
+"""Before anything is imported: where machine code is kept, and how hypothesis works."""
+
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from hypothesis import settings
+
+import attitude
+
+_STALE = 7 * 86400  # seconds after which the machine code of other sources is thrown away
+
+
+def _cache_of_these_sources():
+    """A folder named by a hash of the package's sources.
+
+    Numba looks at the file of a function, not at those of the functions that it calls: after an
+    edit it would go on running stale machine code, and that would be what is tested.
+    """
+    package = Path(attitude.__file__).parent
+    digest = hashlib.sha256()
+    for source in sorted(package.rglob("*.py")):
+        digest.update(str(source.relative_to(package)).encode() + source.read_bytes())
+    base = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    folder = Path(base).expanduser() / "attitude-tests" / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.touch()
+    except OSError:
+        return tempfile.mkdtemp(prefix="attitude-tests-")
+    for other in folder.parent.iterdir():
+        if other.stat().st_mtime < time.time() - _STALE:
+            shutil.rmtree(other, ignore_errors=True)
+    return str(folder)
+
+
+if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
+    # Inherited by the processes that tests start, and by those of xdist.
+    os.environ["NUMBA_CACHE_DIR"] = _cache_of_these_sources()
+    if "numba" in sys.modules:
+        sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+# A first example compiles, or asks mpmath for a thousand digits: no deadline.  In continuous
+# integration the same examples are tried in every run.
+settings.register_profile("attitude", deadline=None)
+settings.register_profile("attitude-ci", deadline=None, derandomize=True)
+settings.load_profile("attitude-ci" if os.environ.get("CI") else "attitude")

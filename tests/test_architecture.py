@@ -1,0 +1,196 @@
+"""The house: data flows down it, imports point up, and importing the package costs little."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import attitude
+
+PACKAGE = Path(attitude.__file__).parent
+
+# Each line may import from the lines above it, and within a line from the left.  What is not
+# named here is free to import anything above the two doors, `cli` and `__init__`.
+HOUSE = (
+    ("errors", "frozen", "gates", "chebyshev", "tdb", "dates", "epochs", "quaternion", "frames"),
+    ("solution", "representations"),
+    ("propagation",),
+    ("regime", "labelling", "dynamic_inertia", "published"),
+    ("polhode", "predictability", "precession"),
+    ("shape", "body", "spread", "spin"),
+    ("history", "free_rotation", "interpolation", "attitude_table", "fitting"),
+    ("paths",),
+    ("scattering", "light_curve", "scene"),
+    ("events", "spectrum", "arcs", "torques", "splitting", "referee"),
+    ("catalog", "formats", "plots", "check"),
+    ("cli", "__main__"),
+)
+# Within the solution, in the same way: from the machine up to the doors.
+SOLUTION = (
+    *("cache", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
+    *("series", "coefficients", "classify", "constants", "attach", "uniform"),
+    *("kernel", "motion"),
+)
+PLACE = {name: (line, k) for line, names in enumerate(HOUSE) for k, name in enumerate(names)}
+HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
+
+
+def _modules():
+    """Dotted names of all modules of the package, with their files."""
+    found = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return found
+
+
+MODULES = _modules()
+
+
+def _imports(name, *, lazy=True):
+    """Modules of the package that a module imports; those inside functions only if lazy."""
+    tree = ast.parse(MODULES[name].read_text())
+    nodes = ast.walk(tree) if lazy else _executed(tree)
+    found = set()
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name} imports relatively"
+            # from attitude import gates: the module; from attitude.gates import real: its name
+            found |= {
+                full if (full := f"{node.module}.{alias.name}") in MODULES else node.module
+                for alias in node.names
+                if alias.name != "__version__"
+            }
+    return {each for each in found if each == "attitude" or each.startswith("attitude.")}
+
+
+def _executed(tree):
+    """The statements that importing runs: all but the bodies of functions."""
+    stack = list(tree.body)
+    while stack:
+        node = stack.pop()
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            stack.extend(ast.iter_child_nodes(node))
+
+
+def _room(name):
+    """The name in the house of a module: its file or folder below the package."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 else "__init__"
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_imports_point_up_the_house(name):
+    """A row of the house knows those above it, and those on its left, lazily or not."""
+    room = _room(name)
+    if room == "__init__" or room not in PLACE:
+        return
+    for other in _imports(name) - {name}:
+        there = _room(other)
+        if there != room and there in PLACE:
+            assert PLACE[there] < PLACE[room], f"{name} imports {other}"
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) == "solution"])
+def test_the_solution_knows_numbers_only(name):
+    """No units, no time scales, no objects: nothing of the package but itself."""
+    for other in _imports(name):
+        assert other.startswith("attitude.solution"), f"{name} imports {other}"
+    here = name.rpartition(".")[2]
+    if here in SOLUTION:
+        for other in _imports(name):
+            there = other.rpartition(".")[2]
+            if there in SOLUTION:
+                assert SOLUTION.index(there) < SOLUTION.index(here), f"{name} imports {other}"
+
+
+def test_every_room_of_the_house_that_is_named_first_exists():
+    """So that a renamed file does not leave the test of directions empty."""
+    for names in HOUSE:
+        for name in names:
+            assert (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file(), name
+    for name in SOLUTION:
+        assert (PACKAGE / "solution" / f"{name}.py").is_file(), name
+
+
+def test_no_cycles():
+    """No module leads back to itself, neither when it is loaded nor from inside a function."""
+    assert _cycles(lazy=True) == []
+
+
+def _cycles(lazy):
+    """Sets of modules each of which leads to all the others."""
+    graph = {name: _imports(name, lazy=lazy) - {"attitude"} for name in MODULES}
+    reach = {name: _reachable(name, graph) for name in graph}
+    found = []
+    for name in graph:
+        ring = {other for other in reach[name] if name in reach.get(other, ())}
+        if len(ring) > 1 and ring not in found:
+            found.append(ring)
+    return found
+
+
+def _reachable(name, graph):
+    done, stack = set(), [name]
+    while stack:
+        for other in graph.get(stack.pop(), ()):
+            if other not in done:
+                done.add(other)
+                stack.append(other)
+    return done
+
+
+def test_nothing_of_the_package_is_imported_by_the_package_itself():
+    """Modules name the module they want; `from attitude import propagate` is the user's door."""
+    for name in MODULES:
+        if _room(name) not in ("__init__", "cli", "__main__"):
+            assert "attitude" not in _imports(name), f"{name} imports from the front door"
+
+
+def _loaded_by(statement):
+    """Names of the heavy packages that a statement loads, in a fresh process."""
+    code = f"import sys\n{statement}\nprint(*[name for name in {HEAVY!r} if name in sys.modules])"
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=PACKAGE.parent,
+    )
+    return run.stdout.split()
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    assert _loaded_by("import attitude") == []
+
+
+def test_naming_what_the_package_offers_loads_nothing_heavy():
+    """Until it is used."""
+    assert _loaded_by("from attitude import Body, FreeRotation, Mode, Spin, propagate") == []
+    assert _loaded_by("from attitude import AttitudeHistory") == []
+
+
+def test_moments_and_plain_epochs_need_nothing_heavy():
+    """A body of moments and a spin at an ISO date; erfa, for dates, is small."""
+    made = "from attitude import Body, Spin; Body(moments=(1, 2, 2)); "
+    made += "Spin(epoch='2026-01-01', wxyz=(1, 0, 0, 0), angular_velocity=(1, 2, 3))"
+    assert set(_loaded_by(made)) <= {"erfa"}
+
+
+def test_the_front_door_names_what_it_has():
+    assert set(attitude.__all__) <= set(dir(attitude))
+    for name in attitude.__all__:
+        assert getattr(attitude, name).__name__ == name
+    with pytest.raises(AttributeError, match="module 'attitude' has no attribute 'quaternions'"):
+        _ = attitude.quaternions
+
+
+def test_files_and_functions_fit():
+    """One idea a file: none longer than 700 lines."""
+    for file in MODULES.values():
+        assert len(file.read_text().splitlines()) <= 700, file

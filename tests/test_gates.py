@@ -1,0 +1,108 @@
+"""Where numbers come in: units, shapes and kinds, and that nothing is changed on the way."""
+
+import math
+
+import numpy as np
+import pytest
+from astropy import units as u
+from astropy.table import QTable
+
+from attitude import AttitudeError, gates
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        (1, 2.5, 3),
+        [1.0, 2.5, 3.0],
+        np.array([1.0, 2.5, 3.0], dtype=np.float32),
+        np.ma.masked_array([1.0, 2.5, 3.0], mask=False),
+        [1000, 2500, 3000] * u.mm,
+        (1 * u.m, 250 * u.cm, 0.003 * u.km),
+        ("1 m", "250 cm", "0.003 km"),
+        ["1 m", "2.5 m", 3 * u.m],
+        QTable({"x": [1, 2.5, 3] * u.m})["x"],
+        [1, 2.5, 3] * u.dimensionless_unscaled,
+    ],
+)
+def test_numbers_of_any_kind_become_float64_in_si(value):
+    array = gates.real(value, "value", shape=(3,), unit="m")
+    assert type(array) is np.ndarray and array.dtype == np.float64
+    assert np.allclose(array, (1.0, 2.5, 3.0), rtol=3e-16)
+    array[0] = 7.0  # a new array, that the caller may keep
+
+
+def test_a_gate_never_changes_a_value():
+    given = np.array([0.1, -0.0, 5e-324, 1.7976931348623157e308])
+    assert gates.real(given, "given").tobytes() == given.tobytes()
+    assert gates.real([2**53 - 1, -(2**53)], "given").tolist() == [2**53 - 1, -(2**53)]
+    given[0] = 5.0
+    assert gates.rows(given, "given", 4) is given
+    assert gates.seconds(given, "given") is given
+
+
+@pytest.mark.parametrize(
+    ("value", "options", "message"),
+    [
+        (None, {}, "x is None; give real numbers"),
+        ("five", {}, "x is 'five', which is not a number with a unit"),
+        (("1 m", "2 s"), {"unit": "m"}, "x is .* not a number with a unit that astropy knows"),
+        (("1 m", 2), {"unit": "m"}, "x is"),
+        (1j, {}, "x is 1j; give real numbers"),
+        (True, {}, "x is True; give real numbers"),
+        ([[1, 2], [3]], {}, "x is ragged; give an array with rows of equal length"),
+        ([1, None], {}, "give real numbers"),
+        ({}, {}, "give real numbers"),
+        (np.array(["2026"], dtype="datetime64[s]"), {}, "give real numbers"),
+        (1 * u.kg, {"unit": "m"}, "x is in kg; give it in m or a unit that converts to it"),
+        (1 * u.kg, {}, "x is in kg; it must be a pure number"),
+        (math.nan, {}, "x holds nan; every number in it must be finite"),
+        ([1, -math.inf], {}, "x holds -inf"),
+        ([1, 2], {"shape": (3,)}, r"x has shape \(2,\); give \(3\)"),
+        ([1, 2], {"shape": ()}, r"x has shape \(2,\); give a single number"),
+        (1.0, {"shape": (..., 3)}, r"x has shape \(\); give \(..., 3\)"),
+        (np.ma.masked_array([1.0, 2.0], mask=[0, 1]), {}, "x has masked entries"),
+    ],
+)
+def test_what_is_no_number_is_told(value, options, message):
+    with pytest.raises(AttitudeError, match=message):
+        gates.real(value, "x", **options)
+
+
+def test_rows():
+    assert gates.rows([[1, 2, 3]], "x", 3).shape == (1, 3)
+    assert np.isnan(gates.rows((math.nan, 1, 2), "x", 3)[0])  # the compiled solution tells
+    with pytest.raises(AttitudeError, match=r"x has shape \(2,\); give \(..., 3\)"):
+        gates.rows((1, 2), "x", 3)
+    with pytest.raises(AttitudeError, match=r"x has shape \(\)"):
+        gates.rows(1.0, "x", 3)
+
+
+def test_seconds():
+    assert gates.seconds(1.5, "t").shape == ()
+    assert gates.seconds(np.float64(1.5), "t") == 1.5
+    assert gates.seconds([1, 2] * u.h, "t").tolist() == [3600.0, 7200.0]
+    assert gates.seconds("2 min", "t") == 120.0
+    assert np.isnan(gates.seconds([1.0, math.nan], "t")[1])
+
+
+def test_one_number():
+    assert gates.number("2 km", "x", unit="m") == 2000.0
+    assert gates.positive(np.float32(0.5), "x") == 0.5
+    for value in (0.0, -1.0):
+        with pytest.raises(AttitudeError, match=f"x is {value}; it must be greater than zero"):
+            gates.positive(value, "x")
+
+
+def test_one_of():
+    assert gates.one_of("a", "x", ("a", "b")) == "a"
+    with pytest.raises(AttitudeError, match="x is 'c'; it must be one of 'a', 'b'"):
+        gates.one_of("c", "x", ("a", "b"))
+    with pytest.raises(AttitudeError, match="must be one of"):
+        gates.one_of(["a"], "x", ("a", "b"))
+
+
+def test_long_values_are_shortened():
+    with pytest.raises(AttitudeError) as caught:
+        gates.real(["x" * 1000], "x")
+    assert len(str(caught.value)) < 200
