@@ -1,0 +1,260 @@
+"""The attitude types of CCSDS messages: what their columns mean, read and written.
+
+A rotation "from A to B" is that which turns the axes of A into those of B: the components of its
+quaternion (Q1, Q2, Q3, QC) are those of the rotation that takes vectors given in B to A.  With A
+inertial and B the body they are ours, body to inertial; the other way round, of its inverse.
+Euler angles turn A into B about its axes in the order of EULER_ROT_SEQ, so that "ZXZ" with angles
+a, b, c is body to inertial = Rz(a) Rx(b) Rz(c).
+
+Rates are those of the body relative to the external axes, except in version 2 messages whose
+REF_FRAME_A is the body: there they are, as the standard says, those of B relative to A, the
+negative.  The components of ANGVEL and RATE are over the axes that ANGVEL_FRAME or RATE_FRAME
+names.
+
+The spin types give the pole of body z and the angle about it, as `representations.from_pole`, of
+the body relative to the external axes, whatever the direction.  SPIN knows no rate across body z:
+records whose pole moves have no angular velocity.  With nutation, angular velocity = nutation rate
+about the axis of the cone + SPIN_ANGLE_VEL about body z; NUTATION_PHASE as in Orekit: the axis is
+(sin n cos p, -sin n sin p, cos n) in the body.
+
+Source: CCSDS 504.0-B-1 (2008) and 504.0-B-2 (2024), tables 4-4, annexes on conventions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.errors import AttitudeError
+
+_Q = ("Q1", "Q2", "Q3", "QC")
+_Q_DOT = tuple(f"{name}_DOT" for name in _Q)
+_ANGVEL = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
+_ANGLE = ("ANGLE_1", "ANGLE_2", "ANGLE_3")
+_ANGLE_DOT = tuple(f"{name}_DOT" for name in _ANGLE)
+_SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
+
+# The columns of each type, under its name in version 2.
+COLUMNS = {
+    "QUATERNION": _Q,
+    "QUATERNION/DERIVATIVE": (*_Q, *_Q_DOT),
+    "QUATERNION/ANGVEL": (*_Q, *_ANGVEL),
+    "EULER_ANGLE": _ANGLE,
+    "EULER_ANGLE/DERIVATIVE": (*_ANGLE, *_ANGLE_DOT),
+    "EULER_ANGLE/ANGVEL": (*_ANGLE, *_ANGVEL),
+    "SPIN": _SPIN,
+    "SPIN/NUTATION": (*_SPIN, "NUTATION", "NUTATION_PER", "NUTATION_PHASE"),
+    "SPIN/NUTATION_MOM": (*_SPIN, "MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"),
+}
+IN_VERSION_1 = {
+    "QUATERNION": "QUATERNION",
+    "QUATERNION/DERIVATIVE": "QUATERNION/DERIVATIVE",
+    "QUATERNION/ANGVEL": "QUATERNION/RATE",
+    "EULER_ANGLE": "EULER_ANGLE",
+    "EULER_ANGLE/ANGVEL": "EULER_ANGLE/RATE",
+    "SPIN": "SPIN",
+    "SPIN/NUTATION": "SPIN/NUTATION",
+}
+OUT_OF_VERSION_1 = {old: new for new, old in IN_VERSION_1.items()}
+
+
+@dataclass(frozen=True)
+class Convention:
+    """How the columns of a type are meant.
+
+    Attributes
+    ----------
+    to_body : bool
+        Whether the rotation goes from the external axes to the body, as is usual.
+    rates_over_body : bool
+        Whether ANGVEL components are over the body axes.
+    rates_follow : bool
+        Whether rates belong to the rotation A to B (version 2) or always to the body (version 1).
+    scalar_first : bool
+        Whether QC stands before Q1, Q2, Q3 (version 1).
+    sequence : str or None
+        Of the Euler angles.
+    in_radians : bool
+        Whether ANGVEL components are rad/s, which no CCSDS message has, but a CSV table.
+    """
+
+    to_body: bool = True
+    rates_over_body: bool = True
+    rates_follow: bool = True
+    scalar_first: bool = False
+    sequence: str | None = None
+    in_radians: bool = False
+
+
+def known(name, version):
+    """An attitude type under its name in version 2."""
+    given = "_".join(name.upper().split())
+    given = OUT_OF_VERSION_1.get(given, given)
+    if given not in COLUMNS:
+        raise AttitudeError(
+            f"ATTITUDE_TYPE is {name!r}; it must be one of "
+            f"{', '.join(IN_VERSION_1.values() if version.startswith('1') else COLUMNS)}."
+        )
+    return given
+
+
+def has_rates(kind):
+    return kind not in ("QUATERNION", "EULER_ANGLE")
+
+
+def decoded(kind, rows, how):
+    """Attitudes and angular velocities out of the columns of a file.
+
+    Parameters
+    ----------
+    kind : str
+        One of COLUMNS.
+    rows : (N, columns) array
+        In the units of the file: deg, deg/s, s.
+    how : Convention
+
+    Returns
+    -------
+    wxyz : (N, 4) array
+        Body to the external axes; of the length that the file gives them.
+    rates : (N, 3) array or None
+        rad/s over the body axes, relative to the external ones.
+    """
+    family = kind.partition("/")[0]
+    wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
+        family
+    ](kind, rows, how)
+    if kind.endswith("/ANGVEL"):
+        rates = rows[:, -3:] if how.in_radians else np.radians(rows[:, -3:])
+        if not how.rates_over_body:
+            rates = quaternion.rotate(quaternion.conjugate(forms.unit(wxyz)), rates)
+        if how.rates_follow and not how.to_body:
+            rates = -rates
+    return wxyz, rates
+
+
+def encoded(kind, wxyz, rates, acceleration, how):
+    """The columns (N, columns) of a type, in the units of files; see `decoded`.
+
+    Parameters
+    ----------
+    wxyz, rates, acceleration : arrays or None
+        Relative to the external axes; rates and accelerations over the body axes.  Types without
+        rates want None, SPIN/NUTATION and SPIN/NUTATION_MOM want acceleration too.
+    """
+    family = kind.partition("/")[0]
+    if family == "SPIN":
+        return _spin_columns(kind, wxyz, rates, acceleration)
+    given = wxyz if how.to_body else quaternion.conjugate(wxyz)
+    if family == "QUATERNION":
+        columns = [_ordered(given, how)]
+    else:
+        angles = forms.to_euler(how.sequence, given)
+        columns = [np.degrees(angles)]
+    if kind.endswith("/ANGVEL"):
+        over = rates if how.rates_over_body else quaternion.rotate(wxyz, rates)
+        columns.append(np.degrees(-over if how.rates_follow and not how.to_body else over))
+    elif kind == "QUATERNION/DERIVATIVE":
+        change = forms.quaternion_rate(wxyz, rates)
+        columns.append(_ordered(change if how.to_body else quaternion.conjugate(change), how))
+    elif kind == "EULER_ANGLE/DERIVATIVE":
+        over = rates if how.to_body else -quaternion.rotate(wxyz, rates)
+        columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
+    return np.concatenate(columns, axis=1)
+
+
+def _ordered(wxyz, how):
+    return wxyz if how.scalar_first else forms.to_xyzw(wxyz)
+
+
+def _of_quaternions(kind, rows, how):
+    parts = [rows[:, :4], rows[:, 4:8]] if kind == "QUATERNION/DERIVATIVE" else [rows[:, :4]]
+    if not how.scalar_first:
+        parts = [np.roll(part, 1, axis=1) for part in parts]
+    if not how.to_body:
+        parts = [quaternion.conjugate(part) for part in parts]
+    if len(parts) == 1:
+        return parts[0], None
+    square = np.sum(parts[0] * parts[0], axis=1, keepdims=True)
+    return parts[0], forms.angular_velocity_from_quaternion_rate(*parts) / square
+
+
+def _of_angles(kind, rows, how):
+    angles = np.radians(rows[:, :3])
+    wxyz = forms.from_euler(how.sequence, angles)
+    rates = None
+    if kind == "EULER_ANGLE/DERIVATIVE":
+        change = np.radians(rows[:, 3:6])
+        rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
+        if not how.to_body:
+            rates = -quaternion.rotate(wxyz, rates)
+    return (wxyz if how.to_body else quaternion.conjugate(wxyz)), rates
+
+
+def _of_spin(kind, rows, how):
+    alpha, delta, angle, spin = np.radians(rows[:, :4]).T
+    wxyz = forms.from_pole(alpha, delta, angle)
+    rates = np.zeros((len(rows), 3))
+    rates[:, 2] = spin
+    if kind == "SPIN":
+        moved = len(rows) and np.any(rows[:, :2] != rows[0, :2])
+        return wxyz, None if moved else rates
+    if kind == "SPIN/NUTATION":
+        nutation, phase = np.radians(rows[:, 4]), np.radians(rows[:, 6])
+        if np.any(rows[:, 5] == 0.0):
+            raise AttitudeError("NUTATION_PER is 0; a period must not be.")
+        turn = 2.0 * np.pi / rows[:, 5]
+        across = np.sin(nutation)
+        axis = np.stack([across * np.cos(phase), -across * np.sin(phase), np.cos(nutation)], 1)
+    else:
+        axis = quaternion.rotate(
+            quaternion.conjugate(wxyz), _direction(*np.radians(rows[:, 4:6]).T)
+        )
+        turn = np.radians(rows[:, 6])
+    return wxyz, rates + turn[:, None] * axis
+
+
+def _direction(alpha, delta):
+    return np.stack(
+        [np.cos(delta) * np.cos(alpha), np.cos(delta) * np.sin(alpha), np.sin(delta)], axis=-1
+    )
+
+
+def _spin_columns(kind, wxyz, rates, acceleration):
+    columns = [*forms.to_pole(wxyz)]
+    if kind == "SPIN":
+        return np.degrees(np.stack([*columns, rates[:, 2]], axis=1))
+    axis, nutation, turn = _cone(rates, acceleration)
+    columns.append(rates[:, 2] - turn * axis[:, 2])
+    if kind == "SPIN/NUTATION":
+        if np.any(turn == 0.0):
+            raise AttitudeError(
+                "at some epoch body z does not move, so that there is no period of nutation; "
+                "write SPIN, or SPIN/NUTATION_MOM."
+            )
+        phase = np.arctan2(-axis[:, 1], axis[:, 0])
+        angles = np.degrees(np.stack([*columns, nutation, nutation, phase], axis=1))
+        angles[:, 5] = 2.0 * np.pi / turn
+        return angles
+    outside = quaternion.rotate(wxyz, axis)
+    alpha = np.arctan2(outside[:, 1], outside[:, 0])
+    delta = np.arctan2(outside[:, 2], np.hypot(outside[:, 0], outside[:, 1]))
+    return np.degrees(np.stack([*columns, alpha, delta, turn], axis=1))
+
+
+def _cone(rates, acceleration):
+    """Axis (N, 3) in the body, half angle and rate of the cone that body z is drawing.
+
+    The cone that has the velocity and the acceleration of body z at that epoch.  It is about the
+    angular momentum for symmetric bodies; for others it is what these types can say.
+    """
+    z = np.array([0.0, 0.0, 1.0])
+    velocity = np.cross(rates, z)
+    bend = np.cross(acceleration, z) + np.cross(rates, velocity)
+    speed = np.linalg.norm(velocity, axis=1)
+    still = speed == 0.0
+    across = np.cross(z, velocity / np.where(still, 1.0, speed)[:, None])
+    half = np.where(still, 0.0, np.arctan2(speed**2, np.sum(bend * across, axis=1)))
+    turn = np.where(still, 0.0, speed / np.where(still, 1.0, np.sin(half)))
+    return np.cos(half)[:, None] * z + np.sin(half)[:, None] * across, half, turn

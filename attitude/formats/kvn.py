@@ -1,0 +1,39 @@
+"""The keyword = value notation of CCSDS messages."""
+
+import re
+
+# KEYWORD = value [unit]
+_PAIR = re.compile(r"\s*([A-Za-z0-9_]+)\s*=\s*(.*?)\s*")
+_UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
+
+
+def pair(lines, line):
+    """Keyword, in capital letters, and value of a line; a comment is ("COMMENT", text)."""
+    text = lines.text(line)
+    comment = comment_of(text)
+    if comment is not None:
+        return "COMMENT", comment
+    found = _PAIR.fullmatch(text)
+    if found is None:
+        raise lines.fault(f'{shown(text)} is no "KEYWORD = value".')
+    keyword, value = found.groups()
+    return keyword.upper(), value
+
+
+def comment_of(text):
+    """The text of a comment line, or None."""
+    text = text.strip()
+    if text == "COMMENT":
+        return ""
+    return text[8:].strip() if text.startswith(("COMMENT ", "COMMENT\t")) else None
+
+
+def without_unit(value):
+    """The value and its unit, "" where none is given: ``1.5 [deg]``."""
+    found = _UNIT.fullmatch(value)
+    return (found.group(1), found.group(2).strip()) if found else (value, "")
+
+
+def shown(text):
+    text = repr(text.strip())
+    return text if len(text) <= 60 else text[:56] + "...'"

@@ -1,0 +1,325 @@
+"""Mission files: what is seen of a body, from where and when, in TOML.
+
+::
+
+    name = "Envisat over Graz"
+    spin = "../spin/envisat.toml"
+    center = { tle = "../paths/envisat-2013.tle" }
+    observer = { site = "15.4933, 47.0671 deg", height = "495 m", name = "Graz" }
+    columns = ["phase_angle deg", "observer_distance km", "elevation deg", "lit_fraction"]
+
+    [times]
+    start = "2013-10-23T04:00:00"
+    stop = "2013-10-23T04:15:00"
+    step = "1 s"
+
+==============  ====================================================================================
+spin            A spin file; or ``{ catalog = "Apophis", ... }`` with what the entry lacks, as
+                `catalog.load` takes it.  Left out where no column needs a rotation.
+center          Where the centre of mass is.
+observer, sun   "earth" and "sun" unless given.
+columns         Names of quantities (docs/scene.md), each with the unit it is wanted in, or without.
+[times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or with the name
+                of a time scale behind), or times after the epoch of the spin; or ``epochs``, a list
+                of dates.
+options         ``ephemeris`` (a kernel, or "builtin"), ``light_time``, ``aberration`` (true or
+                false), ``shadow_of`` (names), ``tolerance`` (a length, or "none"); ``name``,
+                ``source``, ``note`` (text).
+[shape]         ``ellipsoid`` (three semi-axes), or ``file`` with ``unit``; ``law``,
+                ``sun_magnitude``.
+==============  ====================================================================================
+
+A place is the name of a body of the ephemeris, or one of ::
+
+    { tle = FILE, name = ... }               { omm = FILE, name = ... }       { oem = FILE }
+    { spk = FILE, target = 20099942 }        { mpc_orbit = LINE }
+    { kepler = { eccentricity = ..., ... } } with the keywords of paths.kepler
+    { site = "longitude, latitude deg", height = "495 m" }        { observatory = "568" }
+    { direction = [x, y, z], frame = "ecliptic" }                 infinitely far away
+
+File names are relative to the folder of the mission file.
+"""
+
+import os
+import re
+import tomllib
+from dataclasses import dataclass
+
+from attitude import gates, paths
+from attitude.errors import AttitudeError
+from attitude.formats import measured, spin_file
+from attitude.formats.spin_file import _refuse_unknown as refuse_unknown
+from attitude.formats.spin_file import _syntax as syntax
+from attitude.formats.spin_file import _text as text_of
+from attitude.scene import Scene, View
+
+_TEXTS = ("name", "source", "note")
+_OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance")
+_KEYS = (
+    *(*_TEXTS, "spin", "center", "observer", "sun", "columns", "times", "shape"),
+    *_OPTIONS,
+)
+# What each kind of place may have besides.
+_PLACES = {
+    "tle": ("name",),
+    "omm": ("name",),
+    "oem": ("degree",),
+    "spk": ("target",),
+    "mpc_orbit": (),
+    "kepler": (),
+    "site": ("height", "name", "long_term"),
+    "observatory": ("long_term",),
+    "direction": ("frame", "name"),
+}
+
+
+@dataclass(frozen=True)
+class Column:
+    """A quantity that is asked for, and the unit it is wanted in ("" for pure numbers)."""
+
+    name: str
+    unit: str
+
+    @property
+    def factor(self):
+        """What a value in SI units or radians is multiplied by."""
+        own = View.columns()[self.name].unit
+        if own == self.unit:
+            return 1.0
+        from astropy.units import Unit
+
+        return float(Unit(own).to(measured.unit_of(self.unit, "columns")))
+
+
+@dataclass(frozen=True, eq=False)
+class Mission:
+    """What a mission file holds.
+
+    Attributes
+    ----------
+    scene : Scene
+    times : dict of str
+        start, stop and step; or epochs.
+    columns : tuple of Column
+    name, source, note : str or None
+    """
+
+    scene: Scene
+    times: dict
+    columns: tuple
+    name: str = None
+    source: str = None
+    note: str = None
+
+
+def read(path):
+    """The mission in a file.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that cannot be read or is not TOML, for keys that are missing or unknown, files
+        that it names, quantities that do not exist; each begins with the name of the file.
+    """
+    path = os.fspath(path)
+    try:
+        with open(path, encoding="utf-8-sig") as file:
+            content = file.read()
+    except (OSError, UnicodeDecodeError) as err:
+        raise AttitudeError(
+            f"{path}: cannot be read ({getattr(err, 'strerror', None) or err}); give the name of a "
+            "mission file, a TOML text."
+        ) from err
+    return parse(content, path, folder=os.path.dirname(path))
+
+
+def parse(text, origin="text", *, folder="."):
+    '''The mission in a text; `origin` begins every error message.
+
+    >>> mission = parse("""
+    ... observer.direction = [1, 0, 0]
+    ... sun.direction = [0, 1, 0]
+    ... columns = ["phase_angle deg"]
+    ... times.epochs = ["2026-01-01"]
+    ... """)
+    >>> mission.scene.at(mission.times["epochs"]).phase_angle.round(6), mission.columns[0].unit
+    (array([1.570796]), 'deg')
+    '''
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as err:
+        raise AttitudeError(syntax(str(err), text, origin)) from err
+    try:
+        refuse_unknown(content, _KEYS, "the file")
+        labels = {key: text_of(content, key) for key in _TEXTS}
+        scene = Scene(
+            _motion(content.get("spin"), folder),
+            _place(content["center"], "center", folder) if "center" in content else None,
+            _place(content.get("observer", "earth"), "observer", folder),
+            _place(content.get("sun", "sun"), "sun", folder),
+            **_options(content, folder),
+            **_shape(content.get("shape"), folder),
+        )
+        return Mission(scene, _times(content), _columns(content), **labels)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+
+
+def column(text):
+    """The Column of a text such as "phase_angle deg"."""
+    if not isinstance(text, str) or not text.split():
+        raise AttitudeError(f'columns holds {text!r}; give text such as "phase_angle deg".')
+    name, _, unit = " ".join(text.split()).partition(" ")
+    known = View.columns()
+    if name not in known:
+        refuse_unknown({name: None}, tuple(known), "columns")
+    found = Column(name, unit or known[name].unit)
+    own = known[name].unit
+    if unit and unit != own:
+        from astropy import units
+
+        if not own or not units.Unit(own).is_equivalent(measured.unit_of(unit, "columns")):
+            raise AttitudeError(
+                f"columns holds {text!r}, but {name} is "
+                + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
+            )
+    return found
+
+
+def _columns(content):
+    given = content.get("columns")
+    if not isinstance(given, list) or not given:
+        raise AttitudeError(
+            'columns is missing; give a list of quantities, such as ["phase_angle deg"]. There are '
+            f"{', '.join(View.columns())}."
+        )
+    return tuple(column(each) for each in given)
+
+
+def _motion(given, folder):
+    if given is None:
+        return None
+    if isinstance(given, str):
+        return spin_file.read(_file(given, folder, "spin")).motion
+    if isinstance(given, dict) and isinstance(given.get("catalog"), str):
+        from attitude import catalog
+
+        rest = {key: value for key, value in given.items() if key != "catalog"}
+        return catalog.entry(given["catalog"]).motion(**rest)
+    raise AttitudeError(
+        f'spin is {given!r}; give the name of a spin file, or {{ catalog = "name", ... }}.'
+    )
+
+
+def _place(given, name, folder):
+    if isinstance(given, (str, int)) and not isinstance(given, bool):
+        return given
+    if not isinstance(given, dict):
+        raise AttitudeError(
+            f"{name} is {given!r}; give the name of a body, or a table with one of "
+            f"{', '.join(_PLACES)}."
+        )
+    kinds = [kind for kind in _PLACES if kind in given]
+    if len(kinds) != 1:
+        raise AttitudeError(
+            f"{name} has {' and '.join(kinds) or 'none'} of {', '.join(_PLACES)}; give one of them."
+        )
+    kind = kinds[0]
+    refuse_unknown(given, (kind, *_PLACES[kind]), name)
+    rest = {key: given[key] for key in _PLACES[kind] if key in given}
+    value = given[kind]
+    if kind in ("tle", "omm", "oem"):
+        return getattr(paths, kind)(_file(value, folder, f"{name} {kind}"), **rest)
+    if kind == "spk":
+        if "target" not in rest:
+            raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
+        return paths.spk(_file(value, folder, f"{name} spk"), rest["target"])
+    if kind == "kepler":
+        return _kepler(value, name)
+    if kind == "site":
+        longitude, latitude = _pair(value, f"{name} site")
+        return paths.site(longitude, latitude, **rest)
+    return getattr(paths, kind)(value, **rest)
+
+
+def _kepler(value, name):
+    if not isinstance(value, dict):
+        raise AttitudeError(f"{name} kepler is {value!r}; give a table of elements.")
+    try:
+        return paths.kepler(**value)
+    except TypeError as err:
+        raise AttitudeError(
+            f"{name} kepler does not fit paths.kepler: {str(err).partition('() ')[2]}."
+        ) from err
+
+
+def _pair(value, name):
+    found = measured.in_unit(value, name, "rad") if isinstance(value, str) else value
+    found = gates.real(found, name, unit="rad")
+    if found.shape != (2,):
+        raise AttitudeError(
+            f'{name} is {value!r}; give longitude and latitude, as in "15.49, 47.07 deg".'
+        )
+    return found.tolist()
+
+
+def _file(value, folder, name):
+    if not isinstance(value, str):
+        raise AttitudeError(f"{name} is {value!r}; give the name of a file, in quotes.")
+    path = os.path.join(folder, os.path.expanduser(value))
+    if not os.path.isfile(path):
+        raise AttitudeError(f"{name} is {value!r}, which is no file ({path}).")
+    return path
+
+
+def _options(content, folder):
+    found = {key: content[key] for key in _OPTIONS if key in content}
+    kernel = found.get("ephemeris")
+    if kernel is not None and kernel != "builtin":
+        found["ephemeris"] = _file(kernel, folder, "ephemeris")
+    if found.get("tolerance") == "none":
+        found["tolerance"] = None
+    return found
+
+
+def _shape(given, folder):
+    if given is None:
+        return {}
+    from attitude import shape
+
+    if not isinstance(given, dict) or ("ellipsoid" in given) == ("file" in given):
+        raise AttitudeError("[shape] needs either ellipsoid = three semi-axes, or file = a mesh.")
+    known = ("ellipsoid", "file", "unit", "law", "sun_magnitude")
+    refuse_unknown(given, known, "[shape]")
+    found = {key: given[key] for key in ("law", "sun_magnitude") if key in given}
+    if "file" in given:
+        file = _file(given["file"], folder, "[shape] file")
+        found["shape"] = shape.read(file, unit=given.get("unit", "m"))
+        return found
+    axes = given["ellipsoid"]
+    axes = measured.in_unit(axes, "[shape] ellipsoid", "m") if isinstance(axes, str) else axes
+    found["shape"] = shape.Ellipsoid(axes)
+    return found
+
+
+def _times(content):
+    given = content.get("times")
+    example = '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min"'
+    if not isinstance(given, dict):
+        raise AttitudeError(f"the file has no section [times]; give it, as in {example}.")
+    refuse_unknown(given, ("start", "stop", "step", "epochs"), "[times]")
+    if "epochs" in given:
+        if len(given) > 1:
+            raise AttitudeError("[times] has epochs and others; give epochs, or start, stop, step.")
+        if not isinstance(given["epochs"], list) or not given["epochs"]:
+            raise AttitudeError("[times] epochs is no list; give dates in quotes, in brackets.")
+        return dict(given)
+    found = {}
+    for key in ("start", "stop", "step"):
+        if key not in given:
+            raise AttitudeError(f"[times] has no {key}; give it, as in {example}.")
+        value = given[key]
+        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+            raise AttitudeError(f"[times] {key} is {value!s} without quotes; write it as text.")
+        found[key] = value if isinstance(value, str) else re.sub(r"\.0$", "", repr(value))
+    return found

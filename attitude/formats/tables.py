@@ -1,0 +1,375 @@
+"""Tables for the rest of the world: astropy QTable, ECSV, FITS, CSV, parquet.
+
+Columns and meta data of a QTable, of ECSV and FITS: ``time`` (TDB, as two Julian dates: 5e-12 s),
+``wxyz`` (body to ICRF, scalar first), ``angular_velocity`` (rad/s over the body axes).
+CSV has ``utc`` (12 decimals), ``tdb_seconds`` since the first row, ``w, x, y, z`` and
+``omega_x, omega_y, omega_z``; parquet has ``tdb_jd1, tdb_jd2`` instead of the first two.  All
+numbers are written so that reading gives the same doubles.
+
+Reading takes these, and tables with similar columns: any Time column or ``jd1`` and ``jd2`` or
+``utc`` for the epochs, either spelling of the others.
+"""
+
+import os
+import warnings
+
+import numpy as np
+
+from attitude import epochs, tdb
+from attitude.attitude_table import AttitudeTable
+from attitude.errors import AttitudeError
+from attitude.formats import ccsds_epochs
+from attitude.formats import records as sources
+from attitude.formats.aside import made_whole, written_whole
+from attitude.formats.lines import NoNumber, numbers, opened
+
+KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
+_ATTITUDE = ("w", "x", "y", "z")
+_RATES = ("omega_x", "omega_y", "omega_z")
+_BATCH = 16384
+
+
+def qtable(source, *, t=None, rates=True):
+    """An astropy QTable of a history, a table or a motion with epochs.
+
+    Several segments become one after the other; ``segment`` in the meta data holds the numbers of
+    their first rows.
+    """
+    from astropy.table import vstack
+
+    parts = sources.segments(source, t)
+    with_rates = rates and all(part.has_rates for part in parts)
+    tables, first = [], []
+    for part in parts:
+        first.append(sum(map(len, tables)))
+        tables.extend(piece.table(rates=with_rates) for piece in part.pieces())
+    table = tables[0] if len(tables) == 1 else vstack(tables, metadata_conflicts="silent")
+    table.meta = {
+        "frame": "ICRF",
+        "wxyz": "body to ICRF, scalar first",
+        "segment": first,
+        **_interpolation(parts[0]),
+    }
+    for key in ("object_name", "object_id", "center"):
+        if parts[0].meta.get(key):
+            table.meta[key] = parts[0].meta[key]
+    return table
+
+
+def from_table(table, origin="the table"):
+    """An AttitudeTable of an astropy table; see the top of the file for its columns."""
+    time = _times(table, origin)
+    wxyz = _columns(table, "wxyz", _ATTITUDE, origin, unit=None)
+    if wxyz is None:
+        raise AttitudeError(f"{origin}: it has no attitudes; give a column wxyz, or w, x, y, z.")
+    rates = _columns(table, "angular_velocity", _RATES, origin, unit="rad/s")
+    meta = {str(key).lower(): value for key, value in table.meta.items()}
+    starts = meta.get("segment", [0])
+    method, degree = meta.get("method"), meta.get("degree")
+    return _segmented(time, wxyz, rates, starts, method, degree, meta, origin)
+
+
+def read(path):
+    """A file of any of these kinds as an AttitudeTable; its ending tells the kind.
+
+    Raises
+    ------
+    AttitudeError
+        With the file, and for CSV the line, for what is wrong.
+    """
+    kind = kind_of(path)
+    if kind == "csv":
+        return _read_csv(path)
+    if kind == "parquet":
+        return _read_parquet(path)
+    from astropy.table import QTable
+
+    origin = os.fspath(path)
+    try:
+        with open(path, "rb"):
+            pass
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            given = (
+                {"format": "ascii.ecsv"}
+                if kind == "ecsv"
+                else {"format": "fits", "astropy_native": True}
+            )
+            table = QTable.read(origin, **given)
+    except OSError as err:
+        raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
+    except Exception as err:  # what astropy raises for broken files is of any kind
+        reason = " ".join(str(err).split())[:200] or type(err).__name__
+        raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
+    return from_table(table, origin)
+
+
+def write(path, source, *, t=None, rates=True):
+    """Write a file of any of these kinds; its ending tells the kind.
+
+    CSV and parquet are written piece by piece; ECSV and FITS are made in memory by astropy.
+    """
+    kind = kind_of(path)
+    if kind == "csv":
+        _write_csv(path, source, t, rates)
+    elif kind == "parquet":
+        _write_parquet(path, source, t, rates)
+    else:
+        table = qtable(source, t=t, rates=rates)
+        with made_whole(path, "the table") as aside:
+            if kind == "ecsv":
+                table.write(aside, format="ascii.ecsv", serialize_method="jd1_jd2", overwrite=True)
+            else:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # lower-case keywords become upper-case
+                    table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
+                    table.write(aside, format="fits", overwrite=True)
+
+
+def kind_of(path):
+    """The kind of a file by its ending."""
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    if ending not in KINDS:
+        raise AttitudeError(
+            f"{os.fspath(path)!r} ends in {ending!r}; tables end in {', '.join(KINDS)}."
+        )
+    return KINDS[ending]
+
+
+def _interpolation(part):
+    if part.table is None:
+        return {}
+    return {"method": part.table.method, "degree": part.table.degree}
+
+
+def _times(table, origin):
+    """TDB in two doubles since J2000."""
+    from astropy.time import Time
+
+    for name in table.colnames:
+        if isinstance(table[name], Time):
+            given = table[name]
+            break
+    else:
+        pairs = [("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")]
+        found = [pair for pair in pairs if set(pair) <= set(table.colnames)]
+        if found:
+            jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in found[0])
+            return tdb.seconds_from_jd(jd1, jd2)
+        if "utc" not in table.colnames:
+            raise AttitudeError(
+                f"{origin}: it has no epochs; give a Time column, or jd1 and jd2 (TDB), or utc."
+            )
+        given = [str(text) for text in table["utc"]]
+    try:
+        hi, lo = epochs.seconds_since(epochs.Instant(0.0), given)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+    return hi, lo
+
+
+def _columns(table, name, names, origin, unit):
+    from attitude import gates
+
+    if name in table.colnames:
+        given = table[name]
+    elif set(names) <= set(table.colnames):
+        given = np.stack([_plain(table[each], unit) for each in names], axis=-1)
+    else:
+        return None
+    try:
+        return gates.real(given, name, shape=(len(table), len(names)), unit=unit)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+
+
+def _plain(column, unit):
+    value = getattr(column, "to_value", None)
+    return np.asarray(value(unit) if value is not None and unit else column, dtype=np.float64)
+
+
+def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
+    hi, lo = time
+    try:
+        starts = starts.split(",") if isinstance(starts, str) else starts
+        starts = [int(start) for start in np.atleast_1d(starts)]
+        if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
+            raise AttitudeError("the first rows of its segments do not increase within the table.")
+        degree = None if degree is None else int(degree)
+        epoch = epochs.Instant(float(hi[0]), float(lo[0]))
+        hi, lo = tdb.add((hi, lo), -epoch.seconds, -epoch.low)
+        parts = []
+        for start, stop in zip(starts, [*starts[1:], len(hi)], strict=True):
+            k = slice(start, stop)
+            parts.append(
+                AttitudeTable(
+                    epoch,
+                    np.array(hi[k]),
+                    wxyz[k],
+                    low=np.array(lo[k]),
+                    angular_velocity=None if rates is None else rates[k],
+                    method=method,
+                    degree=degree,
+                    meta=meta,
+                )
+            )
+        return AttitudeTable.joined(parts)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+    except (ValueError, TypeError, IndexError, AttributeError) as err:
+        raise AttitudeError(f"{origin}: its epochs or its meta data are broken ({err}).") from err
+
+
+# CSV ----------------------------------------------------------------------------------------------
+
+
+def _write_csv(path, source, t, rates):
+    parts = sources.segments(source, t)
+    if len(parts) != 1:
+        raise AttitudeError(
+            f"{len(parts)} segments are given; CSV holds one. Write ECSV, FITS or an AEM."
+        )
+    part = parts[0]
+    rates = rates and part.has_rates
+    names = ["utc", "tdb_seconds", *_ATTITUDE, *(_RATES if rates else ())]
+    ends, rest = part.first_and_last()
+    with written_whole(path, "the table") as file:
+        file.write(",".join(names) + "\n")
+        for history in part.pieces():
+            dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
+            low = 0.0 if history.low is None else history.low
+            since = (history.seconds - ends[0]) + (low - rest[0])
+            columns = [since.tolist(), *history.wxyz.T.tolist()]
+            if rates:
+                columns += history.angular_velocity.T.tolist()
+            pattern = "%s" + ",%r" * len(columns) + "\n"
+            file.write("".join([pattern % row for row in zip(dates, *columns, strict=True)]))
+
+
+def _read_csv(path):
+    from attitude.formats.axes import named
+    from attitude.formats.segment import Rows
+
+    with opened(path) as lines:
+        names = _csv_names(lines)
+        kind = "QUATERNION/ANGVEL" if _RATES[0] in names else "QUATERNION"
+        wanted = [*_ATTITUDE, *(_RATES if kind.endswith("ANGVEL") else ())]
+        places = [names.index(name) for name in wanted]
+        where = names.index("utc")
+        rows = Rows("utc", len(wanted))
+        batch, at = [], []
+        for line in lines:
+            if not line.strip():
+                continue
+            parts = line.split(b",")
+            if len(parts) != len(names):
+                raise lines.fault(
+                    f"it has {len(parts)} columns; the first line names {len(names)}."
+                )
+            batch.extend(parts)
+            at.append(lines.number)
+            if len(at) == _BATCH:
+                _take_csv(rows, batch, at, where, places, wanted, lines)
+                batch, at = [], []
+        _take_csv(rows, batch, at, where, places, wanted, lines)
+        if not rows.count:
+            raise lines.fault("the file has no rows.")
+        from attitude.formats.attitude_types import Convention
+
+        how = Convention(scalar_first=True, in_radians=True)
+        return rows.table(kind, how, named("ICRF"), lines.fault, meta={"format": "CSV"})
+
+
+def _csv_names(lines):
+    for line in lines:
+        text = lines.text(line).strip()
+        if text and not text.startswith("#"):
+            names = [name.strip().strip('"') for name in text.split(",")]
+            lacking = [name for name in ("utc", *_ATTITUDE) if name not in names]
+            some = [name for name in _RATES if name in names]
+            if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
+                raise lines.fault(
+                    f"the first line names {', '.join(names)[:200]}; it must name utc, "
+                    f"{', '.join(_ATTITUDE)} and none or all of {', '.join(_RATES)}, each once."
+                )
+            return names
+    raise lines.fault("the file is empty.")
+
+
+def _take_csv(rows, batch, at, where, places, wanted, lines):
+    if not at:
+        return
+    step = len(batch) // len(at)
+    try:
+        values = numbers(batch, step, places)
+    except NoNumber as err:
+        raise lines.fault(
+            f"{wanted[err.column]} is {err.shown}, which is no number.", at[err.line]
+        ) from err
+    rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
+
+
+# parquet ------------------------------------------------------------------------------------------
+
+
+def _pyarrow():
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as err:
+        raise AttitudeError(
+            "parquet files need pyarrow, which is not installed: pip install pyarrow."
+        ) from err
+    return pyarrow
+
+
+def _write_parquet(path, source, t, rates):
+    import json
+
+    pyarrow = _pyarrow()
+    parts = sources.segments(source, t)
+    rates = rates and all(part.has_rates for part in parts)
+    names = ["tdb_jd1", "tdb_jd2", *_ATTITUDE, *(_RATES if rates else ())]
+    starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
+    said = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
+    schema = pyarrow.schema(
+        [(name, pyarrow.float64()) for name in names],
+        metadata={"attitude": json.dumps(said), "wxyz": "body to ICRF, scalar first"},
+    )
+    with (
+        made_whole(path, "the table") as aside,
+        pyarrow.parquet.ParquetWriter(aside, schema) as writer,
+    ):
+        for part in parts:
+            for history in part.pieces():
+                low = 0.0 if history.low is None else history.low
+                time = tdb.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
+                columns = [*tdb.jd_from_seconds(*time), *history.wxyz.T]
+                if rates:
+                    columns += [*history.angular_velocity.T]
+                arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
+                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+
+
+def _read_parquet(path):
+    import json
+
+    pyarrow = _pyarrow()
+    origin = os.fspath(path)
+    try:
+        table = pyarrow.parquet.read_table(origin)
+        said = json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
+    except OSError as err:
+        reason = " ".join(str(err).split())[:200]
+        raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
+    except (pyarrow.ArrowException, ValueError, TypeError) as err:
+        reason = " ".join(str(err).split())[:200]
+        raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
+    from astropy.table import Table
+
+    try:
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        found = Table(columns, meta=said if isinstance(said, dict) else {})
+    except (ValueError, TypeError, pyarrow.ArrowException) as err:
+        raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
+    return from_table(found, origin)

@@ -1,0 +1,90 @@
+"""XML out of files that nobody vouches for: no document type, no entities, no external references.
+
+expat, the standard library's parser, fetches nothing by itself and knows entities only from a
+document type declaration; a file that has one is refused before anything in it is read.
+"""
+
+import os
+from xml.parsers import expat
+
+from attitude.errors import AttitudeError
+from attitude.formats.lines import unreadable
+
+_PIECE = 1 << 16
+_DEEPEST = 32
+_LONGEST = 20_000
+
+
+class Events:
+    """Calls what a subclass does with elements: `begin(tag, attributes)`, `end(tag, text)`.
+
+    `line` is that of the file where the parser stands.
+    """
+
+    def __init__(self, path):
+        self.path = os.fspath(path)
+        self._depth = 0
+        self._text, self._length = [], 0
+        self._error = None
+        parser = self._parser = expat.ParserCreate()
+        parser.buffer_text = True
+        parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
+        parser.StartDoctypeDeclHandler = self._refuse_document_type
+        parser.EntityDeclHandler = self._refuse_entities
+        parser.ExternalEntityRefHandler = self._refuse_entities
+        parser.SkippedEntityHandler = self._refuse_entities
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._stop
+        parser.CharacterDataHandler = self._characters
+
+    @property
+    def line(self):
+        return self._parser.CurrentLineNumber
+
+    def fault(self, sentence, line=None):
+        return AttitudeError(f"{self.path}, line {line or self.line}: {sentence}")
+
+    def run(self):
+        try:
+            with open(self.path, "rb") as file:
+                while piece := file.read(_PIECE):
+                    self._parser.Parse(piece, False)
+            self._parser.Parse(b"", True)
+        except expat.ExpatError as err:
+            raise self.fault(
+                f"it is not well-formed XML ({expat.ErrorString(err.code)}).", err.lineno
+            ) from err
+        except (LookupError, ValueError) as err:
+            if isinstance(err, AttitudeError):
+                raise
+            raise self.fault(f"its encoding cannot be read ({err}); give UTF-8.") from err
+        except OSError as err:
+            raise unreadable(self.path, err) from err
+
+    def _start(self, tag, attributes):
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise self.fault(f"its elements are nested deeper than {_DEEPEST}.")
+        self._text, self._length = [], 0
+        self.begin(tag, attributes)
+
+    def _stop(self, tag):
+        self._depth -= 1
+        text = "".join(self._text).strip() if self._text else ""
+        self._text, self._length = [], 0
+        self.end(tag, text)
+
+    def _characters(self, text):
+        self._length += len(text)
+        if self._length > _LONGEST:
+            raise self.fault(f"a text in it is longer than {_LONGEST} characters.")
+        self._text.append(text)
+
+    def _refuse_document_type(self, *_):
+        raise self.fault(
+            "it has a document type declaration, in which entities and external references can "
+            "hide; such files are refused. CCSDS messages have none: delete it."
+        )
+
+    def _refuse_entities(self, *_):
+        raise self.fault("it refers to an entity; such files are refused.")

@@ -1,0 +1,142 @@
+"""C-kernels: SPICE itself, asked at random epochs, is the witness."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
+from attitude.attitude_table import AttitudeTable
+
+spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+from attitude.formats import ck  # noqa: E402
+
+SPIN = Spin(
+    epoch="2026-01-01T00:00:00.123", wxyz=(1, 2, 3, 4), angular_velocity=(0.001, 0.0175, 0.001)
+)
+MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
+
+
+def apart(p, q):
+    d = quaternion.multiply(quaternion.conjugate(p), q)
+    return np.max(2.0 * np.arctan2(np.linalg.norm(d[..., 1:], axis=-1), np.abs(d[..., 0])))
+
+
+def exact(et):
+    """The motion at doubles of TDB seconds past J2000."""
+    seconds = (et - SPIN.epoch.seconds) - SPIN.epoch.low
+    low = ((et - SPIN.epoch.seconds) - seconds) - SPIN.epoch.low
+    return MOTION.at(seconds, low)
+
+
+@pytest.fixture
+def loaded():
+    kernels = []
+
+    def load(*names):
+        for name in names:
+            spice.furnsh(name)
+            kernels.append(name)
+
+    yield load
+    for name in kernels:
+        spice.unload(name)
+
+
+@pytest.mark.parametrize(
+    ("kind", "tolerance", "rate_tolerance", "span"),
+    [
+        (5, 1e-9, None, 36000.0),
+        (5, 1e-12, 1e-12, 300_000.0),  # two segments
+        (5, 1e-4, 1e-10, 3600.0),
+        (3, 1e-6, None, 3600.0),
+    ],
+)
+def test_spice_reads_the_motion_within_the_tolerances(
+    tmp_path, loaded, kind, tolerance, rate_tolerance, span
+):
+    how = {"kind": kind, "tolerance": tolerance, "rate_tolerance": rate_tolerance}
+    made = ck.write(tmp_path / "a.bc", MOTION, 0.0, span, **how)
+    assert made.error <= tolerance
+    rate_tolerance = rate_tolerance or tolerance * 0.02
+    loaded(*made.kernels)
+    start = SPIN.epoch.seconds
+    et = start + np.random.default_rng(9).uniform(0.01, span - 0.01, 500)
+    true = exact(et)
+    for k, second in enumerate(et):
+        matrix = spice.pxform("J2000", "TUMBLER", second)
+        # SPICE's epochs are doubles: et is taken as it is, and the kernel is exact there
+        assert np.max(np.abs(matrix - true.dcm[k])) < tolerance + 4e-15
+        again, rate, _ = spice.ckgpav(-999000, spice.sce2c(-999, second), 0.0, "J2000")
+        assert np.max(np.abs(again - true.dcm[k])) < tolerance + 4e-15
+        assert np.max(np.abs(rate - true.angular_velocity_inertial[k])) < rate_tolerance
+    cover = spice.ckcov(made.kernels[0], -999000, True, "INTERVAL", 0.0, "TDB")
+    ends = [spice.wnfetd(cover, 0)[0], spice.wnfetd(cover, spice.wncard(cover) - 1)[1]]
+    assert abs(ends[0] - start) < 2e-7 and abs(ends[1] - start - span) < 2e-7
+
+
+def test_the_attitude_is_read_back_through_spice(tmp_path):
+    made = ck.write(tmp_path / "a.bc", MOTION, 0.0, 600.0, tolerance=1e-11)
+    with ck.KernelAttitude(made.kernels, "TUMBLER") as kernel:
+        t = np.random.default_rng(1).uniform(1.0, 599.0, (7, 3))
+        times = MOTION.at(t).time
+        read = kernel.at(times)
+        # dates of 5e-12 s; what SPICE's double leaves out is put back
+        assert apart(read.wxyz, MOTION.at(t).wxyz) < 3e-11
+        off = read.angular_velocity - MOTION.at(t).angular_velocity
+        assert np.max(np.abs(off)) < 1e-9  # rad/s: rates are those of the double, 1e-7 s away
+        assert read.wxyz.shape == (7, 3, 4)
+        assert np.isnan(kernel.at([np.nan]).wxyz).all()
+        with pytest.raises(AttitudeError, match="no attitude of TUMBLER"):
+            kernel.at("2027-01-01")
+        with pytest.raises(AttitudeError, match="no moments of inertia"):
+            kernel.angular_acceleration_from(np.zeros(3))
+    with pytest.raises(AttitudeError, match="no attitude"):
+        kernel.at(times)  # closed
+
+
+def test_a_table_becomes_a_kernel(tmp_path):
+    table = AttitudeTable.from_history(MOTION.at(np.arange(0.0, 601.0, 5.0)))
+    made = ck.write(tmp_path / "a.bc", table, 0.0, 600.0, tolerance=1e-6)
+    with ck.KernelAttitude(made.kernels, "TUMBLER") as kernel:
+        t = table.epoch.after(77.7).time
+        assert apart(kernel.at(t).wxyz, MOTION.at(77.7).wxyz) < 2e-6
+
+
+def test_a_body_at_rest_and_one_that_spins_steadily(tmp_path):
+    for rates in ((0, 0, 0), (0, 0, 0.01)):
+        spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=rates)
+        motion = FreeRotation(Body(moments=(1, 2, 2.5)), spin)
+        made = ck.write(tmp_path / "a.bc", motion, 0.0, 1e5, tolerance=1e-9)
+        assert made.error < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("how", "sentence"),
+    [
+        ({"kind": 2}, "types 3 and 5"),
+        ({"tolerance": 0.0}, "tolerance is"),
+        ({"rate_tolerance": -1.0}, "rate_tolerance is"),
+        ({"name": "two words"}, "name is"),
+        ({"instrument": 5}, "instrument is 5"),
+        ({"stop": 0.0}, "not after start"),
+        ({"kind": 3, "tolerance": 1e-13, "stop": 1e7}, "records, more than"),
+    ],
+)
+def test_what_cannot_be_written(tmp_path, how, sentence):
+    settings = {"start": 0.0, "stop": 100.0, **how}
+    with pytest.raises(AttitudeError, match=sentence):
+        ck.write(tmp_path / "a.bc", MOTION, **settings)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(AttitudeError, match=r"\.bc"):
+        ck.write(tmp_path / "a.ck", MOTION, 0.0, 1.0)
+
+
+def test_unknown_frames_and_broken_kernels(tmp_path):
+    with pytest.raises(AttitudeError, match="do not define"):
+        ck.KernelAttitude([], "NOWHERE")
+    junk = tmp_path / "junk.bc"
+    junk.write_bytes(b"DAF/CK  " + bytes(3000))
+    with pytest.raises(AttitudeError):
+        ck.KernelAttitude(junk, "J2000")
+    with pytest.raises(AttitudeError, match="cannot load"):
+        ck.KernelAttitude(tmp_path / "none.bc", "J2000")
+    assert spice.ktotal("ALL") == 0

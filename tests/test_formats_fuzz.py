@@ -1,0 +1,172 @@
+"""Readers of mutated files: an answer or an AttitudeError, never another exception, no hang."""
+
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude.formats import aem, apm, damit, stk, tables, which
+
+DATA = Path(__file__).parent / "data"
+SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
+MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
+HISTORY = MOTION.at(np.arange(12) / 3.0)
+# What breaks number and date parsers, keyword tables and line counts.
+NASTY = [
+    *(b"nan", b"inf", b"-1e999", b"1e-400", b"1_0", b"0x10", b"", b"=", b"\n\n", b"\r\n"),
+    *(b"META_START\n", b"META_STOP\n", b"DATA_STOP\n", b"DATA_START\n", b"COMMENT x\n", b"</data>"),
+    *(b"2026-02-30T00:00:00", b"0000-01-01T00:00:00", b"9999-12-31T23:59:60", b"2026-366T0:0:0"),
+    *(b"\x00", b"\xff", b"\xef\xbb\xbf", b"&amp;", b"&x;", b"<!DOCTYPE a>", b"]]>", b"<![CDATA["),
+    *(b"SPIN/NUTATION", b"EULER_ANGLE/RATE", b"QUATERNION/DERIVATIVE", b"ITRF", b"LVLH", b"FIRST"),
+    *(b"1e308", b"-0", b"99999999999999999999", b"\xd9\xa3", "²".encode(), b" " * 300, b"UT1"),
+    *(b"TCB", b"UTC", b"321", b"[rad]", b"9" * 400, b"END Attitude\n", b"Sequence 313\n"),
+]
+
+
+@cache
+def samples():
+    """Name -> (bytes, ending)."""
+    import tempfile
+
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+
+        def keep(name, ending, write, *arguments, **how):
+            path = Path(folder) / f"{name}.{ending}"
+            write(path, *arguments, **how)
+            found[name] = path.read_bytes(), ending
+
+        keep("aem 2", "aem", aem.write, HISTORY)
+        keep("aem 1", "aem", aem.write, [HISTORY[:5], HISTORY[6:]], version="1.0")
+        keep("aem spin", "aem", aem.write, HISTORY, kind="SPIN/NUTATION")
+        keep("aem euler", "aem", aem.write, HISTORY, kind="EULER_ANGLE/DERIVATIVE")
+        keep("aem xml", "xml", aem.write, HISTORY[:4], xml=True)
+        keep("aem xml 1", "xml", aem.write, HISTORY[:3], xml=True, version="1.0", scalar_first=True)
+        keep("apm", "apm", apm.write, MOTION)
+        keep("apm xml", "xml", apm.write, MOTION, xml=True)
+        keep("apm xml 1", "xml", apm.write, MOTION, xml=True, version="1.0")
+        keep("stk", "a", stk.write, HISTORY)
+        keep("stk euler", "a", stk.write, HISTORY, section="AttitudeTimeEulerAngles")
+        keep("csv", "csv", tables.write, HISTORY)
+        keep("ecsv", "ecsv", tables.write, HISTORY[:4])
+        keep("fits", "fits", tables.write, HISTORY[:4])
+        spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0, 0, 1e-3))
+        keep("damit", "spin", damit.write, FreeRotation(Body(moments=(1, 2, 2.5)), spin))
+        for name in ("two-segments.aem", "st5-224.aem", "spinner-1.apm"):
+            found[name] = (DATA / name).read_bytes(), name[-3:]
+    return found
+
+
+NAMES = [
+    *("aem 2", "aem 1", "aem spin", "aem euler", "aem xml", "aem xml 1", "apm", "apm xml"),
+    *("apm xml 1", "stk", "stk euler", "csv", "ecsv", "fits", "damit", "two-segments.aem"),
+    *("st5-224.aem", "spinner-1.apm"),
+]
+
+
+@st.composite
+def mutations(draw):
+    """A function from bytes to other bytes."""
+    steps = draw(
+        st.lists(
+            st.tuples(
+                st.sampled_from(["flip", "cut", "drop", "repeat", "insert", "replace", "lines"]),
+                st.floats(0.0, 1.0, exclude_max=True),
+                st.floats(0.0, 1.0, exclude_max=True),
+                st.integers(0, 255),
+                st.sampled_from(NASTY),
+            ),
+            min_size=1,
+            max_size=4,
+        )
+    )
+
+    def mutated(data):
+        for kind, first, second, byte, nasty in steps:
+            data = _mutated(data, kind, first, second, byte, nasty)
+        return data
+
+    return mutated
+
+
+def _mutated(data, kind, first, second, byte, nasty):
+    place = int(first * len(data))
+    length = 1 + int(second * 40)
+    if kind == "flip":
+        return data[:place] + bytes([byte]) + data[place + 1 :]
+    if kind == "cut":
+        return data[:place]
+    if kind == "drop":
+        return data[:place] + data[place + length :]
+    if kind == "repeat":
+        return data[: place + length] + data[place:]
+    if kind == "insert":
+        return data[:place] + nasty + data[place:]
+    if kind == "replace":  # a whole word
+        words = data.split(b" ")
+        words[int(first * len(words))] = nasty
+        return b" ".join(words)
+    lines = data.split(b"\n")
+    i, j = int(first * len(lines)), int(second * len(lines))
+    lines[i], lines[j] = lines[j], lines[i]
+    return b"\n".join(lines)
+
+
+def hunted(tmp_path, name, mutation):
+    data, ending = samples()[name]
+    path = tmp_path / f"mutated.{ending}"
+    path.write_bytes(mutation(data))
+    start = time.monotonic()
+    try:
+        found = which.read(path)
+        found.at(found.history.time[:1] if hasattr(found, "history") else 0.0)
+    except AttitudeError as err:
+        assert str(err)
+    assert time.monotonic() - start < 20.0  # seconds, on a busy machine
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(
+    max_examples=40,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+@given(mutation=mutations())
+def test_mutated_files(tmp_path, name, mutation):
+    hunted(tmp_path, name, mutation)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+@settings(
+    max_examples=400,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+@given(mutation=mutations())
+def test_many_mutated_files(tmp_path, name, mutation):
+    hunted(tmp_path, name, mutation)
+
+
+@settings(
+    max_examples=60,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.binary(max_size=400), ending=st.sampled_from([*which.ENDINGS, ".txt"]))
+def test_any_bytes(tmp_path, data, ending):
+    path = tmp_path / f"any{ending}"
+    path.write_bytes(data)
+    if ending == ".bc" or data.startswith(b"DAF/CK"):
+        return
+    try:
+        which.read(path)
+    except AttitudeError as err:
+        assert str(err)
