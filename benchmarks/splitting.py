@@ -1,0 +1,477 @@
+"""How good are the splitting integrators around the exact free rotation, and what do they cost?
+
+Prints, and with --output draws,
+
+    cost       of the exact short step, of a step under gravity gradient, and of the torque in it
+    orders     attitude error of each scheme on an eccentric orbit against a 34-digit integration
+    circular   T + V - n L (normal), conserved on a circular orbit, over many orbits: the exact
+               splitting beside those that split the kinetic energy too, at the same step
+    dop853     100 rotations under gravity gradient against DOP853 at 1e-13
+    referee    error against cost of integrators of the free rotation
+    impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
+
+    python benchmarks/splitting.py [--quick] [--output docs/figures] [part ...]
+
+All parts take some ten minutes, with --quick one.
+"""
+
+import argparse
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+from mpmath import mp, mpf
+from record import processor, writable_folder
+
+from attitude import Body, Spin
+from attitude.arcs import Arcs, Impulse
+from attitude.referee import compare
+from attitude.schemes import SCHEMES
+from attitude.solution import rivals
+from attitude.solution.attach import turned_by
+from attitude.solution.machine import compiled, inlined
+from attitude.solution.march import march
+from attitude.solution.step import advance, gains
+from attitude.splitting import TorquedRotation
+from attitude.torques import ConstantTorque, GravityGradient
+from tests.gragg import EccentricOrbit, integrate
+from tests.oracle import Oracle, conjugate, multiply, rotation_error
+
+BODY = Body(moments=(10, 20, 26))
+SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
+TURN = 2.0 * np.pi
+# On the circular orbit: units in which GM = a = n = 1, the body turning 12 times an orbit.
+RATES = (6.0, 3.0, 10.0)
+START = (1.0, 0.2, 0.3, 0.4)
+STEPS_AN_ORBIT = 1000
+
+
+def best(run, repeats):
+    costs = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        run()
+        costs.append(time.perf_counter() - begin)
+    return min(costs)
+
+
+# Cost ---------------------------------------------------------------------------------------------
+
+
+@compiled
+def flights(m, h, count, state):
+    moments = m[0], m[1], m[2]
+    k = gains(moments)
+    for _ in range(count):
+        advance(moments, k, h, state)
+
+
+def cost(quick, output):
+    # Short runs and many: the best one is what the machine does when left alone.
+    count, repeats = 4_000, 100 if quick else 400
+    print("what one step costs, ns (the best of many runs)")
+    state = np.zeros(14)
+    state[0], state[4:7] = 1.0, SPIN.angular_velocity
+    for angle in (0.01, 0.1, 0.25, 0.5, 1.0):
+        h = angle / np.hypot.reduce(state[4:7])
+        flights(BODY.moments, h, 1, state)
+        seconds = best(lambda h=h: flights(BODY.moments, h, count, state), repeats)
+        print(f"  exact free step, {angle:5.2f} rad           {seconds / count * 1e9:8.0f}")
+    h = 0.1 / np.hypot.reduce(SPIN.angular_velocity)
+    for name in SCHEMES:
+        each = {}
+        for torque in (ConstantTorque((0, 0, 0)), GravityGradient(circular, 1.0)):
+            if name == "force-gradient" and isinstance(torque, ConstantTorque):
+                continue
+            system = TorquedRotation(BODY, SPIN, torque, step=h, scheme=name)._system
+            rows = count * len(system.scheme.flights) + 1
+            given = system.sampled(h * np.arange(float(rows)))
+            kept = np.empty((1, 14))
+
+            def run(system=system, given=given, kept=kept):
+                march(*system.setup, system.start.copy(), 0.0, h, count, given, kept, count)
+
+            run()
+            each[type(torque).__name__] = best(run, repeats) / count * 1e9
+        shown = ", ".join(f"{key} {value:.0f}" for key, value in each.items())
+        print(f"  step of {name:20s}        {shown}")
+
+
+# Orders -------------------------------------------------------------------------------------------
+
+
+def eccentric_path(seconds, e=0.3):
+    anomaly = seconds + e * np.sin(seconds)
+    for _ in range(20):
+        anomaly += (seconds - anomaly + e * np.sin(anomaly)) / (1.0 - e * np.cos(anomaly))
+    x, y = np.cos(anomaly) - e, np.sqrt(1.0 - e * e) * np.sin(anomaly)
+    return np.stack([x, y, 0.0 * x], axis=-1)
+
+
+def orders(quick, output):
+    span, start, w = TURN, (0.5, 0.5, 0.5, 0.5), (1.0, 4.0, 0.5)
+    with mp.workdps(34):
+        orbit = EccentricOrbit((10, 20, 26), mpf(0.3))
+        y = [mpf(x) for x in (*start, *w)]
+        exact = integrate(orbit.slope, mpf(0), y, mpf(span), 40, 14)
+        finer = None if quick else integrate(orbit.slope, mpf(0), y, mpf(span), 60, 14)
+        if finer:
+            apart = max(abs(a - b) for a, b in zip(exact, finer, strict=True))
+            print(
+                f"34-digit integration: 40 and 60 steps of order 28 differ by {mp.nstr(apart, 2)}"
+            )
+    counts = [2**k for k in range(8, 12 if quick else 15)]
+    print(
+        f"one eccentric orbit (e = 0.3), {span * math.hypot(*w) / TURN:.1f} rotations: error, rad"
+    )
+    print(f"{'steps':>22s}" + "".join(f"{n:>9d}" for n in counts) + "   order")
+    spin = Spin(epoch="2026-01-01", wxyz=start, angular_velocity=w)
+    found = {}
+    for name in SCHEMES:
+        errors = []
+        for n in counts:
+            motion = TorquedRotation(
+                BODY, spin, GravityGradient(eccentric_path, 1.0), step=span / n, scheme=name
+            )
+            errors.append(rotation_error(motion.at(span).wxyz, exact[:4], signed=True))
+        found[name] = errors
+        order = math.log2(errors[0] / errors[2]) / 2.0
+        print(f"{name:>22s}" + "".join(f"{e:9.1e}" for e in errors) + f"{order:8.2f}")
+    if output:
+        draw_orders(np.array(counts), found, output)
+
+
+def draw_orders(counts, found, output):
+    figure, axes = new_figure()
+    for name, errors in found.items():
+        work = counts * max(SCHEMES[name].evaluations, 1)
+        axes.loglog(work, errors, "o-", label=f"{name} (order {SCHEMES[name].order})", ms=4)
+    axes.set(
+        xlabel="torque evaluations an orbit",
+        ylabel="attitude error after one orbit (rad)",
+        title="Gravity gradient, e = 0.3, against a 34-digit integration",
+    )
+    save(figure, axes, output, "splitting_orders.png")
+
+
+# Circular orbit -----------------------------------------------------------------------------------
+
+
+def circular(seconds):
+    return np.stack([np.cos(seconds), np.sin(seconds), 0.0 * seconds], axis=-1)
+
+
+@inlined
+def gravity_kick(m, q, w, x, y, h):
+    u = turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, 0.0))
+    return (
+        w[0] + 3.0 * h * (m[2] - m[1]) / m[0] * u[1] * u[2],
+        w[1] + 3.0 * h * (m[0] - m[2]) / m[1] * u[2] * u[0],
+        w[2] + 3.0 * h * (m[1] - m[0]) / m[2] * u[0] * u[1],
+    )
+
+
+@inlined
+def jacobi(m, q, w, x, y):
+    u = turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, 0.0))
+    kinetic = 0.5 * (m[0] * w[0] * w[0] + m[1] * w[1] * w[1] + m[2] * w[2] * w[2])
+    potential = 1.5 * (m[0] * u[0] * u[0] + m[1] * u[1] * u[1] + m[2] * u[2] * u[2])
+    normal = turned_by(q, (m[0] * w[0], m[1] * w[1], m[2] * w[2]))[2]
+    return kinetic + potential - normal
+
+
+@compiled
+def classical(kind, m, start, points, orbits, out):
+    """Kick-rotate-kick with the free motion of another scheme; extremes of each window in out.
+
+    points: cosines and sines (2, steps an orbit + 1); out (windows, 2), `orbits` in all.
+    """
+    i = m[0], m[1], m[2]
+    q = start[0], start[1], start[2], start[3]
+    w = start[4], start[5], start[6]
+    steps = points.shape[1] - 1
+    h = 2.0 * math.pi / steps
+    first = jacobi(i, q, w, points[0, 0], points[1, 0])
+    each = orbits // len(out)
+    for window in range(len(out)):
+        least, most = math.inf, -math.inf
+        for _ in range(each):
+            for k in range(steps):
+                w = gravity_kick(i, q, w, points[0, k], points[1, k], 0.5 * h)
+                q, w = rivals.one_step(kind, i, q, w, h)
+                w = gravity_kick(i, q, w, points[0, k + 1], points[1, k + 1], 0.5 * h)
+                error = jacobi(i, q, w, points[0, k + 1], points[1, k + 1]) / first - 1.0
+                least, most = min(least, error), max(most, error)
+        out[window, 0], out[window, 1] = least, most
+
+
+def extremes(history, gradient, first):
+    w = history.angular_velocity
+    kinetic = 0.5 * np.sum(w * w * BODY.moments, axis=-1)
+    normal = history.body_to_inertial(w * BODY.moments)[..., 2]
+    value = kinetic + gradient.potential(BODY, history) - normal
+    first = value[0] if first is None else first
+    return first, value / first - 1.0
+
+
+def circular_orbit(quick, output):
+    """Each scheme's conserved energy, by windows of the whole time."""
+    orbits, windows = (2_000, 20) if quick else (100_000, 50)
+    points = np.stack([f(np.linspace(0.0, TURN, STEPS_AN_ORBIT + 1)) for f in (np.cos, np.sin)])
+    start = np.concatenate([np.array(START) / np.sqrt(np.dot(START, START)), RATES])
+    turn = TURN / STEPS_AN_ORBIT * math.hypot(*RATES)
+    print(f"circular orbit, {orbits} orbits, {STEPS_AN_ORBIT} steps each ({turn:.3f} rad a step):")
+    print("largest relative error of T + V - n L, first and last window, and its drift in an orbit")
+    found = {}
+    for name, kind in (("dlm", rivals.DLM), ("reich", rivals.REICH), ("exact", rivals.EXACT)):
+        out = np.empty((windows, 2))
+        begin = time.perf_counter()
+        classical(kind, BODY.moments, start, points, orbits, out)
+        report(name, out, orbits, time.perf_counter() - begin, found)
+    some = orbits // 20 if not quick else orbits
+    spin = Spin(epoch="2026-01-01", wxyz=START, angular_velocity=RATES)
+    gradient = GravityGradient(circular, 1.0)
+    for name in ("kick-rotate-kick", "hoa", "blanes-moan", "force-gradient"):
+        step = TURN / STEPS_AN_ORBIT
+        motion = TorquedRotation(BODY, spin, gradient, step=step, scheme=name)
+        out, first = np.empty((10, 2)), None
+        begin = time.perf_counter()
+        for window in range(10):
+            t = TURN * some / 10 * (window + np.linspace(0.0, 1.0, 2001))
+            first, error = extremes(motion.at(t), gradient, first)
+            out[window] = error.min(), error.max()
+        report(name, out, some, time.perf_counter() - begin, found)
+    ratio = {name: spread(found[name][0]) / spread(found["exact"][0]) for name in ("dlm", "reich")}
+    print(
+        "ratio of the energy error to that of kick-rotate-kick with the exact free motion, at the "
+        f"same step: Dullweber-Leimkuhler-McLachlan {ratio['dlm']:.0f}, Reich {ratio['reich']:.0f}"
+    )
+    print(
+        "the same ratio for a faster spin at the same turn a step, whose torque is weaker beside "
+        "it: Dullweber-Leimkuhler-McLachlan, Reich"
+    )
+    for times in (1, 2, 4, 8):
+        dlm, reich = ratios_of_faster_spin(points, start, times)
+        print(f"  {times * math.hypot(*RATES):5.0f} turns an orbit {dlm:8.0f} {reich:8.0f}")
+    if output:
+        draw_circular(found, output)
+
+
+def ratios_of_faster_spin(points, start, times):
+    """Energy errors of DLM and Reich over the exact splitting's, spin and steps multiplied."""
+    angles = np.linspace(0.0, TURN, times * (points.shape[1] - 1) + 1)
+    points, start = np.stack([np.cos(angles), np.sin(angles)]), start.copy()
+    start[4:] *= times
+    errors = []
+    for kind in (rivals.EXACT, rivals.DLM, rivals.REICH):
+        out = np.empty((1, 2))
+        classical(kind, BODY.moments, start, points, 40, out)
+        errors.append(spread(out))
+    return errors[1] / errors[0], errors[2] / errors[0]
+
+
+def spread(out):
+    return float(np.max(np.abs(out)))
+
+
+def report(name, out, orbits, seconds, found):
+    found[name] = out, orbits
+    middle = out.mean(axis=1)
+    t = (np.arange(len(out)) + 0.5) * orbits / len(out)
+    drift = np.polyfit(t, middle, 1)[0]
+    print(
+        f"  {name:18s} {np.max(np.abs(out[0])):9.2e} {np.max(np.abs(out[-1])):9.2e} {drift:+10.1e}"
+        f"   {orbits} orbits in {seconds:.1f} s"
+    )
+
+
+def draw_circular(found, output):
+    figure, axes = new_figure()
+    for name, (out, orbits) in found.items():
+        if name == "kick-rotate-kick":
+            continue
+        edges = np.linspace(0.0, orbits, len(out) + 1)
+        label = {
+            "dlm": "kinetic energy split by axes (Dullweber, Leimkuhler & McLachlan)",
+            "reich": "symmetric top and rest (Reich)",
+            "exact": "exact free motion: kick-rotate-kick",
+        }.get(name, f"exact free motion: {name}")
+        axes.stairs(np.max(np.abs(out), axis=1), edges, label=label, baseline=None, lw=1.5)
+    axes.set(
+        yscale="log",
+        xlabel="orbits",
+        ylabel="largest relative error of T + V - n L",
+        title=f"Gravity gradient on a circular orbit, {STEPS_AN_ORBIT} steps an orbit",
+    )
+    save(figure, axes, output, "splitting_circular.png")
+
+
+# DOP853 -------------------------------------------------------------------------------------------
+
+
+def dop853(quick, output):
+    from scipy.integrate import solve_ivp
+
+    moments, rotations = BODY.moments, 100
+    spin = Spin(epoch="2026-01-01", wxyz=START, angular_velocity=RATES)
+    span = rotations * TURN / math.hypot(*RATES)
+
+    def slope(t, y):
+        a, b, c, d, x, v, z = y
+        size = a * a + b * b + c * c + d * d
+        p, r = math.cos(t), math.sin(t)
+        u = (
+            ((a * a + b * b - c * c - d * d) * p + 2 * (b * c + a * d) * r) / size,
+            (2 * (b * c - a * d) * p + (a * a - b * b + c * c - d * d) * r) / size,
+            (2 * (b * d + a * c) * p + 2 * (c * d - a * b) * r) / size,
+        )
+        return (
+            0.5 * (-b * x - c * v - d * z),
+            0.5 * (a * x + c * z - d * v),
+            0.5 * (a * v + d * x - b * z),
+            0.5 * (a * z + b * v - c * x),
+            (moments[1] - moments[2]) / moments[0] * (v * z - 3.0 * u[1] * u[2]),
+            (moments[2] - moments[0]) / moments[1] * (z * x - 3.0 * u[2] * u[0]),
+            (moments[0] - moments[1]) / moments[2] * (x * v - 3.0 * u[0] * u[1]),
+        )
+
+    start = np.concatenate([spin.wxyz, spin.angular_velocity])
+    solved = solve_ivp(slope, (0.0, span), start, method="DOP853", rtol=1e-13, atol=1e-15)
+    end = solved.y[:4, -1] / np.sqrt(np.sum(solved.y[:4, -1] ** 2))
+    print(f"{rotations} rotations under gravity gradient: difference from DOP853 at 1e-13, rad")
+    counts = (20, 40, 80) if quick else (20, 40, 80, 160, 320, 640)
+    print(f"{'steps a rotation':>22s}" + "".join(f"{n:>9d}" for n in counts))
+    for name in SCHEMES:
+        row = []
+        for n in counts:
+            motion = TorquedRotation(
+                BODY, spin, GravityGradient(circular, 1.0), step=span / rotations / n, scheme=name
+            )
+            row.append(rotation_error(motion.at(span).wxyz, end, signed=True))
+        print(f"{name:>22s}" + "".join(f"{e:9.1e}" for e in row))
+
+
+# Referee ------------------------------------------------------------------------------------------
+
+
+def referee(quick, output):
+    names = ["dlm", "reich", "celledoni-safstrom", "buss", "rk4", "exact-step", "DOP853"]
+    spin = Spin(epoch="2026-01-01", wxyz=START, angular_velocity=(2, 1, 5))
+    steps = (0.04, 0.02, 0.01) if quick else (0.08, 0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125)
+    tolerances = (1e-9,) if quick else (1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
+    span = 10.0 if quick else 100.0
+    result = compare(names, BODY, spin, span, steps=steps, tolerances=tolerances)
+    print(result)
+    for name, measured in result.orders().items():
+        print(f"  order of {name}: {', '.join(f'{order:.1f}' for order in measured)}")
+    if output:
+        figure, axes = new_figure()
+        for name in names:
+            runs = result.of(name)
+            axes.loglog(
+                [run.seconds * 1e3 for run in runs],
+                [run.attitude_error for run in runs],
+                "o-",
+                label=name,
+                ms=4,
+            )
+        axes.set(
+            xlabel="cost (ms)",
+            ylabel="largest attitude error (rad)",
+            title=f"Integrators of the free rotation against the exact one, {span:g} s",
+        )
+        save(figure, axes, output, "referee.png")
+
+
+# Impulses -----------------------------------------------------------------------------------------
+
+
+def impulses(quick, output):
+    random = np.random.default_rng(2006)
+    count = 1000
+    epochs = np.cumsum(random.uniform(0.05, 0.2, count))
+    momenta = random.normal(size=(count, 3)) * 0.3
+    changes = [
+        Impulse(float(t), momentum, ("icrf", "body")[k % 2])
+        for k, (t, momentum) in enumerate(zip(epochs, momenta, strict=True))
+    ]
+    Arcs(BODY, SPIN, changes[:2]).at([0.0, 1.0])
+    build = best(lambda: Arcs(BODY, SPIN, changes), 1 if quick else 3)
+    motion = Arcs(BODY, SPIN, changes)
+    t = random.uniform(0.0, epochs[-1], 100_000)
+    motion.at(t)
+    scattered = best(lambda: motion.at(t), 5) / len(t)
+    one = float(t[0])
+    single = best(lambda: [motion.at(one) for _ in range(100)], 5) / 100
+    print(f"{count} impulses, made in {build * 1e3:.0f} ms; an epoch at random among 1e5: ")
+    print(f"  {scattered * 1e6:.2f} us in one call, {single * 1e6:.0f} us in a call of its own")
+    checked = 100 if quick else count
+    worst = 0.0
+    with mp.workprec(250):
+        moments = [mpf(float(x)) for x in BODY.moments]
+        q = [mpf(float(x)) for x in SPIN.wxyz]
+        w = [mpf(float(x)) for x in SPIN.angular_velocity]
+        last = mpf(0)
+        for change in changes[:checked]:
+            oracle = Oracle(moments, q, w, digits=45)
+            middle = float((last + mpf(change.at)) / 2)
+            exact = oracle.at(mpf(middle) - last)[0]
+            worst = max(worst, rotation_error(motion.at(middle).wxyz, exact, signed=True))
+            q, w = oracle.at(mpf(change.at) - last)
+            added = [mpf(float(x)) for x in change.angular_momentum]
+            if change.frame == "icrf":
+                added = multiply(multiply(conjugate(q), [mpf(0), *added]), q)[1:]
+            w = [a + b / i for a, b, i in zip(w, added, moments, strict=True)]
+            last = mpf(change.at)
+    print(f"  worst error on {checked} arcs against a chain of 45-digit oracles: {worst:.1e} rad")
+
+
+def new_figure():
+    from attitude import plots
+
+    figure = plots.new_figure((8.0, 5.0))
+    return figure, figure.add_subplot()
+
+
+def save(figure, axes, output, name):
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+    figure.savefig(output / name, dpi=110)
+    print(f"  drawn: {output / name}")
+
+
+PARTS = {
+    "cost": cost,
+    "orders": orders,
+    "circular": circular_orbit,
+    "dop853": dop853,
+    "referee": referee,
+    "impulses": impulses,
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("parts", nargs="*", metavar="part", help=", ".join(PARTS))
+    parser.add_argument("--quick", action="store_true", help="less of everything")
+    parser.add_argument("--output", help="a folder for the figures")
+    given = parser.parse_args()
+    unknown = [part for part in given.parts if part not in PARTS]
+    if unknown:
+        parser.error(f"no part {unknown[0]!r}; there are {', '.join(PARTS)}")
+    output = writable_folder(given.output) if given.output else None
+    print(processor())
+    for part in given.parts or PARTS:
+        print(f"\n{part}")
+        PARTS[part](given.quick, output)
+
+
+if __name__ == "__main__":
+    main()
