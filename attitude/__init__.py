@@ -15,6 +15,7 @@ _WHERE = {
     "Body": "attitude.body",
     "FreeRotation": "attitude.free_rotation",
     "Mode": "attitude.regime",
+    "Scene": "attitude.scene",
     "Spin": "attitude.spin",
     "fit": "attitude.fitting",
     "propagate": "attitude.propagation",

@@ -48,9 +48,7 @@ from dataclasses import dataclass
 from attitude import gates, paths
 from attitude.errors import AttitudeError
 from attitude.formats import measured, spin_file
-from attitude.formats.spin_file import _refuse_unknown as refuse_unknown
-from attitude.formats.spin_file import _syntax as syntax
-from attitude.formats.spin_file import _text as text_of
+from attitude.formats.spin_file import refuse_unknown, syntax_error, text_of
 from attitude.scene import Scene, View
 
 _TEXTS = ("name", "source", "note")
@@ -148,7 +146,7 @@ def parse(text, origin="text", *, folder="."):
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
-        raise AttitudeError(syntax(str(err), text, origin)) from err
+        raise AttitudeError(syntax_error(str(err), text, origin)) from err
     try:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}

@@ -136,10 +136,10 @@ def parse(text, origin="text"):
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
-        raise AttitudeError(_syntax(str(err), text, origin)) from err
+        raise AttitudeError(syntax_error(str(err), text, origin)) from err
     try:
-        _refuse_unknown(content, _TOP, "the file")
-        labels = {key: _text(content, key) for key in ("name", "source", "note")}
+        refuse_unknown(content, _TOP, "the file")
+        labels = {key: text_of(content, key) for key in ("name", "source", "note")}
         body = _body(_section(content, "body"))
         spin = _spin(_section(content, "spin"))
     except AttitudeError as err:
@@ -252,7 +252,7 @@ def _way(section, ways, common, name):
     known = [*common]
     for way, (needed, optional) in ways.items():
         known += [way, *needed, *optional]
-    _refuse_unknown(section, known, f"[{name}]")
+    refuse_unknown(section, known, f"[{name}]")
     taken = [way for way in ways if way in section]
     if not taken:
         # Half of a pair was given: say what the other half is.
@@ -272,7 +272,7 @@ def _way(section, ways, common, name):
     return taken[0]
 
 
-def _refuse_unknown(section, known, where):
+def refuse_unknown(section, known, where):
     for key in section:
         if key not in known:
             near = difflib.get_close_matches(key.lower(), known, n=1)
@@ -308,7 +308,7 @@ def _or(words):
     return ", ".join(words[:-1]) + " or " + words[-1]
 
 
-def _text(content, key):
+def text_of(content, key):
     value = content.get(key)
     if value is not None and not isinstance(value, str):
         raise AttitudeError(f"{key} is {value!r}; give text in quotes.")
@@ -361,7 +361,7 @@ def _kind(value):
     return {int: "number", float: "number"}.get(type(value), type(value).__name__)
 
 
-def _syntax(message, text, origin):
+def syntax_error(message, text, origin):
     found = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", message)
     if found is None:
         return f"{origin}: is not valid TOML: {message}."

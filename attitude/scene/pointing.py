@@ -1,0 +1,149 @@
+"""The part of a view that needs the attitude: what Sun and observer see of the body."""
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+from attitude.paths.pieces import read_only
+from attitude.scene import angles
+from attitude.scene.quantity import kept, quantity
+
+_XYZ = ("x", "y", "z")
+_AXES = ("least", "middle", "greatest")
+_PLACE = ("longitude", "latitude")
+
+
+class Pointing:
+    """Mixed into `View`."""
+
+    @kept
+    def attitude(self):
+        """The AttitudeHistory of the body at the epochs of emission."""
+        scene = self.scene
+        if scene.motion is None:
+            raise AttitudeError(
+                "the attitude of the body is needed here, but the scene was made with motion=None; "
+                "give a motion, or ask for what needs none, such as sun_direction_icrf or "
+                "phase_angle."
+            )
+        hi, lo = self.emission
+        low = None if lo is None else lo.reshape(self.shape)
+        return scene.motion.at(hi.reshape(self.shape), low=low)
+
+    def _wxyz(self):
+        return read_only(np.ascontiguousarray(self._flat(self.attitude.wxyz)))
+
+    def _in_body(self, unit):
+        from attitude.solution import rotation
+
+        out = np.empty((3, self.seconds.size))
+        rotation.to_body(self._wxyz(), read_only(np.ascontiguousarray(unit)), out)
+        return out
+
+    def _in_icrf(self, vector):
+        """A body vector (3,) as (3, N) in ICRF."""
+        from attitude import quaternion
+
+        return self._flat(quaternion.rotate(self.attitude.wxyz, vector))
+
+    @quantity("", _XYZ)
+    def observer_direction(self):
+        """Unit vector from the body to the observer, body axes."""
+        return self._rows(self._in_body(self.observer_line.unit))
+
+    @quantity("", _XYZ)
+    def sun_direction(self):
+        """Unit vector from the body to the Sun, body axes."""
+        return self._rows(self._in_body(self.sun_line.unit))
+
+    @quantity("rad", _PLACE)
+    def sub_observer(self):
+        """East longitude (0 to 2 pi) and latitude of observer_direction: x leads, z is the pole."""
+        return self._rows(angles.longitude_and_latitude(self._flat(self.observer_direction)))
+
+    @quantity("rad", _PLACE)
+    def sub_solar(self):
+        """East longitude (0 to 2 pi) and latitude of sun_direction: x leads, z is the pole."""
+        return self._rows(angles.longitude_and_latitude(self._flat(self.sun_direction)))
+
+    @kept
+    def momentum_direction_icrf(self):
+        """Unit vector (3, N) or (3, 1) of the angular momentum, ICRF."""
+        motion = self.scene.motion
+        if motion is None:
+            self.attitude  # noqa: B018  raises the sentence
+        fixed = getattr(motion, "momentum", None)
+        if fixed is not None:
+            momentum = np.asarray(fixed, dtype=np.float64)[:, None]
+        else:
+            rates = self._flat(self.attitude.angular_velocity)
+            in_body = np.moveaxis((self._body("the angular momentum").tensor @ rates), 0, -1)
+            shaped = in_body.reshape(*self.shape, 3)
+            momentum = self._flat(self.attitude.body_to_inertial(shaped))
+        size = np.sqrt(np.sum(momentum * momentum, axis=0))
+        if np.any(size == 0.0):
+            raise AttitudeError(
+                "the body is at rest, its angular momentum has no direction; ask for angles to "
+                "its axes instead."
+            )
+        return momentum / size
+
+    def _body(self, what):
+        """The one body of the motion, whose inertia is needed for something."""
+        motion = self.scene.motion
+        body = getattr(motion, "body", None)
+        if body is None or any(hasattr(each, "body") for each in getattr(motion, "changes", ())):
+            raise AttitudeError(
+                f"{what} follows from a body's inertia, but the motion ({type(motion).__name__}) "
+                "has none, or one that changes; give a motion with one body."
+            )
+        return body
+
+    @quantity("rad")
+    def aspect_angle(self):
+        """Angle between the direction to the observer and the angular momentum, 0 to pi."""
+        return self._angle_to_momentum(self.observer_line.unit)
+
+    @quantity("rad")
+    def sun_aspect_angle(self):
+        """Angle between the direction to the Sun and the angular momentum, 0 to pi."""
+        return self._angle_to_momentum(self.sun_line.unit)
+
+    def _angle_to_momentum(self, unit):
+        momentum = self.momentum_direction_icrf
+        count = max(unit.shape[1], momentum.shape[1])
+        pair = (np.broadcast_to(each, (3, count)) for each in (unit, momentum))
+        return self._numbers(angles.between(*pair))
+
+    @quantity("rad", _AXES)
+    def observer_axis_angles(self):
+        """Angles from the direction to the observer to the principal axes, 0 to pi."""
+        return self._axis_angles(self.observer_direction)
+
+    @quantity("rad", _AXES)
+    def sun_axis_angles(self):
+        """Angles from the direction to the Sun to the principal axes, 0 to pi.
+
+        In the order of their moments, to the sides that ``body.principal_axes`` says.
+        """
+        return self._axis_angles(self.sun_direction)
+
+    def _axis_angles(self, direction):
+        body = self._body("a principal axis")
+        order = np.argsort(body.moments, kind="stable")
+        flat = self._flat(direction)
+        rows = [
+            angles.between(np.broadcast_to(body.principal_axes[:, [k]], flat.shape), flat)
+            for k in order
+        ]
+        return self._rows(np.stack(rows))
+
+    def _long_axis(self):
+        """The unit vector (3,) in body axes of the least moment of inertia."""
+        body = self._body("the long axis")
+        least = body.moments == body.moments.min()
+        if np.sum(least) > 1:
+            raise AttitudeError(
+                f"the body has no long axis: {np.sum(least)} of its moments of inertia are the "
+                "least one; ask for the angles to other axes."
+            )
+        return body.principal_axes[:, int(np.argmax(least))]

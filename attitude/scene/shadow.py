@@ -1,0 +1,135 @@
+"""How much of the Sun's disc a body sees past another one: full light, penumbra, umbra.
+
+The occulter is a sphere, the Earth a spheroid whose axis is the pole of ICRF (of date it is 0.2
+degrees away in 2030); light is not bent by an atmosphere.  Space is stretched along that axis until
+the spheroid is a sphere.  Seen from the body, its limb and the Sun's are small circles on the
+sphere of directions, and circles again in the stereographic projection about the centre of the
+Sun, whatever the size of the occulter: in low orbit its limb is 65 degrees from its middle.
+
+Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the Sun's of IAU 2015
+resolution B3.
+"""
+
+import numpy as np
+
+from attitude import gates
+from attitude.errors import AttitudeError
+from attitude.paths.bodies import body_name
+
+SUN_RADIUS = 6.957e8
+# Mean radii, m.
+RADII = {
+    "mercury": 2.4394e6,
+    "venus": 6.0518e6,
+    "earth": 6378137.0,
+    "moon": 1.7374e6,
+    "mars": 3.3895e6,
+    "jupiter": 6.9911e7,
+    "saturn": 5.8232e7,
+    "uranus": 2.5362e7,
+    "neptune": 2.4622e7,
+    "pluto": 1.1883e6,
+}
+_EARTH_FLATTENING = 1.0 / 298.257223563
+
+
+def radius_of(body):
+    """The radius in m of a body that may cast a shadow, or None; its system's centre will do."""
+    return RADII.get(body.removesuffix(" barycenter"))
+
+
+def occulters(given):
+    """Names and radii of the bodies that cast shadows, as a dict, from names or a dict.
+
+    Raises
+    ------
+    AttitudeError
+        For a body whose radius is neither given nor known here.
+    """
+    if isinstance(given, (str, int)):
+        given = (given,)
+    radii = given if hasattr(given, "items") else dict.fromkeys(given)
+    found = {}
+    for body, radius in radii.items():
+        name = body_name(body, "shadow_of")
+        if radius is not None:
+            found[name] = gates.positive(radius, f"the radius of {name}", unit="m")
+        elif radius_of(name) is None:
+            raise AttitudeError(
+                f"shadow_of holds {body!r}, whose radius is not known here; give it in m, as in "
+                f"shadow_of={{{body!r}: 1e6}}, or one of {', '.join(RADII)}."
+            )
+        else:
+            found[name] = radius_of(name)
+    return found
+
+
+def lit_fraction(to_occulter, radius, sun, sun_distance, *, flattening=0.0):
+    """The fraction (N,) of the Sun's disc that is seen past an occulter.
+
+    Parameters
+    ----------
+    to_occulter : (3, N) array
+        From the body to the occulter's centre, m, ICRF.
+    radius : float
+        Its equatorial radius, m.
+    sun : (3, N) or (3, 1) array
+        Unit vectors from the body to the Sun.
+    sun_distance : (N,) array or None
+        m; None for a Sun that is infinitely far away, which has no disc.
+    flattening : float
+        Of the occulter, along the pole of ICRF.
+
+    Notes
+    -----
+    1e-5 of the disc for a spherical occulter: the stereographic projection stretches it by that.
+    """
+    stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
+    middle, sun = to_occulter * stretch, sun * stretch
+    distance = np.sqrt(np.sum(middle * middle, axis=0))
+    if np.any(distance <= radius):
+        raise AttitudeError(
+            f"the body lies {np.nanmin(distance):.6g} m from the centre of an occulter of radius "
+            f"{radius:.6g} m, below its surface; give another center, or other bodies as shadow_of."
+        )
+    from attitude.scene.angles import between
+
+    apart = between(middle, np.broadcast_to(sun, middle.shape))
+    limb = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
+    if sun_distance is None:
+        return np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
+    stretched = sun_distance * np.sqrt(np.sum(sun * sun, axis=0))
+    disc = np.arctan2(SUN_RADIUS, np.sqrt((stretched - SUN_RADIUS) * (stretched + SUN_RADIUS)))
+    # The circles where the plane touches the sphere at the Sun: the line through both middles
+    # meets the limb at these distances.
+    near = 2.0 * np.tan(0.5 * (apart - limb))
+    far = 2.0 * np.tan(0.5 * np.minimum(apart + limb, np.pi - 1e-9))
+    return 1.0 - _covered(2.0 * np.tan(0.5 * disc), 0.5 * (far - near), 0.5 * (far + near))
+
+
+def _covered(disc, limb, apart):
+    """The share of a circle of radius `disc` that one of radius `limb` covers, `apart` away."""
+    # Sixteen times the square of the triangle's area: Heron's formula.
+    heron = (apart + disc + limb) * (apart - disc + limb) * (apart + disc - limb)
+    sine = np.sqrt(np.maximum(heron * (disc + limb - apart), 0.0))
+    at_sun = np.arctan2(sine, apart**2 + disc**2 - limb**2)
+    at_limb = np.arctan2(sine, apart**2 + limb**2 - disc**2)
+    lens = disc**2 * _segment(at_sun) + limb**2 * _segment(at_limb)
+    share = np.where(apart >= disc + limb, 0.0, lens / (np.pi * disc**2))
+    inside = apart <= np.abs(limb - disc)
+    return np.where(inside, np.minimum((limb / disc) ** 2, 1.0), share)
+
+
+def _segment(angle):
+    """angle - sin(angle) cos(angle), without cancellation where the angle is small."""
+    double = 2.0 * angle
+    # The series of (x - sin x) / 2; its first term left out is below 1e-16 of the whole at 0.1.
+    square = double * double
+    series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))
+    small = double * square / 12.0 * series
+    return np.where(np.abs(double) < 0.1, small, 0.5 * (double - np.sin(double)))
+
+
+def flattening_of(body, radius):
+    """That of the Earth; none where another radius was given, and of the other bodies."""
+    return _EARTH_FLATTENING if body == "earth" and radius == RADII["earth"] else 0.0
