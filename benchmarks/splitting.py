@@ -235,7 +235,7 @@ def circular_orbit(quick, output):
         begin = time.perf_counter()
         classical(kind, BODY.moments, start, points, orbits, out)
         report(name, out, orbits, time.perf_counter() - begin, found)
-    some = orbits // 20 if not quick else orbits
+    some = orbits if quick else orbits // 5  # the states that are kept fill memory
     spin = Spin(epoch="2026-01-01", wxyz=START, angular_velocity=RATES)
     gradient = GravityGradient(circular, 1.0)
     for name in ("kick-rotate-kick", "hoa", "blanes-moan", "force-gradient"):
@@ -442,7 +442,7 @@ def new_figure():
 
 def save(figure, axes, output, name):
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    axes.legend(fontsize="small", loc="best")
     figure.savefig(output / name, dpi=110)
     print(f"  drawn: {output / name}")
 

@@ -32,7 +32,7 @@ def run(arguments):
         f"angular velocity {result.rate_error:.1e} (relative)."
     )
     print(
-        f"{result.nanoseconds:.1f} ns an epoch in long arrays, "
+        f"{result.nanoseconds:.1f} ns an epoch in long arrays, angular velocity included: "
         f"{result.ratio:.2f} times numpy.sin on this machine."
     )
     verdict = "passed" if result.passed else "FAILED"

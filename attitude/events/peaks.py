@@ -1,0 +1,113 @@
+"""Local maxima of a function that is known by its values alone."""
+
+import numpy as np
+
+from attitude import tdb
+from attitude.errors import AttitudeError
+from attitude.events.search import difference, shifted
+
+_BLOCK = 8192
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+# Sections of a bracket, to 1e-9 of it.
+_SECTIONS = 44
+# A smooth peak is polished by the zero of its derivative, from differences over so much of a step.
+_STENCIL = 0.08
+_WEIGHTS = np.array([-1.0 / 60.0, 0.15, -0.75, 0.0, 0.75, -0.15, 1.0 / 60.0])
+_SIXTH = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+_SMOOTH = 1e-5
+_PLACES = np.arange(-3, 4)
+
+
+def peaks(f, start, stop, step, sign):
+    """Maxima of sign * f between samples one step apart, block by block.
+
+    Parameters
+    ----------
+    f : callable
+        Of (hi, lo), arrays (N,): values (N,).
+    start, stop : pairs of doubles
+    step : float
+    sign : 1.0 or -1.0
+
+    Yields
+    ------
+    hi, lo, values : (N,) arrays
+    """
+    total = difference(start, stop)
+    count = max(2, int(np.ceil(total / step)))
+    step = total / count
+    base, done = start, 0
+    while done < count and total > 0.0:
+        size = min(_BLOCK, count - done)
+        # One sample more on either side, since a peak is told by its neighbours.
+        first = -1 if done else 0
+        last = size + 1 if done + size < count else size
+        s = np.arange(first, last + 1) * step
+
+        def value(s, base=base):
+            found = sign * np.asarray(f(*shifted(base, s)), dtype=np.float64)
+            if found.shape != s.shape:
+                raise AttitudeError(
+                    f"the function returns shape {found.shape} for {s.size} epochs; it must return "
+                    "a number for each."
+                )
+            return found
+
+        y = value(s)
+        left, right = _tops(y)
+        # Neighbouring blocks share three samples: a peak is that of the block which holds the
+        # last of its samples, the first sample of a block excepted.
+        own = (right + first >= 2) & (right + first <= size + 1)
+        found = _refined(value, s[left[own]], s[right[own]], step)
+        if len(found):
+            yield *shifted(base, found), sign * value(found)
+        base = tdb.add(base, size * step)
+        done += size
+
+
+def _tops(y):
+    """Indices (left, right) of the neighbours of each sample, or pair of equal ones, above them.
+
+    NaN is below everything.  Three equal samples and more are a plateau, which has no maximum.
+    """
+    y = np.where(np.isnan(y), -np.inf, y)
+    begin = np.concatenate([[0], np.flatnonzero(y[1:] != y[:-1]) + 1])
+    end = np.concatenate([begin[1:] - 1, [len(y) - 1]])
+    inner = (begin > 0) & (end < len(y) - 1) & (end - begin <= 1)
+    left, right = begin[inner] - 1, end[inner] + 1
+    top = (y[left + 1] > y[left]) & (y[right - 1] > y[right])
+    return left[top], right[top]
+
+
+def _refined(value, a, b, step):
+    """The place of the maximum in each bracket (a, b)."""
+    if not len(a):
+        return a
+    left, right = a, b
+    for _ in range(_SECTIONS):
+        c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+        p, q = value(c), value(d)
+        # Equal values have the top between them.
+        a, b = np.where(p > q, a, c), np.where(p >= q, d, b)
+        if np.all(b - a <= 1e-10 * step):
+            break
+    x = 0.5 * (a + b)
+    return _polished(value, x, left, right, step)
+
+
+def _polished(value, x, left, right, step):
+    """Newton steps on differences, kept where they stay within the flat of a smooth top."""
+    h = _STENCIL * step
+    inside = (x - 6.0 * h > left) & (x + 6.0 * h < right)
+    y = x.copy()
+    for _ in range(3):
+        around = value((y + h * _PLACES[:, None]).reshape(-1)).reshape(7, -1)
+        slope = _WEIGHTS @ around / h
+        bend = (around[2] - 2.0 * around[3] + around[4]) / (h * h)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            move = -slope / bend
+        y = np.where(inside & (bend < 0.0) & (np.abs(move) < h), y + move, y)
+    # The formula errs by sixth differences; where these are not small beside the second, the top is
+    # not smooth on this scale, and the section's answer stands.
+    smooth = np.abs(_SIXTH @ around) < _SMOOTH * np.abs(bend) * h * h
+    return np.where(inside & smooth, y, x)

@@ -1,0 +1,178 @@
+"""Every sign change of smooth functions, none missed: subdivision with bounds of derivatives.
+
+Between two knots h apart, with |f''| <= M and values p, q at the ends:
+
+* no zero, if p and q have one sign and the least that f can be is on their side of zero:
+  (|p| + |q|)/2 - M h^2/8 - (|q| - |p|)^2 / (2 M h^2), or the lesser of |p|, |q| if these differ by
+  M h^2/2 and more;
+* exactly one, if they have opposite signs and |q - p| > M h^2/2, since then f' does not vanish;
+* with |f'| <= B alone: none, if they have one sign and |p| + |q| > B h.
+
+Anything else is divided, down to TOUCH radians of the fastest rotation.  What is left there with
+one sign at both ends is a touch, or two crossings nearer to each other than that.
+
+Time within a block is a single double from the block's start, a pair of doubles: a block spans
+13000 radians at most, so that epochs have 2e-12 rad at any distance from the motion's epoch.
+"""
+
+import numpy as np
+
+from attitude import tdb
+from attitude.errors import AttitudeError
+from attitude.events.conditions import Condition, same_source
+from attitude.events.pace import Pace, pieces
+from attitude.events.refine import refined
+
+# Crossings nearer to each other than this, in rad of the fastest rotation, may be taken for none.
+TOUCH = 1e-6
+# A scene's directions jump by up to 4e-10 rad where its Chebyshev pieces meet, so that nearer pairs
+# than this (a chord of a depth of 1e-9 rad) cannot be told from a touch; and its values' noise.
+SCENE_TOUCH = 1e-4
+_SCENE_NOISE = 2.5e6
+# Intervals of the first look in a block.
+BLOCK = 16384
+_LEAST = 32
+_PARTS = 4
+# A scene's attitudes are those of a light time ago, which changes by v/c a second; this covers the
+# third power of it, and what the Sun's disc grows.
+_DOPPLER = 1.01
+
+
+def crossings(source, channels, start, stop):
+    """Sign changes of channels, block after block in order of time.
+
+    Yields
+    ------
+    hi, lo : (N,) arrays
+        Epochs in order.
+    channel : (N,) array of int
+    rising : (N,) array of bool
+    """
+    for base, moment, knots, bounds in blocks(source, channels, start, stop):
+        values = np.stack([channel.value(moment) for channel in channels])
+        if not np.all(np.isfinite(values)):
+            raise AttitudeError(
+                "an attitude or a direction is not finite within the search; give a span in which "
+                "all of them are known."
+            )
+        found = []
+        in_scene = source.scene is not None
+        touch = SCENE_TOUCH if in_scene else TOUCH
+        for k, channel in enumerate(channels):
+            first, second, fastest = bounds[k]
+
+            def evaluate(s, channel=channel, base=base):
+                return channel.value(source.at(*shifted(base, s)))
+
+            noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)
+            brackets = isolated(evaluate, knots, values[k], first, second, touch / fastest, noise)
+            s = refined(evaluate, *brackets)
+            found.append((s, np.full(len(s), k), brackets[2] < 0.0))
+        s, which, rising = (np.concatenate(part) for part in zip(*found, strict=True))
+        if len(s):
+            order = np.argsort(s, kind="stable")
+            yield *shifted(base, s[order]), which[order], rising[order]
+
+
+def blocks(source, channels, start, stop):
+    """Blocks of knots: (base pair, Moment, knots from base, bounds of each channel).
+
+    The knots are `limit.spacing` rad apart at the rate that bounds rotation and directions.
+    """
+    directions = list(dict.fromkeys(d for channel in channels for d in channel.directions))
+    total = difference(start, stop)
+    drift = max((d.guess(source, start, total) for d in directions), default=0.0)
+    for begin, end, limit in pieces(source, start, stop):
+        base, rate = begin, limit.guess(source, begin) + drift
+        while (remaining := difference(base, end)) > 0.0:
+            wanted = remaining * rate / limit.spacing
+            count = int(min(BLOCK, max(_LEAST, np.ceil(wanted)))) if rate > 0.0 else _LEAST
+            last = wanted <= BLOCK
+            length = remaining if last else BLOCK * (limit.spacing / rate)
+            knots = np.arange(count + 1) * (length / count)
+            knots[-1] = length
+            moment = source.at(*shifted(base, knots), step=length / count)
+            pace = limit.of(moment)
+            if source.scene is not None:
+                pace = Pace(*(bound * _DOPPLER for bound in pace))
+            drifts = {d: d.drift(moment) for d in directions}
+            fastest = pace.first + max((d.first for d in drifts.values()), default=0.0)
+            if fastest > 2.0 * rate and fastest * length / count > limit.spacing:
+                rate = fastest  # faster than was thought: look again, with nearer knots
+                continue
+            if fastest > 0.0:
+                yield (
+                    base,
+                    moment,
+                    knots,
+                    [
+                        (*channel.bounds(pace, [drifts[d] for d in channel.directions]), fastest)
+                        for channel in channels
+                    ],
+                )
+            base = end if last else tdb.add(base, length)
+            rate = fastest if fastest > 0.0 else rate
+
+
+def isolated(evaluate, knots, values, first, second, touch, noise):
+    """Brackets (a, b, f(a), f(b)) of single sign changes, each (N,), in no order."""
+    a, b, p, q = knots[:-1], knots[1:], values[:-1], values[1:]
+    found = []
+    while len(a):
+        h = b - a
+        change = (p < 0.0) != (q < 0.0)
+        open_ = ~_free_of_zeros(h, np.abs(p), np.abs(q), first, second, noise)
+        single = change & ((np.abs(q - p) > 0.5 * second * h * h) | (h <= touch))
+        found.append(np.stack([part[single] for part in (a, b, p, q)]))
+        rest = ~single & (h > touch) & (change | open_)
+        a, b, p, q = _divided(evaluate, a[rest], b[rest], p[rest], q[rest])
+    return np.concatenate(found, axis=1)
+
+
+def _free_of_zeros(h, p, q, first, second, noise):
+    """Of values with one sign and magnitudes p, q: whether no zero lies between."""
+    by_rate = p + q > first * h
+    if not np.isfinite(second):
+        return by_rate
+    bend = 0.5 * second * h * h
+    apart = np.abs(q - p)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dip = 0.5 * (p + q) - 0.25 * bend - 0.25 * apart * apart / bend
+    least = np.where(apart >= bend, np.minimum(p, q), dip)
+    return by_rate | (least > noise)
+
+
+def _divided(evaluate, a, b, p, q):
+    """Each interval in _PARTS, flat."""
+    if not len(a):
+        return a, b, p, q
+    s = a + (b - a) * (np.arange(_PARTS + 1) / _PARTS)[:, None]
+    s[-1] = b
+    f = np.empty(s.shape)
+    f[0], f[-1] = p, q
+    f[1:-1] = evaluate(s[1:-1].reshape(-1)).reshape(_PARTS - 1, -1)
+    return s[:-1].ravel(), s[1:].ravel(), f[:-1].ravel(), f[1:].ravel()
+
+
+def shifted(base, s):
+    """The pairs base + s."""
+    hi, lo = tdb.add(base, s)
+    return hi, np.broadcast_to(lo, hi.shape) + 0.0
+
+
+def difference(start, stop):
+    hi, lo = tdb.add(stop, -start[0], -start[1])
+    return float(hi + lo)
+
+
+def one_source(conditions):
+    """The source that all conditions share."""
+    for each in conditions:
+        if not isinstance(each, Condition):
+            raise AttitudeError(
+                f"{type(each).__name__} is given in a list of conditions; make them with "
+                "events.in_cone, events.glint and the like."
+            )
+        if not same_source(each.source, conditions[0].source):
+            raise AttitudeError("the conditions are of different motions; search them apart.")
+    return conditions[0].source

@@ -1,0 +1,84 @@
+"""The torque of a point mass on an extended body."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import gates, quaternion
+from attitude.errors import AttitudeError
+from attitude.torques.torque import Torque, check_path, positions
+
+# m3/s2, DE440 (Park et al. 2021).
+GM = {
+    "sun": 1.32712440041279419e20,
+    "earth": 3.98600435507e14,
+    "moon": 4.902800118e12,
+    "jupiter": 1.26712764100000e17,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class GravityGradient(Torque):
+    """The gravity-gradient torque 3 GM/r^3 u x (I u) of a point mass.
+
+    Parameters
+    ----------
+    path : Path, or function
+        The body's centre of mass from the point mass (or the other way: only the line matters).
+        A function takes TDB seconds (...) since the epoch of the spin and returns (..., 3), m,
+        over ICRF axes.
+    mu : float or str
+        GM of the point mass in m3/s2, or "sun", "earth", "moon", "jupiter".
+
+    Notes
+    -----
+    MacCullagh's formula, the first term of the expansion in (size of the body)/r.  The potential
+    has a force gradient, so that the scheme "force-gradient" takes it.
+    """
+
+    path: object
+    mu: object
+    columns = 3
+
+    def __post_init__(self):
+        check_path(self.path, "path")
+        if isinstance(self.mu, str):
+            gates.one_of(self.mu, "mu", tuple(GM))
+            self._set("mu", GM[self.mu])
+        self._set("mu", gates.positive(self.mu, "mu", unit="m3/s2"))
+
+    def address(self):
+        from attitude.torques.compiled import gravity_gradient
+
+        return gravity_gradient.address
+
+    def gradient_address(self):
+        from attitude.torques.compiled import gravity_gradient_of_force
+
+        return gravity_gradient_of_force.address
+
+    def parameters(self, body):
+        # The part of the tensor that a sphere has turns nothing, and would only cancel.
+        tensor = body.tensor
+        upper = np.triu_indices(3)
+        if np.min(body.moments) <= 0.0:
+            raise AttitudeError("the body is a rod, with one moment zero; give it a small one.")
+        return np.concatenate([[self.mu], tensor[upper], np.linalg.inv(tensor)[upper]])
+
+    def sample(self, instant, seconds):
+        found = positions(self.path, instant, seconds, "path")
+        if not np.all(np.any(found != 0.0, axis=-1)):
+            raise AttitudeError("path passes through the point mass; give a path at a distance.")
+        return found
+
+    def potential(self, body, history):
+        """The potential energy (S,) in J that goes with the torque, at the epochs of a history.
+
+        Without the part -GM m/r that no attitude changes: GM/(2 r^3) (3 u . I u - tr I).
+        """
+        seconds = np.atleast_1d(history.seconds)
+        r = self.sample(history.epoch, seconds.reshape(-1)).reshape(*history.seconds.shape, 3)
+        distance = np.sqrt(np.sum(r * r, axis=-1))
+        u = quaternion.rotate(quaternion.conjugate(history.wxyz), r / distance[..., None])
+        form = np.sum(u * (u @ body.tensor), axis=-1)
+        return 0.5 * self.mu / distance**3 * (3.0 * form - np.trace(body.tensor))

@@ -1,0 +1,71 @@
+"""What a torque is to the integrator."""
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+from attitude.frozen import Frozen
+
+# Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.
+BY_ATTITUDE, BY_RATE, SLIP = 0, 1, 2
+
+
+class Torque(Frozen):
+    """The base of all torques.
+
+    Attributes
+    ----------
+    kind : int
+        BY_ATTITUDE, BY_RATE or SLIP.
+    columns : int
+        How many numbers are sampled for it at each epoch.
+    """
+
+    kind = BY_ATTITUDE
+    columns = 0
+
+    def address(self):
+        """Where its compiled function is; see `attitude.solution.march`."""
+        raise NotImplementedError(f"{type(self).__name__} defines no address")
+
+    def gradient_address(self):
+        """Where that of the force gradient is, or 0 if there is none."""
+        return 0
+
+    def parameters(self, body):
+        """What its function is given, for a body: float64 (P,)."""
+        return np.zeros(0)
+
+    def sample(self, instant, seconds):
+        """What its function is given at each epoch: float64 (K, columns)."""
+        return np.zeros((len(seconds), 0))
+
+    def explain(self):
+        """Raise what a user's function raised, if it did."""
+
+
+def positions(path, instant, seconds, name):
+    """Positions (K, 3) in m along a path, or by a function of seconds since the instant."""
+    found = path.position(instant, seconds) if hasattr(path, "position") else path(seconds)
+    found = np.asarray(found, dtype=np.float64)
+    if found.shape != (len(seconds), 3):
+        raise AttitudeError(
+            f"{name} returned an array of shape {found.shape} for {len(seconds)} epochs; it must "
+            "return positions (..., 3) in m over ICRF axes for an array of seconds (...)."
+        )
+    if not np.all(np.isfinite(found)):
+        bad = float(seconds[np.flatnonzero(~np.all(np.isfinite(found), axis=-1))[0]])
+        raise AttitudeError(
+            f"{name} is not finite {bad:.9g} s after the epoch of the spin; give a path that "
+            "covers the span."
+        )
+    return found
+
+
+def check_path(path, name):
+    """The path, if it is something that gives positions."""
+    if not hasattr(path, "position") and not callable(path):
+        raise AttitudeError(
+            f"{name} is {path!r}; give a path, or a function of seconds (...) since the epoch of "
+            "the spin that returns positions (..., 3) in m over ICRF axes."
+        )
+    return path

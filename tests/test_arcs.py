@@ -1,0 +1,267 @@
+"""Free arcs joined by impulses: against a chain of mpmath oracles, and by the laws of mechanics."""
+
+import pickle
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, propagation, quaternion
+from attitude.arcs import Arcs, Impulse, InertiaChange
+from attitude.crossing import AxisCrossesDirection, PointMeetsPlane
+from attitude.solution.flow import flow
+from tests import states
+from tests.oracle import Oracle, conjugate, multiply, rate_error, rotation_error
+
+# The attitude of a free rotation errs by at most this (docs of FreeRotation), rad.
+FREE = 4e-15
+BODY = Body(moments=(10, 20, 26))
+SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
+
+
+def kicks(count, seed=8):
+    random = np.random.default_rng(seed)
+    epochs = np.cumsum(random.uniform(0.05, 0.2, count))
+    momenta = random.normal(size=(count, 3)) * 0.3
+    return [
+        Impulse(at=float(t), angular_momentum=momentum, frame=("icrf", "body")[k % 2])
+        for k, (t, momentum) in enumerate(zip(epochs, momenta, strict=True))
+    ]
+
+
+def chain(changes, body=BODY, spin=SPIN):
+    """Middles of the arcs, and the exact attitudes there: one oracle an arc, 45 digits."""
+    moments = [mpf(float(x)) for x in body.moments]
+    q = [mpf(float(x)) for x in spin.wxyz_icrf]
+    w = [mpf(float(x)) for x in spin.angular_velocity]
+    last = mpf(0)
+    for change in changes:
+        oracle = Oracle(moments, q, w, digits=45)
+        middle = float((last + mpf(change.at)) / 2)
+        yield middle, oracle.at(mpf(middle) - last)[0]
+        q, w = oracle.at(mpf(change.at) - last)
+        momentum = [mpf(float(x)) for x in change.angular_momentum]
+        if change.frame == "icrf":
+            momentum = multiply(multiply(conjugate(q), [mpf(0), *momentum]), q)[1:]
+        w = [a + b / i for a, b, i in zip(w, momentum, moments, strict=True)]
+        last = mpf(change.at)
+
+
+def worst_of_chain(count):
+    changes = kicks(count)
+    motion = Arcs(BODY, SPIN, changes)
+    with mp.workprec(250):
+        return max(
+            rotation_error(motion.at(t).wxyz, exact, signed=True) for t, exact in chain(changes)
+        )
+
+
+def test_impulses_follow_the_chain_of_oracles():
+    # Quaternion products at a joint add a rounding or two to that of a free rotation.
+    assert worst_of_chain(60) < FREE
+
+
+@pytest.mark.slow
+def test_a_thousand_impulses_cost_no_accuracy():
+    assert worst_of_chain(1000) < FREE
+
+
+@pytest.mark.parametrize("revolutions", [0.05, 3.0, 1e4, 1e9])
+def test_flow_in_two_doubles(revolutions):
+    """What is carried over a joint has 25 digits, in every regime."""
+    for state in states.sample(1):
+        rest = not any(state.omega0)
+        # The exact separatrix runs for ever towards the middle axis, in the unstable direction.
+        if rest or state.family == "separatrix":
+            continue
+        time = revolutions * states.revolution(state)
+        moments, w = np.zeros((3, 2)), np.zeros((3, 2))
+        moments[:, 0], w[:, 0] = state.moments, state.omega0
+        identity = np.array([[1.0, 0.0, 0.0, 0.0]])
+        record = propagation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
+        q = np.zeros((4, 2))
+        q[0, 0] = 1.0
+        flow(record, moments, (time, 0.0), q, w)
+        exact, rates = Oracle(state.moments, (1, 0, 0, 0), state.omega0, digits=50).at(time)
+        with mp.workprec(300):
+            found = [mpf(float(a)) + mpf(float(b)) for a, b in q]
+            turning = [mpf(float(a)) + mpf(float(b)) for a, b in w]
+            # 1e-30 a piece, and the rates' 32 digits times the angle turned (1e10 rad at most);
+            # within 1e-16 of the separatrix errors grow by 1/sqrt(1e-16).
+            limit = 1e-26 + 1e-31 * 6.3 * revolutions
+            limit *= 1e8 if "separatrix" in state.family or "middle" in state.family else 1.0
+            assert rotation_error(found, exact, signed=True) < limit, state
+            assert rate_error(turning, rates) < limit, state
+
+
+def test_any_order_of_epochs_and_of_scattered_or_dense_ones():
+    motion = Arcs(BODY, SPIN, kicks(30))
+    t = np.linspace(-1.0, motion.joints[-1] + 1.0, 2001)
+    dense = motion.at(t)
+    order = np.random.default_rng(1).permutation(len(t))
+    assert np.array_equal(motion.at(t[order]).wxyz, dense.wxyz[order])
+    assert np.array_equal(motion.at(t[17]).wxyz, dense.wxyz[17])
+    assert np.array_equal(motion.at(t[::50]).angular_velocity, dense.angular_velocity[::50])
+    assert motion.at(t.reshape(3, 667)).wxyz.shape == (3, 667, 4)
+    assert np.all(np.isnan(motion.at([np.nan, 1.0]).wxyz) == [[True] * 4, [False] * 4])
+    # continuous in sign: no two neighbours on opposite sides
+    assert np.min(np.sum(dense.wxyz[1:] * dense.wxyz[:-1], axis=-1)) > 0.9
+
+
+def test_no_change_is_free_rotation():
+    t = np.linspace(-5.0, 50.0, 100)
+    free = FreeRotation(BODY, SPIN).at(t).wxyz
+    assert np.array_equal(Arcs(BODY, SPIN, []).at(t).wxyz, free)
+    nothing = Arcs(BODY, SPIN, [Impulse(20.0, (0, 0, 0))]).at(t).wxyz
+    assert np.max(np.abs(nothing - free)) < FREE
+
+
+def momentum(history, body):
+    return history.body_to_inertial(history.angular_velocity @ body.tensor)
+
+
+def test_an_impulse_adds_what_it_says():
+    turned = Body(tensor=[[2.0, 0.3, 0.1], [0.3, 2.5, 0.5], [0.1, 0.5, 2.6]])
+    for frame in ("body", "icrf", "ecliptic"):
+        motion = Arcs(turned, SPIN, [Impulse("2026-01-01T00:00:07.5", (1, -2, 3), frame)])
+        at = motion.joints[0]
+        before, after = momentum(motion.at(np.nextafter(at, 0.0)), turned), None
+        history = motion.at(at)
+        after = momentum(history, turned)
+        added = after - before
+        if frame == "body":
+            added = history.inertial_to_body(added)
+        elif frame == "ecliptic":
+            added = FreeRotationAxes.to_ecliptic(added)
+        # 1e-14 of a momentum of 40 kg m2/s, and 1e-15 s of rotation at 15 rad/s
+        assert np.max(np.abs(added - (1, -2, 3))) < 1e-12
+
+
+class FreeRotationAxes:
+    """The ecliptic of J2000 by its definition: one turn about x by 84381.448 arcsec."""
+
+    @staticmethod
+    def to_ecliptic(v):
+        angle = np.radians(84381.448 / 3600.0)
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([v[0], c * v[1] + s * v[2], -s * v[1] + c * v[2]])
+
+
+def test_deployment_keeps_momentum_and_attitude():
+    long = Body(tensor=[[40.0, 1.0, 0.0], [1.0, 20.0, 2.0], [0.0, 2.0, 50.0]])
+    motion = Arcs(BODY, SPIN, [InertiaChange(3.0, long), Impulse(5.0, (1, 0, 0))])
+    before, after = motion.at(np.nextafter(3.0, 0.0)), motion.at(3.0)
+    assert np.max(np.abs(before.wxyz - after.wxyz)) < 1e-14
+    # 330 kg m2/s to 1e-14
+    assert np.max(np.abs(momentum(before, BODY) - momentum(after, long))) < 3e-12
+    assert motion.body_at(2.0) is BODY and motion.body_at(6.0) is long
+    # Euler's equations with the body of each epoch
+    for t, body in ((2.0, BODY), (4.0, long)):
+        at = motion.at(t)
+        w = at.angular_velocity
+        expected = np.linalg.solve(body.tensor, np.cross(body.tensor @ w, w))
+        assert np.allclose(at.angular_acceleration, expected, rtol=1e-13, atol=1e-12)
+
+
+def test_docking_brings_momentum_along():
+    both = Body(moments=(100, 200, 260))
+    motion = Arcs(BODY, SPIN, [InertiaChange(1.0, both, angular_momentum=(5, 0, 0), frame="icrf")])
+    before, after = motion.at(np.nextafter(1.0, 0.0)), motion.at(1.0)
+    added = momentum(after, both) - momentum(before, BODY)
+    assert np.max(np.abs(added - (5, 0, 0))) < 1e-12
+
+
+def test_the_first_crossing_is_found():
+    random = np.random.default_rng(4)
+    for _ in range(8):
+        axis, direction = random.normal(size=(2, 3))
+        angle = random.uniform(0.3, 2.8)
+        event = AxisCrossesDirection(axis, direction, angle)
+        motion = FreeRotation(BODY, SPIN)
+        t = np.linspace(0.0, 10.0, 200_001)
+        value = event.values(motion.at(t))[0]
+        change = np.flatnonzero((value[1:] < 0.0) != (value[:-1] < 0.0))
+        if not len(change):
+            with pytest.raises(AttitudeError, match="does not happen"):
+                Arcs(
+                    BODY,
+                    SPIN,
+                    [Impulse(AxisCrossesDirection(axis, direction, angle, 10.0), (1, 0, 0))],
+                )
+            continue
+        found = Arcs(BODY, SPIN, [Impulse(event, (1, 0, 0))])
+        assert t[change[0]] <= found.joints[0] <= t[change[0] + 1]
+        here = event.values(motion.at(found.joints[0]))
+        # at most two doubles of time off, at 15 rad/s
+        assert abs(here[0]) < 1e-14 + 2.0 * abs(here[1]) * np.spacing(found.joints[0])
+
+
+def test_bouncing_rod_keeps_its_energy():
+    """The paper's use: free motion, collision search, impulse; an elastic wall that gives no push
+    along itself, for a body whose centre of mass is held."""
+    point = np.array([0.7, 0.2, -0.4])
+    normal = np.array([0.0, 0.0, 1.0])
+
+    def reflect(before):
+        arm = before.body_to_inertial(point)
+        lever = before.inertial_to_body(np.cross(arm, normal))
+        rate = before.angular_velocity @ lever
+        return -2.0 * rate / (lever @ np.linalg.solve(BODY.tensor, lever)) * lever
+
+    event = PointMeetsPlane(point, normal, offset=0.3)
+    motion = Arcs(BODY, SPIN, [Impulse(event, reflect) for _ in range(20)])
+    t = np.linspace(0.0, motion.joints[-1], 20_000)
+    history = motion.at(t)
+    height = history.body_to_inertial(point)[:, 2]
+    start = height[0] - 0.3
+    assert np.all(np.sign(start) * (height - 0.3) > -1e-12)
+    energy = 0.5 * np.sum(history.angular_velocity @ BODY.tensor * history.angular_velocity, -1)
+    # 20 bounces of rounding each
+    assert np.max(np.abs(energy / energy[0] - 1.0)) < 1e-13
+
+
+def test_an_arc_drives_what_a_history_drives():
+    history = Arcs(BODY, SPIN, kicks(5)).at([0.1, 0.5])
+    w = history.angular_velocity
+    expected = quaternion.rotate(history.wxyz, w)
+    assert np.array_equal(history.angular_velocity_inertial, expected)
+    assert history[1:].wxyz.shape == (1, 4)
+    assert "angular_velocity" in history.table().colnames
+
+
+def test_pickle():
+    motion = Arcs(BODY, SPIN, kicks(5))
+    again = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(again.at([0.3, 9.0]).wxyz, motion.at([0.3, 9.0]).wxyz)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: [Impulse(2.0, (1, 0, 0)), Impulse(2.0, (1, 0, 0))], "the same as changes"),
+        (lambda: [Impulse(2.0, (1, 0, 0)), Impulse(1.0, (1, 0, 0))], "earlier than changes"),
+        (lambda: [Impulse(-1.0, (1, 0, 0))], "earlier than the epoch of the spin"),
+        (lambda: [Impulse(0.0, (1, 0, 0))], "the same as the epoch of the spin"),
+        (lambda: [Impulse("2025-12-31", (1, 0, 0))], "earlier than the epoch of the spin"),
+        (lambda: [Impulse(np.nan, (1, 0, 0))], "finite epoch"),
+        (lambda: [Impulse([1.0, 2.0], (1, 0, 0))], "holds 2 epochs"),
+        (lambda: [Impulse(1.0, (1, 0))], "shape"),
+        (lambda: [Impulse(1.0, (1, 0, np.nan))], "finite"),
+        (lambda: [Impulse(1.0, (1, 0, 0), "itrf")], "frame"),
+        (lambda: [Impulse(1.0, lambda history: (1, 2))], "shape"),
+        (lambda: [(1.0, (1, 0, 0))], "Impulse or InertiaChange"),
+        (lambda: [InertiaChange(1.0, (1, 2, 3))], "give a Body"),
+        (lambda: [Impulse(AxisCrossesDirection((0, 0, 0), (0, 0, 1)), (1, 0, 0))], "axis is zero"),
+    ],
+)
+def test_bad_input_is_a_sentence(make, message):
+    with pytest.raises(AttitudeError, match=message):
+        Arcs(BODY, SPIN, make())
+
+
+def test_a_rod_cannot_be_spun_about_itself():
+    rod = Body(moments=(0, 5, 5))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 1, 0))
+    with pytest.raises(AttitudeError, match="leaves no physical state"):
+        Arcs(rod, spin, [Impulse(1.0, (1, 0, 0))])
+    assert Arcs(rod, spin, [Impulse(1.0, (0, 0, 1))]).at(2.0).wxyz.shape == (4,)

@@ -1,0 +1,139 @@
+"""Lines of tumblers' light curves, on light curves of the exact motion."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, catalog, light_curve, spectrum
+from attitude.shape import Ellipsoid
+
+HOUR = 3600.0
+
+
+def tumbler(mode, omega=None, moments=(2.0, 3.1, 3.6)):
+    omega = omega or {"SAM": (0.3, 0.25, 1.0), "LAM": (1.0, 0.2, 0.35)}[mode]
+    spin = Spin(epoch="2026-01-01", wxyz=(0.6, -0.3, 0.5, 0.2), angular_velocity=omega)
+    return FreeRotation(Body(moments=moments), spin)
+
+
+def curve(motion, t):
+    """Brightness of an ellipsoid under a Sun and an observer that stand still."""
+    history = motion.at(t)
+    sun = history.inertial_to_body(np.array([0.6, 0.0, 0.8]))
+    observer = history.inertial_to_body(np.array([0.0, 0.28, 0.96]))
+    return light_curve.brightness(Ellipsoid((1.5, 1.0, 0.8)), "lommel-seeliger", sun, observer)
+
+
+def epochs(motion, count, periods=37.0):
+    rng = np.random.default_rng(3)
+    return np.sort(rng.uniform(0, periods * motion.period_psi, count))
+
+
+@pytest.mark.parametrize("mode", ["SAM", "LAM"])
+def test_the_series_converges_to_the_exact_light_curve(mode):
+    motion = tumbler(mode)
+    assert motion.mode.name == {"SAM": "SHORT_AXIS", "LAM": "LONG_AXIS"}[mode]
+    t = epochs(motion, 3000)
+    y = curve(motion, t)
+    psi, phi = motion.period_psi, motion.period_phi
+    rms = [spectrum.fit(t, y, psi, phi, order=n).rms / np.std(y) for n in (2, 4, 8)]
+    # Coefficients of an analytic function fall geometrically; wrong lines leave order 1.
+    assert rms[1] < 0.3 * rms[0] and rms[2] < 2e-3, rms
+    wrong = spectrum.fit(t, y, psi, phi * 1.037, order=8)
+    assert wrong.rms / np.std(y) > 0.3
+    found = spectrum.fit(t, y, psi, phi, order=8)
+    later = t[-1] + epochs(motion, 200)
+    assert np.std(found(later) - curve(motion, later)) < 4e-3 * np.std(y)
+
+
+@pytest.mark.parametrize("mode", ["SAM", "LAM"])
+def test_both_conventions_have_the_same_lines(mode):
+    motion = tumbler(mode)
+    long, short = (spectrum.lines(motion, 8, convention=c) for c in "LS")
+    inner = [line.frequency for line in spectrum.lines(motion, 4, convention="L")]
+    every = np.array([line.frequency for line in short])
+    # 1/P_phi differs by 1/P_psi, so (i, j) becomes (i, j -+ i).
+    assert max(np.min(np.abs(every - f)) for f in inner) < 1e-14
+    assert len(long) == len(short) == 2 * 8 * 9
+
+
+def test_apophis_shows_30_56_hours():
+    # Pravec et al., Icarus 233, 48 (2014): P_phi 27.38 h, P_psi 263 h, short-axis mode; the
+    # strongest line is the second harmonic of 1/27.38 h - 1/263 h = 1/30.56 h.
+    body, spin = catalog.load("99942 Apophis (2014)", phi0=0.0, psi0=0.0, epoch="2012-12-23")
+    motion = FreeRotation(body, spin)
+    assert motion.period_psi / HOUR == pytest.approx(263.0, abs=0.5)
+    assert motion.period_phi / HOUR == pytest.approx(27.38, abs=0.01)
+    assert motion.mode.name == "SHORT_AXIS"
+    rng = np.random.default_rng(8)
+    t = np.sort(rng.uniform(0, 100 * 24 * HOUR, 2000))
+    history = motion.at(t)
+    across = np.cross(motion.momentum, [1.0, 0.0, 0.0])
+    across /= np.linalg.norm(across)
+    observer = history.inertial_to_body(across)
+    y = -2.5 * np.log10(
+        light_curve.brightness(Ellipsoid((1.6, 1.1, 1.0)), "lommel-seeliger", observer, observer)
+    )
+    line, amplitude = spectrum.fit(t, y, motion.period_psi, motion.period_phi, order=4).strongest(
+        1
+    )[0]
+    assert (line.i, abs(line.j)) == (2, 2)
+    assert 2 * line.period / HOUR == pytest.approx(30.56, abs=0.01)
+    assert amplitude > 0.05
+
+
+def test_search_finds_the_periods_of_the_motion():
+    # P_psi / P_phi is 4.3: near a whole number lines would coincide, and either period be free.
+    motion = tumbler("SAM", (0.35, 0.2, 1.0), (2.0, 2.6, 3.1))
+    t = epochs(motion, 500, periods=8.0)
+    rng = np.random.default_rng(4)
+    y = curve(motion, t)
+    noisy = y + 0.01 * np.std(y) * rng.normal(size=len(y))
+    psi, phi = motion.period_psi, motion.period_phi
+    found = spectrum.search(t, noisy, psi * 1.006, phi * 0.9985, within=(0.02, 0.004), order=4)
+    # In parts of the resolution of the span: what is left out of the series draws them so far.
+    span = np.ptp(t)
+    assert abs(1 / found.P_phi - 1 / phi) * span < 2e-3
+    assert abs(1 / found.P_psi - 1 / psi) * span < 2e-3
+
+
+def test_relative_curves_have_their_own_constants():
+    t = np.linspace(0, 500, 300)
+    which = (t > 250).astype(int)
+    y = np.cos(2 * np.pi * t / 13.0) + np.where(which, 7.0, -2.0)
+    found = spectrum.fit(t, y, 70.0, 13.0, order=1, curve=which, errors=np.full(300, 0.1))
+    np.testing.assert_allclose(found.offsets, [-2.0, 7.0], atol=1e-12)
+    np.testing.assert_allclose(found(t, which), y, atol=1e-12)
+    line, amplitude = found.strongest(1)[0]
+    assert (line.i, line.j) == (1, 0) and amplitude == pytest.approx(1.0, abs=1e-12)
+    assert np.max(np.abs(found.residuals)) < 1e-12
+
+
+def test_lines_that_coincide_leave_a_smaller_rank():
+    t = np.linspace(0, 500, 300)
+    found = spectrum.fit(t, np.cos(2 * np.pi * t / 10.0), 20.0, 10.0, order=2)
+    assert found.rank < found.parameters
+    np.testing.assert_allclose(found.residuals, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"t": [0.0, 1.0]}, "shape"),
+        ({"order": 0}, "order is 0"),
+        ({"order": 9}, "unknowns"),
+        ({"P_psi": -1.0}, "P_psi"),
+        ({"errors": np.zeros(50)}, "errors"),
+        ({"curve": np.full(50, 1)}, "every number"),
+        ({"values": np.full(50, np.nan)}, "finite"),
+    ],
+)
+def test_bad_input_is_a_sentence(change, said):
+    given = {"t": np.arange(50.0), "values": np.arange(50.0), "P_psi": 9.0, "P_phi": 4.0}
+    with pytest.raises(AttitudeError, match=said):
+        spectrum.fit(**{**given, **change})
+
+
+def test_search_refuses_too_many_places():
+    t = np.linspace(0, 1e7, 100)
+    with pytest.raises(AttitudeError, match="narrow"):
+        spectrum.search(t, np.cos(t), 90.0, 17.0, within=0.5)

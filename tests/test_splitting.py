@@ -1,0 +1,413 @@
+"""The short exact step, the splitting schemes around it, and what they conserve."""
+
+import pickle
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
+from attitude.schemes import SCHEMES, Scheme, scheme
+from attitude.solution.machine import compiled
+from attitude.solution.step import LONGEST_PIECE, advance, gains, increment, pieces
+from attitude.splitting import TorquedRotation
+from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
+from tests import states
+from tests.gragg import EccentricOrbit, integrate
+from tests.oracle import Oracle, rate_error, rotation_error
+
+BODY = Body(moments=(10, 20, 26))
+MOMENTS = BODY.moments
+
+
+@compiled
+def steps(m, h, count, state):
+    moments = m[0], m[1], m[2]
+    k = gains(moments)
+    for _ in range(count):
+        advance(moments, k, h, state)
+
+
+@compiled
+def how_many(m, w, h):
+    moments = m[0], m[1], m[2]
+    return pieces(gains(moments), (w[0], w[1], w[2]), h)
+
+
+@compiled
+def one_piece(m, w, h):
+    moments = m[0], m[1], m[2]
+    return increment(moments, gains(moments), (w[0], w[1], w[2]), h)
+
+
+def ascending(state):
+    """Moments and rates of a state over right-handed axes of ascending moments; None for a rod."""
+    moments, w = np.array(state.moments), np.array(state.omega0)
+    order = np.argsort(moments, kind="stable")
+    if moments[order[0]] == 0.0:
+        return None
+    sign = np.sign(np.linalg.det(np.eye(3)[:, order]))
+    return moments[order], sign * w[order]
+
+
+@pytest.mark.parametrize("angle", [1e-6, 1e-3, 0.1, 0.3, 1.0, 3.0])
+def test_step_against_the_oracle_in_every_regime(angle):
+    for state in states.sample(3):
+        given = ascending(state)
+        if given is None:
+            continue
+        moments, w = given
+        h = angle * states.revolution(state) / (2.0 * np.pi)
+        exact, rates = Oracle(moments.tolist(), (1, 0, 0, 0), w.tolist(), digits=25).at(h)
+        found = np.zeros(14)
+        found[0], found[4:7] = 1.0, w
+        steps(moments, h, 1, found)
+        # an increment is as good as one rounding of the angle turned; the sum is rounded once
+        assert rotation_error(found[:4], exact, signed=True) < 2.5e-16 + 4e-16 * angle, state
+        assert rate_error(found[4:7], rates) < 4e-16 * (1.0 + angle), state
+
+
+def test_a_long_time_is_taken_in_pieces():
+    moments, w = np.array([10.0, 20.0, 26.0]), np.array([1.0, 15.0, 1.0])
+    one, many = np.zeros(14), np.zeros(14)
+    one[0] = many[0] = 1.0
+    one[4:7] = many[4:7] = w
+    steps(moments, 1.0, 1, one)
+    steps(moments, 0.01, 100, many)
+    # 15 rad, 1e-16 each, near the separatrix where errors grow
+    assert np.max(np.abs(one[:7] - many[:7])) < 1e-13
+
+
+def test_what_spins_steadily_takes_one_piece():
+    assert how_many(np.ones(3), np.array([1.0, 2.0, 3.0]), 1e3) == 0
+    assert how_many(np.array([1.0, 2.0, 2.5]), np.array([0.0, 0.0, 3.0]), 1e-3) == 1
+    assert how_many(np.array([1.0, 2.0, 2.5]), np.zeros(3), 1e9) == 0
+
+
+def test_continuous_across_the_number_of_pieces():
+    """With nextafter on both sides of the time at which one piece becomes two."""
+    for state in states.sample(2):
+        given = ascending(state)
+        if given is None or not np.any(given[1]):
+            continue
+        moments, w = given
+        low, high = 0.0, 1e4 * states.revolution(state)
+        if how_many(moments, w, high) < 2:
+            continue
+        while np.nextafter(low, high) < high:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if how_many(moments, w, middle) < 2 else (low, middle)
+        sides = []
+        for h in (low, high):
+            found = np.zeros(14)
+            found[0], found[4:7] = 1.0, w
+            steps(moments, h, 1, found)
+            sides.append(found)
+        assert (how_many(moments, w, low), how_many(moments, w, high)) == (1, 2)
+        # a slow wobble of a fast spin turns far in one piece: rounding times that angle
+        turned = 1.0 + low * np.hypot.reduce(w)
+        assert np.max(np.abs(sides[0][:4] - sides[1][:4])) < 4e-16 * turned, state
+        scale = np.max(np.abs(w))
+        assert np.max(np.abs(sides[0][4:7] - sides[1][4:7])) < 8e-16 * scale, state
+    assert LONGEST_PIECE == 0.3
+
+
+def test_one_step_is_time_reversible():
+    for state in states.sample(2):
+        given = ascending(state)
+        if given is None:
+            continue
+        moments, w = given
+        h = 0.2 * states.revolution(state) / (2.0 * np.pi)
+        found = np.zeros(14)
+        found[0], found[4:7] = 1.0, w
+        steps(moments, h, 1, found)
+        steps(moments, -h, 1, found)
+        assert np.max(np.abs(found[:4] - (1, 0, 0, 0))) < 1e-15
+        assert np.max(np.abs(found[4:7] - w)) <= 1e-15 * np.max(np.abs(w))
+
+
+@pytest.mark.parametrize("rates", [(1.0, 15.0, 1.0), (5.0, 0.3, 0.2), (0.1, 0.2, 4.0)])
+def test_energy_and_momentum_do_not_drift(rates):
+    """A million steps: compensated sums leave the rounding of an increment, and no bias."""
+    state, count = np.zeros(14), 1_000_000
+    state[0], state[4:7] = 1.0, rates
+    h = 0.1 / np.hypot.reduce(rates)
+    steps(MOMENTS, h, count, state)
+    exact = state[4:7] + state[11:14]
+    energy = np.sum(MOMENTS * exact**2) / np.sum(MOMENTS * np.square(rates)) - 1.0
+    momentum = np.sum((MOMENTS * exact) ** 2) / np.sum((MOMENTS * rates) ** 2) - 1.0
+    # a random walk of 1e6 whole roundings, 1.1e-16 * 1e3; a bias of a hundredth of one a step
+    # would give 1e-12
+    assert abs(energy) < 1.1e-13 and abs(momentum) < 1.1e-13
+    assert abs(np.sum((state[:4] + state[7:11]) ** 2) - 1.0) < 1.1e-13
+
+
+# Schemes ------------------------------------------------------------------------------------------
+
+E, SPAN = 0.3, 4.0
+START = (0.5, 0.5, 0.5, 0.5), (1.0, 4.0, 0.5)
+
+
+def eccentric_path(seconds):
+    """The orbit of `gragg.EccentricOrbit`, with 1 m and 1 s for units."""
+    anomaly = seconds + E * np.sin(seconds)
+    for _ in range(20):
+        anomaly += (seconds - anomaly + E * np.sin(anomaly)) / (1.0 - E * np.cos(anomaly))
+    x, y = np.cos(anomaly) - E, np.sqrt(1.0 - E * E) * np.sin(anomaly)
+    return np.stack([x, y, 0.0 * x], axis=-1)
+
+
+def eccentric(**how):
+    spin = Spin(epoch="2026-01-01", wxyz=START[0], angular_velocity=START[1])
+    return TorquedRotation(BODY, spin, GravityGradient(eccentric_path, 1.0), **how)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """State after SPAN, 25 digits or more, by another method and in 34 digits."""
+    with mp.workdps(34):
+        orbit = EccentricOrbit((10, 20, 26), mpf(E))
+        start = [mpf(x) for x in (*START[0], *START[1])]
+        end = integrate(orbit.slope, mpf(0), start, mpf(SPAN), 32, 14)
+        return end[:4], end[4:]
+
+
+def errors(exact, **how):
+    history = eccentric(**how).at(SPAN)
+    return (
+        rotation_error(history.wxyz, exact[0], signed=True),
+        rate_error(history.angular_velocity, exact[1]),
+    )
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_order_of_each_scheme(name, exact):
+    """Against a 30-digit integration on an eccentric orbit: halving the step tells the order."""
+    order = SCHEMES[name].order
+    first = 400 if order == 2 else 100
+    found = [errors(exact, step=SPAN / n, scheme=name) for n in (first, 2 * first, 4 * first)]
+    for which in (0, 1):
+        coarse, middle, fine = (each[which] for each in found)
+        assert coarse > middle > fine > 0.0
+        measured = np.log2(middle / fine)
+        # the next term of the error, two orders up, at these steps
+        assert abs(measured - order) < 0.3, (name, which, found)
+
+
+def test_fourth_order_reaches_rounding(exact):
+    attitude, rate = errors(exact, step=SPAN / 8192, scheme="blanes-moan")
+    # 20 rad in 8192 steps of compensated sums; the start and the orbit are rounded
+    assert attitude < 2e-14 and rate < 2e-14
+
+
+def test_adaptive_steps_reach_the_tolerance(exact):
+    for tolerance in (1e-8, 1e-11):
+        motion = eccentric(tolerance=tolerance, scheme="blanes-moan")
+        history = motion.at(SPAN)
+        error = rotation_error(history.wxyz, exact[0], signed=True)
+        count = len(motion._grids[0].times)
+        # errors of steps add up, each below the tolerance
+        assert error < tolerance * count
+        assert 5 < count < 4000
+    assert motion.steps_taken[1] >= SPAN
+
+
+@pytest.mark.parametrize("how", [{"step": 0.01}, {"tolerance": 1e-9}])
+def test_dense_output(how):
+    """Between steps: the order of the scheme, continuous over steps, in any order of asking."""
+    fine = eccentric(step=2e-4, scheme="blanes-moan")
+    motion = eccentric(scheme="blanes-moan", **how)
+    random = np.random.default_rng(3)
+    t = random.uniform(-3.0, 3.0, 200)
+    history, reference = motion.at(t), fine.at(t)
+    limit = 2e-7 if "step" in how else 2e-6
+    assert np.max(np.abs(history.wxyz - reference.wxyz)) < limit
+    assert np.max(np.abs(history.angular_velocity - reference.angular_velocity)) < 10 * limit
+    again = eccentric(scheme="blanes-moan", **how)
+    back = again.at(t[::-1])
+    assert np.max(np.abs(back.wxyz[::-1] - history.wxyz)) < 1e-14
+    one = motion.at(t[5])
+    assert one.wxyz.shape == (4,) and np.max(np.abs(one.wxyz - history.wxyz[5])) < 1e-14
+    if "step" in how:
+        edge = np.nextafter(0.64, [0.0, 1.0])
+        sides = motion.at(edge)
+        assert np.max(np.abs(sides.wxyz[0] - sides.wxyz[1])) < 1e-14
+        assert np.max(np.abs(sides.angular_velocity[0] - sides.angular_velocity[1])) < 1e-13
+    assert np.all(np.isnan(motion.at([np.nan, 0.1]).wxyz) == [[True] * 4, [False] * 4])
+    assert motion.at(0.0).wxyz == pytest.approx(START[0], abs=1e-15)
+
+
+def test_angular_acceleration_is_the_rate_of_the_angular_velocity():
+    motion = eccentric(step=1e-3, scheme="blanes-moan")
+    t, h = np.array([0.5, 1.5, -0.7]), 1e-4
+    w = [motion.at(t + k * h).angular_velocity for k in (-2, -1, 1, 2)]
+    slope = (w[0] - 8.0 * w[1] + 8.0 * w[2] - w[3]) / (12.0 * h)
+    # fourth differences of 1e-12 over 1e-4, truncation 4^5 h^4 / 30
+    assert np.max(np.abs(motion.at(t).angular_acceleration - slope)) < 1e-8
+
+
+def test_turned_axes_make_no_difference():
+    """The same body described over other axes."""
+    turn = quaternion.unit([0.3, -0.5, 0.2, 0.7])
+    matrix = quaternion.matrix(turn)
+    # components over the new axes are matrix @ those over the old ones
+    body = Body(tensor=matrix @ np.diag(MOMENTS) @ matrix.T)
+    spin = Spin(
+        epoch="2026-01-01",
+        wxyz=quaternion.multiply(START[0], quaternion.conjugate(turn)),
+        angular_velocity=matrix @ START[1],
+    )
+    gradient = GravityGradient(eccentric_path, 1.0)
+    t = np.linspace(0.0, 3.0, 7)
+    turned = TorquedRotation(body, spin, gradient, step=0.01).at(t)
+    plain = eccentric(step=0.01).at(t)
+    back = quaternion.multiply(turned.wxyz, turn)
+    assert np.max(np.abs(back - plain.wxyz)) < 1e-13
+    assert np.max(np.abs(turned.angular_velocity - plain.angular_velocity @ matrix.T)) < 1e-12
+    acceleration = plain.angular_acceleration @ matrix.T
+    assert np.max(np.abs(turned.angular_acceleration - acceleration)) < 1e-11
+
+
+def circular(n=1.0):
+    return lambda seconds: np.stack(
+        [np.cos(n * seconds), np.sin(n * seconds), 0.0 * seconds], axis=-1
+    )
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_jacobi_energy_on_a_circular_orbit_is_bounded(name):
+    """T + V - n L_normal of a tumbling body over 2000 orbits."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0.2, 0.3, 0.4), angular_velocity=(1.0, 6.0, 0.5))
+    gradient = GravityGradient(circular(), 1.0)
+    motion = TorquedRotation(BODY, spin, gradient, step=2.0 * np.pi / 400, scheme=name)
+    t = 2.0 * np.pi * np.concatenate([np.linspace(0, 20, 301), np.linspace(1980, 2000, 301)])
+    history = motion.at(t)
+    w = history.angular_velocity
+    kinetic = 0.5 * np.sum(w * w * MOMENTS, axis=-1)
+    normal = history.body_to_inertial(w * MOMENTS)[:, 2]
+    jacobi = kinetic + gradient.potential(BODY, history) - normal
+    error = jacobi / jacobi[0] - 1.0
+    # the step turns the body by 0.1 rad; what the first 20 orbits show, the last 20 keep
+    early, late = error[:301], error[301:]
+    assert np.max(np.abs(early)) < (2e-4 if SCHEMES[name].order == 2 else 1e-6)
+    assert np.max(np.abs(late)) < 1.5 * np.max(np.abs(early)) + 1e-12
+
+
+def test_a_free_body_stays_free():
+    """A torque that vanishes leaves the exact free rotation, to the rounding of the steps."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
+    t = np.linspace(-20.0, 20.0, 41)
+    motion = TorquedRotation(BODY, spin, ConstantTorque((0, 0, 0)), step=0.01)
+    free = FreeRotation(BODY, spin).at(t)
+    # 300 rad, close to the separatrix, where a rounding grows to some hundred
+    assert np.max(np.abs(motion.at(t).wxyz - free.wxyz)) < 1e-12
+
+
+def test_second_epoch_in_two_doubles():
+    motion = eccentric(step=0.01)
+    h = 1e-9
+    assert np.array_equal(motion.at(1.0, 0.0).wxyz, motion.at(1.0).wxyz)
+    shifted = motion.at(1.0, h).wxyz
+    assert np.max(np.abs(shifted - motion.at(1.0 + h).wxyz)) < 1e-15
+
+
+def test_pickle_and_printing():
+    motion = eccentric(step=0.01, scheme="suzuki")
+    with pytest.raises((AttributeError, pickle.PicklingError)):
+        pickle.dumps(TorquedRotation(BODY, motion.spin, lambda t, q, w: (0, 0, 0), step=0.1))
+    again = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(again.at(1.0).wxyz, motion.at(1.0).wxyz)
+    assert "suzuki" in repr(motion) and "0.01" in repr(motion)
+
+
+def test_each_scheme_is_consistent_and_symmetric():
+    for each in SCHEMES.values():
+        assert sum(each.kicks) == pytest.approx(1.0, abs=1e-15)
+        assert sum(each.flights) == pytest.approx(1.0, abs=1e-15)
+        assert each.kicks == pytest.approx(each.kicks[::-1])
+        assert each.flights == pytest.approx(each.flights[::-1])
+        assert each.gradients == pytest.approx(each.gradients[::-1])
+    own = Scheme("mine", 2, [0.0, 1.0, 0.0], [0.5, 0.5], [0.0] * 3, "test")
+    assert scheme(own) is own
+
+
+SPIN = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
+NOTHING = ConstantTorque((0, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=1.0), "a step below 0.104 s could"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING), "either step="),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, tolerance=1e-9), "either step="),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=-0.1), "greater than zero"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, tolerance=1e-20), "from 1e-14"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, scheme="rk4"), "one of 'kick-"),
+        (lambda: TorquedRotation(BODY, SPIN, [], step=0.1), "torques is empty"),
+        (lambda: TorquedRotation(BODY, SPIN, [3.0], step=0.1), "torques holds 3.0"),
+        (lambda: TorquedRotation((1, 2, 3), SPIN, NOTHING, step=0.1), "takes a Body"),
+        (
+            lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, scheme="force-gradient"),
+            "needs the force gradient",
+        ),
+        (
+            lambda: TorquedRotation(Body(moments=(0, 5, 5)), SPIN, NOTHING, step=0.1),
+            "the body is a rod",
+        ),
+        (
+            lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1).at(np.inf),
+            "an epoch is infinite",
+        ),
+        (
+            lambda: TorquedRotation(BODY, SPIN, ConstantTorque((0, 0, 40.0)), step=0.1).at(1e3),
+            "cannot resolve the motion: .* s after the epoch",
+        ),
+        (
+            lambda: TorquedRotation(
+                BODY, SPIN, CustomTorque(lambda t, q, w: (0, 0, np.nan if t > 1 else 0)), step=0.05
+            ).at(3.0),
+            "the torque is not finite 1[.]",
+        ),
+        (
+            lambda: TorquedRotation(
+                BODY, SPIN, CustomTorque(lambda t, q, w: (0, 0) if t > 1 else (0, 0, 0)), step=0.05
+            ).at(3.0),
+            "must return three numbers",
+        ),
+        (
+            lambda: TorquedRotation(
+                BODY, SPIN, GravityGradient(lambda s: np.ones((len(s), 2)), 1.0), step=0.05
+            ).at(3.0),
+            "path returned an array of shape",
+        ),
+        (
+            lambda: TorquedRotation(
+                BODY,
+                SPIN,
+                GravityGradient(lambda s: np.where(s[:, None] < 2, np.ones(3), np.nan), 1.0),
+                step=0.05,
+            ).at(3.0),
+            "path is not finite",
+        ),
+        (
+            lambda: TorquedRotation(BODY, SPIN, LinearDamping(-1.0), step=0.1),
+            "would add energy",
+        ),
+    ],
+)
+def test_bad_input_is_a_sentence(call, message):
+    with pytest.raises(AttitudeError, match=message):
+        call()
+
+
+def test_no_step_is_short_enough_for_a_jump():
+    """Adaptive steps over a torque that is not smooth end in a sentence, or within tolerance."""
+
+    def noise(t, wxyz, omega):
+        return np.sin(1e9 * t + np.array([0.0, 1.0, 2.0])) * 1e9
+
+    motion = TorquedRotation(BODY, SPIN, CustomTorque(noise, False), tolerance=1e-13)
+    with pytest.raises(AttitudeError, match=r"not smooth there|cannot resolve"):
+        motion.at(1.0)

@@ -1,0 +1,273 @@
+"""Torque models against formulas written out here, potentials, and laws of mechanics."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
+from attitude.splitting import TorquedRotation
+from attitude.torques import (
+    ConstantTorque,
+    CustomTorque,
+    GravityGradient,
+    InternalDissipation,
+    LinearDamping,
+    SolarRadiation,
+)
+
+TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
+BODY = Body(tensor=TENSOR)
+SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.1, 0.2, -0.3))
+MU = 3.986004418e14
+PLACE = np.array([4e6, -5e6, 3e6])
+
+
+def still(seconds):
+    return np.broadcast_to(PLACE, (*np.shape(seconds), 3))
+
+
+def torque_at_start(*torques, body=BODY, spin=SPIN):
+    """N m over the body axes: what Euler's equations leave of the angular acceleration."""
+    history = TorquedRotation(body, spin, torques, step=0.1).at(0.0)
+    w = history.angular_velocity
+    return body.tensor @ history.angular_acceleration + np.cross(w, body.tensor @ w)
+
+
+def gravity_gradient(wxyz):
+    r = np.sqrt(PLACE @ PLACE)
+    u = quaternion.matrix(wxyz).T @ PLACE / r
+    return 3.0 * MU / r**3 * np.cross(u, TENSOR @ u)
+
+
+def test_gravity_gradient_by_its_formula():
+    found = torque_at_start(GravityGradient(still, MU))
+    expected = gravity_gradient(SPIN.wxyz)
+    assert np.max(np.abs(found - expected)) < 1e-13 * np.max(np.abs(expected)) + 1e-15
+    named = torque_at_start(GravityGradient(still, "earth"))
+    # MU is EGM96's, DE440's is 1.6e-8 less
+    assert np.allclose(named, expected, rtol=1e-7, atol=0.0)
+    assert not np.allclose(named, expected, rtol=1e-9, atol=0.0)
+
+
+def turned(wxyz, axis, angle):
+    return quaternion.multiply(wxyz, np.append(np.cos(angle / 2), np.sin(angle / 2) * axis))
+
+
+def test_torque_is_the_slope_of_its_potential():
+    model = GravityGradient(still, MU)
+    found, h = gravity_gradient(SPIN.wxyz), 1e-4
+    for k, axis in enumerate(np.eye(3)):
+        sides = []
+        for angle in (-h, h):
+            spin = Spin(
+                epoch="2026-01-01",
+                wxyz=turned(SPIN.wxyz, axis, angle),
+                angular_velocity=(0, 0, 0.1),
+            )
+            sides.append(model.potential(BODY, FreeRotation(BODY, spin).at(0.0)))
+        slope = -(sides[1] - sides[0]) / (2.0 * h)
+        # truncation h^2, and 1e-16 of the potential over h
+        assert slope == pytest.approx(found[k], rel=1e-6, abs=1e-10 * np.max(np.abs(found)))
+
+
+def test_force_gradient_is_the_slope_of_its_potential():
+    """-N . I^-1 N, differentiated along turns about each axis."""
+    from attitude.torques.compiled import gravity_gradient_of_force
+
+    call = gravity_gradient_of_force.ctypes
+    import ctypes
+
+    def pointer(array):
+        return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+    out = np.zeros(3)
+    q, place = np.array(SPIN.wxyz), PLACE.copy()
+    parameters = GravityGradient(still, MU).parameters(BODY)
+    call(0.0, pointer(q), pointer(out), pointer(place), pointer(parameters), pointer(out))
+    inverse, h = np.linalg.inv(TENSOR), 1e-4
+
+    def potential(wxyz):
+        n = gravity_gradient(wxyz)
+        return -n @ inverse @ n
+
+    slopes = [
+        -(potential(turned(q, axis, h)) - potential(turned(q, axis, -h))) / (2.0 * h)
+        for axis in np.eye(3)
+    ]
+    assert np.allclose(out, slopes, rtol=1e-6, atol=1e-9 * np.max(np.abs(slopes)))
+
+
+def test_torques_add():
+    both = torque_at_start(GravityGradient(still, MU), ConstantTorque((1e-4, 2e-4, 0)))
+    assert np.allclose(
+        both, gravity_gradient(SPIN.wxyz) + np.array([1e-4, 2e-4, 0]), rtol=1e-12, atol=1e-15
+    )
+
+
+def test_constant_torque_spins_up_a_sphere():
+    sphere = Body(moments=(5, 5, 5))
+    rest = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+    history = TorquedRotation(sphere, rest, ConstantTorque((0.1, 0.2, 0)), step=0.05).at(10.0)
+    # exact: w = N t / I, and a turn by N t^2 / 2 I about N
+    assert np.allclose(history.angular_velocity, (0.2, 0.4, 0), rtol=1e-14, atol=1e-15)
+    angle = np.hypot(0.1, 0.2) * 100.0 / 10.0
+    expected = np.append(np.cos(angle / 2), np.sin(angle / 2) * np.array([1, 2, 0]) / np.sqrt(5))
+    # kick-rotate-kick is the trapezium rule for the angle, exact for a constant torque
+    assert np.max(np.abs(history.wxyz - expected)) < 1e-13
+
+
+def test_linear_damping_of_a_sphere_is_exponential():
+    sphere = Body(moments=(5, 5, 5))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.3, 0.2, -0.1))
+    for scheme, limit in (("kick-rotate-kick", 1e-9), ("blanes-moan", 1e-9)):
+        motion = TorquedRotation(sphere, spin, LinearDamping(0.2), step=0.1, scheme=scheme)
+        found = motion.at(20.0).angular_velocity
+        # a kick is Runge-Kutta's fourth order in h C / I = 4e-3 or less
+        assert np.allclose(found, np.array([0.3, 0.2, -0.1]) * np.exp(-0.8), rtol=limit)
+
+
+def test_damping_on_the_schemes_order():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.4, 0.3, -0.2))
+    damping = LinearDamping(np.diag([0.3, 0.2, 0.1]))
+    fine = TorquedRotation(BODY, spin, damping, step=0.01, scheme="blanes-moan").at(30.0)
+    for scheme, order in (("kick-rotate-kick", 2), ("suzuki", 4), ("blanes-moan", 4)):
+        errors = [
+            np.max(
+                np.abs(
+                    TorquedRotation(BODY, spin, damping, step=h, scheme=scheme).at(30.0).wxyz
+                    - fine.wxyz
+                )
+            )
+            for h in (0.8, 0.4)
+        ]
+        assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.45), scheme
+
+
+def test_internal_dissipation_relaxes_at_fixed_momentum():
+    body = Body(moments=(10, 20, 26))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(8, 1, 1))
+    assert FreeRotation(body, spin).mode is Mode.LONG_AXIS
+    motion = TorquedRotation(body, spin, InternalDissipation(0.02), step=0.01)
+    history = motion.at(np.linspace(0.0, 300.0, 1501))
+    w = history.angular_velocity
+    momentum = history.body_to_inertial(w * body.moments)
+    size = np.sqrt(momentum[0] @ momentum[0])
+    # 30,000 steps, each of two turns that share one rounded quaternion
+    assert np.max(np.abs(momentum - momentum[0])) < 1e-11 * size
+    energy = 0.5 * np.sum(w * w * body.moments, axis=-1)
+    assert np.all(np.diff(energy) < 1e-12 * energy[0])
+    # the least energy at this momentum, and the spin about the short axis
+    assert energy[-1] == pytest.approx(size**2 / (2.0 * 26.0), rel=1e-6)
+    assert abs(w[-1, 2]) == pytest.approx(size / 26.0, rel=1e-6)
+
+
+def test_internal_dissipation_takes_the_stated_power():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.4, 0.3, -0.2))
+    strength, h = 1e-3, 1e-3
+    motion = TorquedRotation(BODY, spin, InternalDissipation(strength), step=h)
+    w = motion.at([-h, 0.0, h]).angular_velocity
+    energy = 0.5 * np.sum(w @ TENSOR * w, axis=-1)
+    momentum = TENSOR @ w[1]
+    size = np.sqrt(momentum @ momentum)
+    power = -strength * size * np.sum(np.cross(momentum / size, w[1]) ** 2)
+    # 1e-16 of the energy over 2 h, and h^2
+    assert (energy[2] - energy[0]) / (2 * h) == pytest.approx(power, rel=1e-5)
+
+
+class Facets:
+    """Two plates of a box that is open elsewhere."""
+
+    areas = np.array([2.0, 3.0])
+    normals = np.array([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
+    centroids = np.array([[0.5, 0.2, 0.1], [0.0, 0.3, 0.7]])
+
+
+AU = 149597870700.0
+
+
+def test_light_pressure_by_its_formula():
+    # at 2 au, the Sun seen along +x and a little +y of ICRF
+    sun = np.array([2.0, 0.5, 1.0])
+    distance = 2.0 * AU
+    place = -sun / np.sqrt(sun @ sun) * distance
+    model = SolarRadiation(
+        Facets, lambda s: np.broadcast_to(place, (*np.shape(s), 3)), diffuse=0.3, mirrored=[0.5, 0]
+    )
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0.1, 0, 0), angular_velocity=(0, 0, 0))
+    body = Body(tensor=TENSOR, center_of_mass=(0.1, 0.0, 0.0))
+    found = torque_at_start(model, body=body, spin=spin)
+    s = quaternion.matrix(spin.wxyz).T @ sun / np.sqrt(sun @ sun)
+    total = np.zeros(3)
+    for area, n, c, d, m in zip(
+        Facets.areas, Facets.normals, Facets.centroids, (0.3, 0.3), (0.5, 0.0), strict=True
+    ):
+        cosine = max(n @ s, 0.0)
+        push = (1.0 - m) * s + 2.0 * (m * cosine + d / 3.0) * n
+        force = -1361.0 / 299792458.0 / 4.0 * area * cosine * push
+        total += np.cross(c - (0.1, 0.0, 0.0), force)
+    assert np.allclose(found, total, rtol=1e-12, atol=1e-20)
+
+
+def test_a_facet_in_the_dark_feels_nothing():
+    model = SolarRadiation(Facets, lambda s: np.broadcast_to((AU, AU, AU), (*np.shape(s), 3)))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+    assert np.array_equal(torque_at_start(model, spin=spin), np.zeros(3))
+
+
+def test_a_user_s_function_compiled_or_not():
+    import numba
+
+    def drag(t, wxyz, omega):
+        return -0.2 * omega[0], -0.2 * omega[1] + 0.01 * t, -0.2 * omega[2]
+
+    t = np.linspace(0.0, 5.0, 11)
+    plain = TorquedRotation(BODY, SPIN, drag, step=0.1).at(t)
+    fast = TorquedRotation(BODY, SPIN, numba.njit(drag), step=0.1).at(t)
+    shipped = TorquedRotation(
+        BODY,
+        SPIN,
+        [LinearDamping(0.2), CustomTorque(lambda t, q, w: (0.0, 0.01 * t, 0.0), False)],
+        step=0.1,
+    ).at(t)
+    assert np.max(np.abs(plain.wxyz - fast.wxyz)) < 1e-14
+    assert np.max(np.abs(plain.wxyz - shipped.wxyz)) < 1e-14
+
+
+def test_what_a_user_s_function_raises_comes_through():
+    def broken(t, wxyz, omega):
+        if t > 1.0:
+            raise KeyError("no table entry")
+        return 0.0, 0.0, 0.0
+
+    with pytest.raises(KeyError, match="no table entry"):
+        TorquedRotation(BODY, SPIN, broken, step=0.1).at(2.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: GravityGradient(3.0, MU), "path is 3.0"),
+        (lambda: GravityGradient(still, "vulcan"), "mu is 'vulcan'"),
+        (lambda: GravityGradient(still, -1.0), "greater than zero"),
+        (lambda: ConstantTorque((1, 2)), "shape"),
+        (lambda: LinearDamping(np.eye(2)), "shape"),
+        (lambda: InternalDissipation(-0.1), "does not add energy"),
+        (lambda: SolarRadiation(None, still), "without areas, normals, centroids"),
+        (lambda: SolarRadiation(Facets, still, diffuse=0.9, mirrored=0.2), "at most 1"),
+        (lambda: CustomTorque(3), "function is 3"),
+        (lambda: CustomTorque(lambda t, q, w: (1, 2)), "must return three numbers"),
+        (lambda: CustomTorque(lambda t, q, w: "abc"), "must return three numbers"),
+        (
+            lambda: torque_at_start(
+                SolarRadiation(Facets, still), body=Body(moments=(1, 2, 2.5), relative=True)
+            ),
+            "moments of the body are relative",
+        ),
+        (
+            lambda: torque_at_start(GravityGradient(lambda s: np.zeros((len(s), 3)), MU)),
+            "passes through the point mass",
+        ),
+    ],
+)
+def test_bad_input_is_a_sentence(call, message):
+    with pytest.raises(AttitudeError, match=message):
+        call()
