@@ -10,13 +10,18 @@ from attitude.errors import AttitudeError
 __version__ = "0.1.0"
 
 _WHERE = {
+    "Arcs": "attitude.arcs",
     "AttitudeHistory": "attitude.history",
     "AttitudeTable": "attitude.attitude_table",
     "Body": "attitude.body",
     "FreeRotation": "attitude.free_rotation",
+    "Impulse": "attitude.arcs",
+    "InertiaChange": "attitude.arcs",
     "Mode": "attitude.regime",
     "Scene": "attitude.scene",
     "Spin": "attitude.spin",
+    "TorquedRotation": "attitude.splitting",
+    "compare": "attitude.referee",
     "fit": "attitude.fitting",
     "propagate": "attitude.propagation",
 }

@@ -92,8 +92,8 @@ def propagate(
     >>> wxyz = propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])
     >>> wxyz.shape
     (2, 4)
-    >>> wxyz[0].round(12)
-    array([1., 0., 0., 0.])
+    >>> wxyz[1].round(6)
+    array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
     moments = gates.rows(moments, "moments", 3)
     wxyz0 = gates.rows(wxyz0, "wxyz0", 4)

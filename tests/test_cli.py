@@ -176,7 +176,7 @@ BAD = [
     (("propagat",), "there is no command 'propagat'; did you mean propagate?"),
     (("xyz",), "there is no command 'xyz'; give one of propagate, "),
     (("--verbose",), "not known|required"),
-    (("describe",), "the following arguments are required: FILE.toml"),
+    (("describe",), "the following arguments are required: "),
     (("describe", "none.toml"), "none.toml: cannot be read"),
     (("describe", TOUTATIS, "--rates"), "--rates is not known"),
     ((*GO, "--step", "1"), "required: --stop"),
