@@ -130,7 +130,7 @@ def propagate(
     return (wxyz, _answer(rates, rates_out, scalar)) if angular_velocity else wxyz
 
 
-def constants_of(moments, wxyz, omega, principal, *, first=0, count=1):
+def constants_of(moments, wxyz, omega, principal, *, rates=True, first=0, count=1):
     """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
 
     These are bodies number first, first + 1, ... of `count`, for the error message.
@@ -141,6 +141,8 @@ def constants_of(moments, wxyz, omega, principal, *, first=0, count=1):
     wxyz : (B, 4) array
     principal : (1 or B, 4) array
         Unit quaternion from principal axes to body axes.
+    rates : bool
+        Whether `evaluate` will be asked for angular velocities.
 
     Raises
     ------
@@ -149,7 +151,7 @@ def constants_of(moments, wxyz, omega, principal, *, first=0, count=1):
     """
     prepare_all, _ = _compiled()
     constants = np.zeros(len(moments), CONSTANTS)
-    if prepare_all(moments, wxyz, omega, principal, constants):
+    if prepare_all(moments, wxyz, omega, principal, constants, rates):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
             moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
@@ -198,7 +200,13 @@ def _run(moments, wxyz0, omega0, t, t_low, wxyz, rates):
         size = part.stop - part.start
         pairs[0, :size, :, 0], pairs[1, :size, :, 0] = moments[part], omega0[part]
         constants = constants_of(
-            pairs[0, :size], wxyz0[part], pairs[1, :size], _IDENTITY, first=start, count=count
+            pairs[0, :size],
+            wxyz0[part],
+            pairs[1, :size],
+            _IDENTITY,
+            rates=rates is not None,
+            first=start,
+            count=count,
         )
         here = part if len(t) > 1 else slice(None)
         evaluate(

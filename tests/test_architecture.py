@@ -30,7 +30,7 @@ HOUSE = (
 # Within the solution, in the same way: from the machine up to the doors.
 SOLUTION = (
     *("cache", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
-    *("series", "coefficients", "classify", "constants", "attach", "uniform"),
+    *("series", "coefficients", "rate_series", "classify", "constants", "attach", "uniform"),
     *("kernel", "motion"),
 )
 PLACE = {name: (line, k) for line, names in enumerate(HOUSE) for k, name in enumerate(names)}

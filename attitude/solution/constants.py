@@ -111,7 +111,7 @@ def _solve(c):
     if mc[0] == 0.0:
         _on_separatrix(i2, momentum, speed, cosine, sine, backwards, c)
         fraction = _fraction_at_separatrix(minus_n[0])
-        hyperbolic_series(0.0, fraction, wobble, amplitudes, c)
+        hyperbolic_series(0.0, fraction, wobble, c)
         return
 
     quotient, quarter, turns = complete_and_phase(
@@ -147,14 +147,14 @@ def _solve(c):
         c.form = codes.TRIGONOMETRIC
         _store_rate(c.nutation, nutation, c.tempo)
         c.nutation0[0], c.nutation0[1] = turns
-        trigonometric_series(stretch, fraction, root[0], wobble, amplitudes, c)
+        trigonometric_series(stretch, fraction, root[0], wobble, c)
     else:
         c.form = codes.HYPERBOLIC
         _store_rate(c.nutation, scale(nutation, 2.0), c.tempo)
         c.nutation0[0], c.nutation0[1] = 2.0 * turns[0], 2.0 * turns[1]
         c.decay = 2.0 * math.pi / (stretch * math.log(2.0))
         c.tilt = 0.25 * fraction
-        hyperbolic_series(math.exp(-math.pi / stretch), fraction, wobble, amplitudes, c)
+        hyperbolic_series(math.exp(-math.pi / stretch), fraction, wobble, c)
 
 
 @inlined

@@ -10,13 +10,14 @@ from attitude.solution.classify import classify_all, refine_all
 from attitude.solution.constants import solve_all
 from attitude.solution.kernel import evaluate
 from attitude.solution.machine import compiled, inlined
+from attitude.solution.rate_series import rates_all
 from attitude.solution.turns import LONGEST
 from attitude.solution.uniform import uniform_all
 
 _FARTHEST = 1.7976931348623157e308  # s, the largest double
 
 
-def prepare_all(moments, wxyz, omega, principal, constants):
+def prepare_all(moments, wxyz, omega, principal, constants, rates=True):
     """Constants of B motions.
 
     Given
@@ -24,6 +25,7 @@ def prepare_all(moments, wxyz, omega, principal, constants):
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
+        rates      whether angular velocities will be asked for
     Filled
         constants  (B,) of solution.layout.CONSTANTS; fault tells what is wrong with a body
     Returned
@@ -37,6 +39,8 @@ def prepare_all(moments, wxyz, omega, principal, constants):
     if faults + uniform < len(constants):
         solve_all(constants)
         attach_all(wxyz, principal, constants)
+        if rates:
+            rates_all(constants)
     return faults
 
 
