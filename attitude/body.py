@@ -8,6 +8,7 @@ import numpy as np
 from attitude import gates, quaternion
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
+from attitude.solution.principal import PrincipalAxes
 
 # Asymmetry of a tensor, relative to its largest entry, that is taken for rounding.
 _ASYMMETRY = 1e-13
@@ -15,6 +16,8 @@ _ASYMMETRY = 1e-13
 _ZERO_MOMENT = 1e-15
 # What measured moments may miss the triangle inequality by, as in the compiled solution.
 _TRIANGLE = 1e-14
+# Principal axes that are the body axes, as pairs of doubles.
+_GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,7 +32,7 @@ class Body(Frozen):
         Principal moments about the body axes x, y, z in kg m2, in any order.
     tensor : (3, 3) array_like, optional
         Inertia tensor about the centre of mass in body axes, kg m2.  Its doubles are taken as
-        exact; moments and axes are found to 31 digits.
+        exact; moments and axes are found to 115 digits.
     mass : float, optional
         kg.
     relative : bool
@@ -157,7 +160,7 @@ class Body(Frozen):
         _check(moments, "moments")
         pairs = np.zeros((3, 2))
         pairs[:, 0] = moments
-        self._keep(moments, np.diag(moments), pairs, np.eye(3))
+        self._keep(moments, np.diag(moments), pairs, None)
 
     def _from_tensor(self, tensor):
         off = np.max(np.abs(tensor - tensor.T))
@@ -171,32 +174,35 @@ class Body(Frozen):
         if np.all(tensor == np.diag(np.diag(tensor))):
             self._from_moments(np.diag(tensor).copy())
             return
-        from attitude.solution.principal import principal
-
-        pairs, axes = np.empty((3, 2)), np.empty((3, 3, 2))
-        principal(tensor, pairs, axes)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        pairs, axes = pairs[order], axes[:, order]
-        pairs = _rod_within_rounding(pairs)
+        found = PrincipalAxes.of(tensor)
+        pairs = _rod_within_rounding(found.moments())
         _check(pairs[:, 0], "the principal moments of tensor")
-        self._keep(pairs[:, 0].copy(), tensor, pairs, _tidy(axes))
+        self._keep(pairs[:, 0].copy(), tensor, pairs, found)
 
-    def _keep(self, moments, tensor, pairs, axes):
-        if axes.ndim == 2:
-            axes = np.stack([axes, np.zeros((3, 3))], axis=-1)
+    def _keep(self, moments, tensor, pairs, found):
+        axes = _GIVEN_AXES if found is None else found.axes()
         self._set("moments", moments)
         self._set("tensor", tensor)
         self._set("principal_axes", axes[..., 0].copy())
-        self._set("_moments", np.ascontiguousarray(pairs))
-        self._set("_axes", np.ascontiguousarray(axes))
+        self._set("_moments", pairs)
+        self._set("_axes", axes)
+        self._set("_found", found)
 
     def rates_about_principal_axes(self, omega):
         """Components (3, 2), pairs of doubles, of an angular velocity (3,) in body axes."""
-        from attitude.solution.principal import components
+        if self._found is None:
+            return np.stack([omega, np.zeros(3)], axis=-1)
+        return self._found.rates(omega)
 
-        out = np.zeros((3, 2))
-        components(self._axes, omega, out)
-        return out
+    def differences(self, omega):
+        """What two doubles of moments and rates would lose beside the separatrix, (3, 2), or None.
+
+        None where they lose nothing, the moments being given: see
+        `attitude.solution.principal.PrincipalAxes.differences`.
+        """
+        if self._found is None or self.moments[0] == 0.0:
+            return None
+        return self._found.differences(omega)
 
     @cached_property
     def principal_wxyz(self):
@@ -231,16 +237,6 @@ def _rod_within_rounding(pairs):
         mean = 0.5 * (pairs[1] + pairs[2])
         return np.array([[0.0, 0.0], mean, mean])
     return pairs
-
-
-def _tidy(axes):
-    """Signs of the principal axes: the largest component positive, the third right-handed."""
-    for k in range(3):
-        if axes[np.argmax(np.abs(axes[:, k, 0])), k, 0] < 0.0:
-            axes[:, k] *= -1.0
-    if np.linalg.det(axes[..., 0]) < 0.0:
-        axes[:, 2] *= -1.0
-    return axes
 
 
 def _listed(row):

@@ -80,6 +80,7 @@ class FreeRotation(Frozen):
             spin.wxyz_icrf[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
             body.principal_wxyz[None],
+            differences=body.differences(spin.angular_velocity),
         )
         self._set("_constants", frozen(constants))
 

@@ -130,7 +130,9 @@ def propagate(
     return (wxyz, _answer(rates, rates_out, scalar)) if angular_velocity else wxyz
 
 
-def constants_of(moments, wxyz, omega, principal, *, rates=True, first=0, count=1):
+def constants_of(
+    moments, wxyz, omega, principal, *, differences=None, rates=True, first=0, count=1
+):
     """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
 
     These are bodies number first, first + 1, ... of `count`, for the error message.
@@ -141,6 +143,9 @@ def constants_of(moments, wxyz, omega, principal, *, rates=True, first=0, count=
     wxyz : (B, 4) array
     principal : (1 or B, 4) array
         Unit quaternion from principal axes to body axes.
+    differences : (3, 2) array, optional
+        Of a single motion, where it is known to more digits than pairs of moments and rates tell:
+        see `attitude.solution.principal.PrincipalAxes.differences`.
     rates : bool
         Whether `evaluate` will be asked for angular velocities.
 
@@ -151,7 +156,7 @@ def constants_of(moments, wxyz, omega, principal, *, rates=True, first=0, count=
     """
     prepare_all, _ = _compiled()
     constants = np.zeros(len(moments), CONSTANTS)
-    if prepare_all(moments, wxyz, omega, principal, constants, rates):
+    if prepare_all(moments, wxyz, omega, principal, constants, differences, rates):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
             moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])

@@ -145,8 +145,11 @@ def _order(c):
     if less(b, a):
         p, q, a, b = q, p, b, a
     c.order[0], c.order[1], c.order[2] = p, q, r
-    of_least = mul(mul(a, sub(b, a)), square(pair(c.omega[p])))
-    of_greatest = mul(mul(d, sub(d, b)), square(pair(c.omega[r])))
+    below, above = sub(b, a), sub(d, b)
+    c.gaps[0, 0], c.gaps[0, 1] = below
+    c.gaps[1, 0], c.gaps[1, 1] = above
+    of_least = mul(mul(a, below), square(pair(c.omega[p])))
+    of_greatest = mul(mul(d, above), square(pair(c.omega[r])))
     d2 = sub(of_greatest, of_least)
     c.d2[0], c.d2[1] = d2
     c.cancelled = 1 if abs(d2[0]) < _CANCELLED * (of_greatest[0] + of_least[0]) else 0

@@ -19,11 +19,9 @@ from attitude.solution.twofloat import (
     absolute,
     add,
     div,
-    less,
     mul,
     neg,
     pair,
-    same,
     scale,
     sqrt,
     square,
@@ -56,7 +54,7 @@ def jacobi(c):
         c.mode = codes.SHORT_AXIS
     if d2[0] == 0.0:
         c.mode = codes.SEPARATRIX
-    elif same(pair(c.moments[first]), pair(c.moments[second])):
+    elif c.gaps[1 if d2[0] < 0.0 else 0, 0] == 0.0:
         c.mode = codes.SYMMETRIC
     c.d2[0], c.d2[1] = absolute(d2)
     c.circulates = third
@@ -77,8 +75,9 @@ def _solve(c):
     if (c.jacobi[2] + c.jacobi[3] + (0 if (second - first) % 3 == 1 else 1)) % 2 == 1:
         w2 = neg(w2)
     d2 = pair(c.d2)
-    d12, d13, d23 = absolute(sub(i1, i2)), absolute(sub(i1, i3)), absolute(sub(i2, i3))
-    long_axis = less(i3, i1)
+    long_axis = third == c.order[0]
+    d12, d23 = pair(c.gaps[1 if long_axis else 0]), pair(c.gaps[0 if long_axis else 1])
+    d13 = add(d12, d23)
     d1 = add(mul(mul(i2, d12), square(w2)), mul(mul(i3, d13), square(w3)))
     d3 = add(mul(mul(i1, d13), square(w1)), mul(mul(i2, d23), square(w2)))
     ll = add(add(square(mul(i1, w1)), square(mul(i2, w2))), square(mul(i3, w3)))

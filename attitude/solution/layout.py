@@ -16,6 +16,7 @@ CONSTANTS = np.dtype(
         ("moments", "f8", (3, 2)),
         ("omega", "f8", (3, 2)),
         ("order", "i8", 3),  # indices of the moments, ascending
+        ("gaps", "f8", (2, 2)),  # of the ascending moments: second less first, third less second
         ("jacobi", "i8", 4),  # first and second internal axis; 1 where the first, third is reversed
         ("d2", "f8", 2),  # L^2 - 2 E I2: signed at first, then its magnitude
         ("cancelled", "i8"),  # 1 where D2 was formed exactly, its terms nearly cancelling

@@ -17,7 +17,7 @@ from attitude.solution.uniform import uniform_all
 _FARTHEST = 1.7976931348623157e308  # s, the largest double
 
 
-def prepare_all(moments, wxyz, omega, principal, constants, rates=True):
+def prepare_all(moments, wxyz, omega, principal, constants, differences=None, rates=True):
     """Constants of B motions.
 
     Given
@@ -25,6 +25,8 @@ def prepare_all(moments, wxyz, omega, principal, constants, rates=True):
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
+        differences  of one motion, what is known better than from the pairs; or None: B - A,
+                   C - B and D2 as solution.principal has them, (3, 2)
         rates      whether angular velocities will be asked for
     Filled
         constants  (B,) of solution.layout.CONSTANTS; fault tells what is wrong with a body
@@ -32,7 +34,9 @@ def prepare_all(moments, wxyz, omega, principal, constants, rates=True):
         how many have a fault
     """
     faults, uniform, cancelled = classify_all(moments, wxyz, omega, constants)
-    if cancelled:
+    if differences is not None:
+        constants["gaps"], constants["d2"] = differences[:2], differences[2]
+    elif cancelled:
         refine_all(constants)
     if uniform:
         uniform_all(wxyz, principal, constants)

@@ -1,96 +1,157 @@
-"""Principal moments and axes of a full inertia tensor, to two doubles.
+"""Principal axes of a full inertia tensor, to the last bit that a long prediction can want.
 
-A moment known to one double limits the attitude to 1e-7 rad after 1e9 revolutions.  Jacobi's
-rotations in pairs of doubles leave 1e-31 and do
-not touch a tensor that is diagonal already (Golub & Van Loan, Matrix Computations, section 8.5).
+Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
+axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits would
+not do.  The doubles of a tensor are whole numbers over a power of two, so Jacobi's rotations (Golub
+& Van Loan, Matrix Computations, section 8.5) run here in whole numbers, with 115 digits kept; a
+body is diagonalised once, in a quarter of a millisecond.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from attitude.solution.machine import compiled, inlined
-from attitude.solution.twofloat import ONE, ZERO, absolute, add, div, mul, neg, sqrt, square, sub
+# Numbers are n / 2**_BITS; results are rounded to _KEPT bits, so that equal moments come out equal.
+_BITS = 448
+_KEPT = 384
+_HALF = 1 << (_BITS - 1)
+_ONE = 1 << _BITS
+# Off-diagonal elements below this change no bit that is kept.
+_NOTHING = 1 << (_BITS - _KEPT - 40)
+_SWEEPS = 30
 
-_SWEEPS = 20
-_NOTHING = 1e-33  # of the geometric mean of the two moments: below the last place of a pair
+
+class PrincipalAxes(NamedTuple):
+    """Eigenvalues and eigenvectors of one symmetric tensor, numbers over 2**448."""
+
+    exponent: int  # of the power of two that the moments were divided by
+    values: tuple  # the moments, ascending
+    columns: tuple  # of a right-handed matrix, unit vectors, the first two largest upwards
+
+    @classmethod
+    def of(cls, tensor):
+        """Those of a tensor (3, 3) whose doubles are taken as exact."""
+        exponent = _exponent_of(tensor.ravel())
+        a = [[_whole(float(x), exponent) for x in row] for row in tensor]
+        v = [[_ONE if i == j else 0 for j in range(3)] for i in range(3)]
+        _diagonalise(a, v)
+        values = [_kept(a[k][k]) for k in range(3)]
+        order = sorted(range(3), key=values.__getitem__)
+        columns = _right_handed([[_kept(row[k]) for row in v] for k in order])
+        return cls(exponent, tuple(values[k] for k in order), columns)
+
+    def moments(self):
+        """(3, 2) pairs of doubles (hi, lo)."""
+        return np.array([_pair(n, self.exponent) for n in self.values])
+
+    def axes(self):
+        """(3, 3, 2) pairs of doubles, the unit vectors being columns."""
+        pairs = np.array([[_pair(x, 0) for x in column] for column in self.columns])
+        return np.ascontiguousarray(np.swapaxes(pairs, 0, 1))
+
+    def rates(self, omega):
+        """Components (3, 2), pairs of doubles, over the principal axes of a vector (3,)."""
+        exponent = _exponent_of(omega)
+        return np.array([_pair(n, exponent) for n in self._components(omega, exponent)])
+
+    def differences(self, omega):
+        """What of the moments A <= B <= C and of a rotation only differences tell.
+
+        Returns
+        -------
+        (3, 2) array
+            Pairs: B - A, C - B and D2 = L^2 - 2 E B at the angular velocity omega (3,), moments
+            and rates over those powers of two that bring the largest of each into [1/2, 1).
+        """
+        least, middle, greatest = self.values
+        x, y, z = (abs(n) for n in self._components(omega, _exponent_of(omega)))
+        of_greatest = _times(_times(greatest, greatest - middle), _times(z, z))
+        of_least = _times(_times(least, middle - least), _times(x, x))
+        inertia = _exponent_of([_pair(greatest, 0)[0]])
+        tempo = _exponent_of([_pair(n, 0)[0] for n in (x, y, z)])
+        return np.array(
+            [
+                _pair(middle - least, -inertia),
+                _pair(greatest - middle, -inertia),
+                _pair(of_greatest - of_least, -2 * (inertia + tempo)),
+            ]
+        )
+
+    def _components(self, omega, exponent):
+        w = [_whole(float(x), exponent) for x in omega]
+        return [_kept(sum(map(_times, column, w))) for column in self.columns]
 
 
-@compiled
-def principal(tensor, moments, axes):
-    """Diagonalise one symmetric tensor.
-
-    Given
-        tensor   (3, 3) the doubles are taken as exact
-    Filled
-        moments  (3, 2) eigenvalues, pairs
-        axes     (3, 3, 2) columns: unit eigenvectors, right-handed, pairs
-    """
-    for i in range(3):
-        for j in range(3):
-            axes[i, j, 0] = 1.0 if i == j else 0.0
-            axes[i, j, 1] = 0.0
-    a = np.zeros((3, 3, 2))
-    a[:, :, 0] = tensor
+def _diagonalise(a, v):
+    """Turn the columns of v until a, in these axes, is diagonal."""
     for _ in range(_SWEEPS):
         busy = False
-        for p in range(2):
-            for q in range(p + 1, 3):
-                size = math.sqrt(abs(a[p, p, 0])) * math.sqrt(abs(a[q, q, 0]))
-                if abs(a[p, q, 0]) > _NOTHING * size:
-                    _rotate(a, axes, p, q)
-                    busy = True
+        for p, q in ((0, 1), (0, 2), (1, 2)):
+            if abs(a[p][q]) > _NOTHING:
+                _rotate(a, v, p, q)
+                busy = True
         if not busy:
-            break
-    for i in range(3):
-        moments[i, 0], moments[i, 1] = a[i, i, 0], a[i, i, 1]
+            return
 
 
-@compiled
-def components(axes, vector, out):
-    """Components (3, 2), pairs, of a vector (3,) over axes (3, 3, 2) that are its columns."""
-    for j in range(3):
-        total = ZERO
-        for i in range(3):
-            total = add(total, mul(_get(axes, i, j), (vector[i], 0.0)))
-        out[j, 0], out[j, 1] = total
-
-
-@inlined
-def _get(a, i, j):
-    return a[i, j, 0], a[i, j, 1]
-
-
-@inlined
-def _put(a, i, j, pair):
-    a[i, j, 0], a[i, j, 1] = pair
-
-
-@inlined
-def _rotate(a, axes, p, q):
-    """Turn axes p and q so that a[p, q] vanishes."""
-    off = _get(a, p, q)
-    half = sub(_get(a, q, q), _get(a, p, p))
-    half = div((0.5 * half[0], 0.5 * half[1]), off)
-    tangent = div(ONE, add(absolute(half), sqrt(add(square(half), ONE))))
-    if half[0] < 0.0:
-        tangent = neg(tangent)
-    cosine = div(ONE, sqrt(add(square(tangent), ONE)))
-    sine = mul(tangent, cosine)
-    change = mul(tangent, off)
-    _put(a, p, p, sub(_get(a, p, p), change))
-    _put(a, q, q, add(_get(a, q, q), change))
-    _put(a, p, q, ZERO)
-    _put(a, q, p, ZERO)
+def _rotate(a, v, p, q):
+    """Turn axes p and q so that a[p][q] vanishes."""
+    off = a[p][q]
+    ratio = ((a[q][q] - a[p][p]) << (_BITS - 1)) // off
+    tangent = (_ONE << _BITS) // (abs(ratio) + math.isqrt(ratio * ratio + (_ONE << _BITS)))
+    if ratio < 0:
+        tangent = -tangent
+    cosine = (_ONE << _BITS) // math.isqrt(tangent * tangent + (_ONE << _BITS))
+    sine = _times(tangent, cosine)
+    change = _times(tangent, off)
+    a[p][p] -= change
+    a[q][q] += change
+    a[p][q] = a[q][p] = 0
     r = 3 - p - q
-    x, y = _get(a, r, p), _get(a, r, q)
-    new_x = sub(mul(cosine, x), mul(sine, y))
-    new_y = add(mul(sine, x), mul(cosine, y))
-    _put(a, r, p, new_x)
-    _put(a, p, r, new_x)
-    _put(a, r, q, new_y)
-    _put(a, q, r, new_y)
-    for i in range(3):
-        x, y = _get(axes, i, p), _get(axes, i, q)
-        _put(axes, i, p, sub(mul(cosine, x), mul(sine, y)))
-        _put(axes, i, q, add(mul(sine, x), mul(cosine, y)))
+    x, y = a[r][p], a[r][q]
+    a[r][p] = a[p][r] = _times(cosine, x) - _times(sine, y)
+    a[r][q] = a[q][r] = _times(sine, x) + _times(cosine, y)
+    for row in v:
+        x, y = row[p], row[q]
+        row[p] = _times(cosine, x) - _times(sine, y)
+        row[q] = _times(sine, x) + _times(cosine, y)
+
+
+def _right_handed(columns):
+    """Eigenvectors with their largest components positive, save where the third cannot be."""
+    for column in columns:
+        if max(column, key=abs) < 0:
+            column[:] = [-x for x in column]
+    (a, b, c), (d, e, f), (g, h, i) = columns
+    if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0:
+        columns[2] = [-x for x in columns[2]]
+    return tuple(map(tuple, columns))
+
+
+def _exponent_of(values):
+    return math.frexp(max(abs(float(x)) for x in values))[1]
+
+
+def _whole(x, exponent):
+    """x / 2**exponent as a whole number over 2**_BITS."""
+    part, power = math.frexp(x)
+    shift = power - exponent + _BITS - 53
+    whole = int(part * 2.0**53)
+    return whole << shift if shift >= 0 else (whole + (1 << (-shift - 1))) >> -shift
+
+
+def _times(a, b):
+    return (a * b + _HALF) >> _BITS
+
+
+def _kept(n):
+    spare = _BITS - _KEPT
+    return ((n + (1 << (spare - 1))) >> spare) << spare
+
+
+def _pair(n, exponent):
+    """n / 2**_BITS times 2**exponent as the sum of two doubles."""
+    high = float(n)
+    low = float(n - int(high))
+    return math.ldexp(high, exponent - _BITS), math.ldexp(low, exponent - _BITS)
