@@ -10,23 +10,17 @@ from itertools import product as combinations
 import numpy as np
 
 from attitude.solution import codes
-from attitude.solution.machine import compiled, inlined
-from attitude.solution.series import (
-    hyperbolic_arguments,
-    hyperbolic_pair,
-    trigonometric_pair,
-    turned,
-)
-from attitude.solution.turns import phase, sincos
+from attitude.solution.machine import compiled, inlined, larger
+from attitude.solution.series import four
 
 
 def _signed_permutations():
-    """Unit quaternions of the proper signed permutations, [first, second, sign 1, sign 3].
+    """Proper signed permutations as matrices and unit quaternions, [first, second, sign 1, sign 3].
 
-    Column k of the rotation is the principal axis that becomes internal axis k: `first`, `second`
+    Column k of the matrix is the principal axis that becomes internal axis k: `first`, `second`
     and the third one; index 1 for a negative sign.  The sign of the second axis follows.
     """
-    table = np.zeros((3, 3, 2, 2, 4))
+    matrices, quaternions = np.zeros((3, 3, 2, 2, 3, 3)), np.zeros((3, 3, 2, 2, 4))
     for first, second in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)):
         third = 3 - first - second
         for minus1, minus3 in combinations((0, 1), repeat=2):
@@ -44,11 +38,13 @@ def _signed_permutations():
                 ]
             )
             column = outer[:, np.argmax(np.diag(outer))]
-            table[first, second, minus1, minus3] = column / np.sqrt(column @ column)
-    return table
+            matrices[first, second, minus1, minus3] = matrix
+            quaternions[first, second, minus1, minus3] = column / np.sqrt(column @ column)
+    return matrices, quaternions
 
 
-_PERMUTATIONS = _signed_permutations()
+_MATRICES, _QUATERNIONS = _signed_permutations()
+_UNIT = np.eye(4)
 
 
 @compiled
@@ -63,13 +59,13 @@ def attach_all(wxyz, principal, constants):
         c = constants[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
             given = four(principal[b if len(principal) > 1 else 0])
-            _attach(unit(four(wxyz[b])), _axes(given, c), _internal_at_epoch(c), c)
+            _attach(unit(four(wxyz[b])), _axes(given, c), unit(four(c.internal)), c.frame)
 
 
 @inlined
 def unit(q):
     """A quaternion of any length as a unit quaternion."""
-    size = max(abs(q[0]), abs(q[1]), abs(q[2]), abs(q[3]))
+    size = larger(larger(abs(q[0]), abs(q[1])), larger(abs(q[2]), abs(q[3])))
     w, x, y, z = q[0] / size, q[1] / size, q[2] / size, q[3] / size
     size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
     return w * size, x * size, y * size, z * size
@@ -103,61 +99,21 @@ def turned_by(q, v):
 @inlined
 def _axes(principal, c):
     """The quaternion from internal to given body axes; its matrix is kept for the rates."""
-    permutation = four(_PERMUTATIONS[c.jacobi[0], c.jacobi[1], c.jacobi[2], c.jacobi[3]])
-    third = 3 - c.jacobi[0] - c.jacobi[1]
-    even = (c.jacobi[1] - c.jacobi[0]) % 3 == 1
-    s1, s3 = 1.0 - 2.0 * c.jacobi[2], 1.0 - 2.0 * c.jacobi[3]
-    s2 = s1 * s3 if even else -s1 * s3
-    for k, axis, sign in ((0, c.jacobi[0], s1), (1, c.jacobi[1], s2), (2, third, s3)):
-        column = turned_by(
-            principal,
-            (
-                sign if axis == 0 else 0.0,
-                sign if axis == 1 else 0.0,
-                sign if axis == 2 else 0.0,
-            ),
-        )
+    first, second, minus1, minus3 = four(c.jacobi)
+    internal, axes = _MATRICES[first, second, minus1, minus3], c.axes
+    for k in range(3):
+        column = turned_by(principal, (internal[0, k], internal[1, k], internal[2, k]))
         for i in range(3):
-            c.axes[i, k] = column[i]
-    return product(principal, permutation)
+            axes[i, k] = column[i]
+    return product(principal, four(_QUATERNIONS[first, second, minus1, minus3]))
 
 
 @inlined
-def _internal_at_epoch(c):
-    """q_int(0), by the very series that give q_int(t) later."""
-    s, lo, half_turns = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, c.winds)
-    alpha = four(c.alpha[0]), four(c.alpha[1])
-    if c.form == codes.TRIGONOMETRIC:
-        sine, cosine = sincos(s, lo)
-        beta = four(c.beta[0]), four(c.beta[1])
-        pair = trigonometric_pair(alpha, beta, sine, cosine)
-    else:
-        dx = s + lo
-        arguments = hyperbolic_arguments(dx, c.decay, c.nome)
-        pair = hyperbolic_pair(alpha, c.beta[0, 0], dx, half_turns, arguments)
-        sine, cosine = sincos(-c.tilt * dx, 0.0)
-        pair = turned(pair, sine, cosine)
-    ar, ai, br, bi = pair
-    return unit((ar, br, bi, ai))
-
-
-@inlined
-def _attach(start, body, internal, c):
+def _attach(start, body, internal, frame):
     back = (internal[0], -internal[1], -internal[2], -internal[3])
     left = product(product(start, body), back)
     right = (body[0], -body[1], -body[2], -body[3])
     for k in range(4):
-        basis = (
-            1.0 if k == 0 else 0.0,
-            1.0 if k == 1 else 0.0,
-            1.0 if k == 2 else 0.0,
-            1.0 if k == 3 else 0.0,
-        )
-        column = product(product(left, basis), right)
+        column = product(product(left, four(_UNIT[k])), right)
         for j in range(4):
-            c.frame[j, k] = column[j]
-
-
-@inlined
-def four(row):
-    return row[0], row[1], row[2], row[3]
+            frame[j, k] = column[j]

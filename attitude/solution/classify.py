@@ -11,8 +11,8 @@ import numpy as np
 
 from attitude.solution import codes
 from attitude.solution.expansion import added, rounded, times
-from attitude.solution.machine import compiled, inlined
-from attitude.solution.twofloat import less, mul, pair, same, square, sub
+from attitude.solution.machine import compiled, inlined, larger
+from attitude.solution.twofloat import less, mul, pair, put, same, square, sub
 
 # Below this fraction of the largest component, a rate would vanish in the squares anyway.
 _NO_RATE = 2.0**-400
@@ -58,7 +58,7 @@ def refine_all(constants):
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.cancelled == 1:
-            c.d2[0], c.d2[1] = _exact_middle_invariant(c)
+            put(c.d2, _exact_middle_invariant(c))
 
 
 @inlined
@@ -70,10 +70,13 @@ def _fault(moments, wxyz, omega):
             return codes.BAD_MOMENT
         if not abs(omega[k, 0]) < math.inf:
             return codes.BAD_RATE
-        least, most, total = min(least, moment), max(most, moment), total + moment
-    size = max(abs(wxyz[0]), abs(wxyz[1]), abs(wxyz[2]), abs(wxyz[3]))
-    sum_of_all = wxyz[0] + wxyz[1] + wxyz[2] + wxyz[3]
-    if not (size > 0.0 and size < math.inf) or sum_of_all != sum_of_all:
+        least, most, total = -larger(-least, -moment), larger(most, moment), total + moment
+    size = 0.0
+    for part in wxyz:
+        if not abs(part) < math.inf:
+            return codes.BAD_ATTITUDE
+        size = larger(size, abs(part))
+    if size == 0.0:
         return codes.BAD_ATTITUDE
     if most == 0.0:
         return codes.BAD_MOMENT
@@ -93,31 +96,32 @@ def _fault(moments, wxyz, omega):
 
 @inlined
 def _scale(moments, omega, c):
-    inertia = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
-    tempo = math.frexp(max(abs(omega[0, 0]), abs(omega[1, 0]), abs(omega[2, 0])))[1]
+    most = fastest = 0.0
+    for k in range(3):
+        most, fastest = larger(most, moments[k, 0]), larger(fastest, abs(omega[k, 0]))
+    inertia, tempo = math.frexp(most)[1], math.frexp(fastest)[1]
     c.tempo = tempo
+    scaled_moments, scaled_omega = c.moments, c.omega
     for k in range(3):
         fast = abs(math.ldexp(omega[k, 0], -tempo)) >= _NO_RATE
         for part in range(2):
-            c.moments[k, part] = math.ldexp(moments[k, part], -inertia)
-            c.omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
+            scaled_moments[k, part] = math.ldexp(moments[k, part], -inertia)
+            scaled_omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
 
 
 @inlined
 def _rotates_uniformly(c):
     """Whether every product (Ij - Ik) wj wk of Euler's equations vanishes, by its factors."""
-    equal = unequal = 0
-    still = 0
+    moments, omega = c.moments, c.omega
+    equal = still = 0
     for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        if same(pair(c.moments[i]), pair(c.moments[j])):
+        j = k - 1  # of -1, 0, 1: the axis before it
+        if same(pair(moments[k]), pair(moments[j])):
             equal += 1
-        elif c.omega[i, 0] != 0.0 and c.omega[j, 0] != 0.0:
-            unequal += 1
-        if c.omega[k, 0] == 0.0:
+        elif omega[k, 0] != 0.0 and omega[j, 0] != 0.0:
+            return False
+        if omega[k, 0] == 0.0:
             still += 1
-    if unequal > 0:
-        return False
     c.form = codes.UNIFORM
     if still == 3:
         c.mode = codes.AT_REST
@@ -137,23 +141,25 @@ def _order(c):
     # Replaced in the next stage where the other form serves better.
     c.form = codes.TRIGONOMETRIC
     p, q, r = 0, 1, 2
-    a, b, d = pair(c.moments[0]), pair(c.moments[1]), pair(c.moments[2])
+    moments, omega, order, gaps = c.moments, c.omega, c.order, c.gaps
+    a, b, d = pair(moments[0]), pair(moments[1]), pair(moments[2])
     if less(b, a):
         p, q, a, b = q, p, b, a
     if less(d, b):
         q, r, b, d = r, q, d, b
     if less(b, a):
         p, q, a, b = q, p, b, a
-    c.order[0], c.order[1], c.order[2] = p, q, r
+    order[0], order[1], order[2] = p, q, r
     below, above = sub(b, a), sub(d, b)
-    c.gaps[0, 0], c.gaps[0, 1] = below
-    c.gaps[1, 0], c.gaps[1, 1] = above
-    of_least = mul(mul(a, below), square(pair(c.omega[p])))
-    of_greatest = mul(mul(d, above), square(pair(c.omega[r])))
+    put(gaps[0], below)
+    put(gaps[1], above)
+    of_least = mul(mul(a, below), square(pair(omega[p])))
+    of_greatest = mul(mul(d, above), square(pair(omega[r])))
     d2 = sub(of_greatest, of_least)
-    c.d2[0], c.d2[1] = d2
-    c.cancelled = 1 if abs(d2[0]) < _CANCELLED * (of_greatest[0] + of_least[0]) else 0
-    return c.cancelled == 1
+    put(c.d2, d2)
+    cancelled = abs(d2[0]) < _CANCELLED * (of_greatest[0] + of_least[0])
+    c.cancelled = 1 if cancelled else 0
+    return cancelled
 
 
 @inlined

@@ -1,10 +1,22 @@
-"""Coefficients of the series: what the kernels evaluate at each phase, made once a motion."""
+"""Third stage: coefficients of the series that the kernels evaluate at each phase.
+
+One door for each form of the solution, so that a first propagation compiles the one it wants.
+"""
 
 import math
 
 import numpy as np
 
-from attitude.solution.machine import inlined
+from attitude.solution import codes
+from attitude.solution.machine import compiled, inlined
+from attitude.solution.series import (
+    four,
+    hyperbolic_arguments,
+    hyperbolic_pair,
+    trigonometric_pair,
+    turned,
+)
+from attitude.solution.turns import phase, sincos
 
 # Coefficients in c = cos 2v, by row n: T_n of cos 2nv; the second kind of sin 2nv / sin 2v;
 # the fourth and third kinds of sin (2n+1)v / sin v and cos (2n+1)v / cos v.
@@ -22,27 +34,42 @@ COS_ODD = np.array(
 )
 
 
-@inlined
-def trigonometric_series(stretch, fraction, root, wobble, c):
-    """Series of alpha and beta, nome Q.
+@compiled
+def trigonometric_all(constants):
+    """Series of alpha and beta, and q_int(0), of those of B motions that have this form."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
+            _trigonometric_series(c, c.alpha, c.beta)
+            _trigonometric_start(c)
 
-    With X = exp(-2 delta), P = Q exp(2 delta): every term is a product of numbers at most 1,
-    so that nothing overflows for a symmetric body, where delta is infinite and Q is 0.
+
+@compiled
+def hyperbolic_all(constants):
+    """The same of those whose form is hyperbolic."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
+            _hyperbolic_series(c, c.alpha)
+            _hyperbolic_start(c)
+
+
+@inlined
+def _trigonometric_series(c, alpha, beta):
+    """Nome Q.  With X = exp(-2 delta), P = Q exp(2 delta): every term is a product of numbers at
+    most 1, so that nothing overflows for a symmetric body, where delta is infinite and Q is 0.
     """
-    if stretch < math.inf:
-        double_delta = 0.5 * math.pi * stretch * fraction
+    if c.stretch < math.inf:
+        double_delta = 0.5 * math.pi * c.stretch * c.fraction
         x = math.exp(-double_delta)
         one_minus_x = -math.expm1(-double_delta)
-        nome = math.exp(-math.pi * stretch)
-        p = math.exp(double_delta - math.pi * stretch)
+        nome = math.exp(-math.pi * c.stretch)
+        p = math.exp(double_delta - math.pi * c.stretch)
     else:  # m = 0: tanh delta = 1 / sqrt(1 - n)
-        one_minus_x = 2.0 / (root + 1.0)
-        x = (root - 1.0) / (root + 1.0)
+        one_minus_x = 2.0 / (c.root + 1.0)
+        x = (c.root - 1.0) / (c.root + 1.0)
         nome = p = 0.0
     c.nome = nome
-
-    for k in range(4):
-        c.alpha[0, k] = c.alpha[1, k] = c.beta[0, k] = c.beta[1, k] = 0.0
     # Term by term: P^n Q^(n(n-1)), P^n Q^(n^2), X^(2n), and 1 - X^(2n), 1 - X^(2n+1) without the
     # cancellation at small delta (a needle's).
     outer = inner = even_x = sign = 1.0
@@ -58,36 +85,62 @@ def trigonometric_series(stretch, fraction, root, wobble, c):
         odd_sum, odd_difference = sign * inner * (1.0 + even_x * x), sign * inner * odd_loss
         at_zero += odd_difference
         for k in range(4):
-            c.alpha[0, k] += even * COS_EVEN[n, k]
-            c.alpha[1, k] += odd * SIN_EVEN[n, k]
-            c.beta[0, k] -= odd_sum * SIN_ODD[n, k]
-            c.beta[1, k] -= odd_difference * COS_ODD[n, k]
-        outer, inner = inner * p * nome_n, inner * p * nome_n * nome_n * nome
+            alpha[0, k] += even * COS_EVEN[n, k]
+            alpha[1, k] += odd * SIN_EVEN[n, k]
+            beta[0, k] -= odd_sum * SIN_ODD[n, k]
+            beta[1, k] -= odd_difference * COS_ODD[n, k]
+        outer = inner * p * nome_n
+        inner = outer * nome_n * nome
         nome_n *= nome
         even_loss += even_x * (1.0 + x) * one_minus_x
         odd_loss += even_x * x * (1.0 + x) * one_minus_x
         even_x *= x * x
         sign = -sign
-    ratio = wobble * theta4 / at_zero
+    ratio = c.wobble * theta4 / at_zero
     for k in range(4):
-        c.beta[0, k] *= ratio
-        c.beta[1, k] *= ratio
+        beta[0, k] *= ratio
+        beta[1, k] *= ratio
 
 
 @inlined
-def hyperbolic_series(nome, fraction, wobble, c):
-    """Series of alpha and beta after the modular transformation: nome Q'."""
-    d = 0.25 * math.pi * fraction
-    c.nome = nome
+def _hyperbolic_series(c, alpha):
+    """After the modular transformation: nome Q', 0 on the exact separatrix."""
+    d = 0.25 * math.pi * c.fraction
+    c.nome = nome = math.exp(-math.pi / c.stretch)
     sign = weight = step = 1.0
     cosines = sines = 0.0
     for n in range(4):
         # weight = Q'^(n^2), step = Q'^n
-        c.alpha[0, n] = weight * math.cos((2 * n + 1) * d)
-        c.alpha[1, n] = weight * math.sin((2 * n + 1) * d)
-        cosines += step * c.alpha[0, n]
-        sines += sign * step * c.alpha[1, n]
+        alpha[0, n] = weight * math.cos((2 * n + 1) * d)
+        alpha[1, n] = weight * math.sin((2 * n + 1) * d)
+        cosines += step * alpha[0, n]
+        sines += sign * step * alpha[1, n]
         weight *= step * step * nome
         step *= nome
         sign = -sign
-    c.beta[0, 0] = wobble * cosines / sines
+    c.beta[0, 0] = c.wobble * cosines / sines
+
+
+@inlined
+def _trigonometric_start(c):
+    """q_int(0), by the very series that give q_int(t) later."""
+    s, lo, _ = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, 1.0)
+    sine, cosine = sincos(s, lo)
+    alpha, beta = (four(c.alpha[0]), four(c.alpha[1])), (four(c.beta[0]), four(c.beta[1]))
+    _keep(trigonometric_pair(alpha, beta, sine, cosine), c.internal)
+
+
+@inlined
+def _hyperbolic_start(c):
+    s, lo, half_turns = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, c.winds)
+    dx = s + lo
+    arguments = hyperbolic_arguments(dx, c.decay, c.nome)
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    pair = hyperbolic_pair(alpha, c.beta[0, 0], dx, half_turns, arguments)
+    sine, cosine = sincos(-c.tilt * dx, 0.0)
+    _keep(turned(pair, sine, cosine), c.internal)
+
+
+@inlined
+def _keep(pair, internal):
+    internal[0], internal[3], internal[1], internal[2] = pair

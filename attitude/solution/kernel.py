@@ -9,6 +9,7 @@ import math
 from attitude.solution import codes
 from attitude.solution.machine import fma, inlined, merged
 from attitude.solution.series import (
+    four,
     hyperbolic_arguments,
     hyperbolic_pair,
     hyperbolic_rates,
@@ -33,16 +34,11 @@ def evaluate(c, t, t_low, wxyz, rates):
         rates   (3, T) rad/s over the given body axes, or None
     """
     if c.form == codes.UNIFORM:
-        _uniform(c, t, t_low, wxyz, rates)
+        uniform(c, t, t_low, wxyz, rates)
     elif c.form == codes.TRIGONOMETRIC:
-        _trigonometric(c, t, t_low, wxyz, rates)
+        trigonometric(c, t, t_low, wxyz, rates)
     else:
-        _hyperbolic(c, t, t_low, wxyz, rates)
-
-
-@inlined
-def _four(row):
-    return row[0], row[1], row[2], row[3]
+        hyperbolic(c, t, t_low, wxyz, rates)
 
 
 @inlined
@@ -53,7 +49,7 @@ def _five(row):
 @inlined
 def _frame(c):
     f = c.frame
-    return _four(f[0]), _four(f[1]), _four(f[2]), _four(f[3])
+    return four(f[0]), four(f[1]), four(f[2]), four(f[3])
 
 
 @inlined
@@ -89,9 +85,9 @@ def _store_rates(axes, w, rates, i):
 
 
 @merged
-def _uniform(c, t, t_low, wxyz, rates):
+def uniform(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
-    a, b = _four(c.frame[0]), _four(c.frame[1])
+    a, b = four(c.frame[0]), four(c.frame[1])
     omega = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
     for i in range(len(t)):
         low = 0.0 if t_low is None else t_low[i]
@@ -106,12 +102,12 @@ def _uniform(c, t, t_low, wxyz, rates):
 
 
 @merged
-def _trigonometric(c, t, t_low, wxyz, rates):
+def trigonometric(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    alpha = _four(c.alpha[0]), _four(c.alpha[1])
-    beta = _four(c.beta[0]), _four(c.beta[1])
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    beta = four(c.beta[0]), four(c.beta[1])
     frame = _frame(c)
     if rates is not None:
         series, axes = _rate_series(c), _axes(c)
@@ -128,12 +124,12 @@ def _trigonometric(c, t, t_low, wxyz, rates):
 
 
 @merged
-def _hyperbolic(c, t, t_low, wxyz, rates):
+def hyperbolic(c, t, t_low, wxyz, rates):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
     winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
-    alpha = _four(c.alpha[0]), _four(c.alpha[1])
+    alpha = four(c.alpha[0]), four(c.alpha[1])
     frame = _frame(c)
     if rates is not None:
         series, axes = _rate_series(c), _axes(c)

@@ -27,6 +27,12 @@ CONSTANTS = np.dtype(
         ("nutation", "f8", 2),
         ("nutation0", "f8", 2),
         ("winds", "f8"),  # 1 if whole half turns are taken out of 2 x, 0 on the exact separatrix
+        # what the series are made from: T = 2 K'/K, eta / K', sqrt(1 - n), sqrt((1 - l) / (1 + l))
+        ("stretch", "f8"),
+        ("fraction", "f8"),
+        ("root", "f8"),
+        ("wobble", "f8"),
+        ("internal", "f8", 4),  # q_int(0), not normalised
         # internal pair (alpha, beta) to the attitude of the given axes; columns w, x, y, z
         # (uniform: row 0 is q(0), row 1 q(0) times the unit axis)
         ("frame", "f8", (4, 4)),

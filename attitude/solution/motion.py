@@ -1,20 +1,22 @@
 """The doors of the solution: constants of many bodies, attitudes of many bodies.
 
-All loops over bodies and epochs are compiled.  The constants are made in stages, each compiled by
-itself and only when a state wants it: nested in one function they would be optimised anew at every
-level, for seconds.
+All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
+compiled by itself and only when a state wants it: nested in one function they would be optimised
+anew at every level, for seconds.
 """
 
+from attitude.solution import codes, kernel
 from attitude.solution.attach import attach_all
 from attitude.solution.classify import classify_all, refine_all
+from attitude.solution.coefficients import hyperbolic_all, trigonometric_all
 from attitude.solution.constants import solve_all
-from attitude.solution.kernel import evaluate
-from attitude.solution.machine import compiled, inlined
-from attitude.solution.rate_series import rates_all
+from attitude.solution.machine import compiled, inlined, larger, merged
+from attitude.solution.rate_series import hyperbolic_rates_all, trigonometric_rates_all
 from attitude.solution.turns import LONGEST
 from attitude.solution.uniform import uniform_all
 
 _FARTHEST = 1.7976931348623157e308  # s, the largest double
+_SLOWEST = LONGEST / _FARTHEST  # turns per second
 
 
 def prepare_all(moments, wxyz, omega, principal, constants, differences=None, rates=True):
@@ -29,7 +31,7 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
                    C - B and D2 as solution.principal has them, (3, 2)
         rates      whether angular velocities will be asked for
     Filled
-        constants  (B,) of solution.layout.CONSTANTS; fault tells what is wrong with a body
+        constants  (B,) of solution.layout.CONSTANTS, zeros at first; fault tells what is wrong
     Returned
         how many have a fault
     """
@@ -40,15 +42,21 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
         refine_all(constants)
     if uniform:
         uniform_all(wxyz, principal, constants)
-    if faults + uniform < len(constants):
-        solve_all(constants)
+    tumbling = len(constants) - faults - uniform
+    if tumbling:
+        hyperbolic = solve_all(constants)
+        if hyperbolic < tumbling:
+            trigonometric_all(constants)
+            if rates:
+                trigonometric_rates_all(constants)
+        if hyperbolic:
+            hyperbolic_all(constants)
+            if rates:
+                hyperbolic_rates_all(constants)
         attach_all(wxyz, principal, constants)
-        if rates:
-            rates_all(constants)
     return faults
 
 
-@compiled
 def evaluate_all(constants, t, t_low, wxyz, rates):
     """Attitudes, and angular velocities unless rates is None, of B motions.
 
@@ -60,15 +68,47 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
         wxyz       (B, 4, T)
         rates      (B, 3, T) rad/s over the given body axes, or None
     Returned
-        -1, or the first body that was asked for an epoch beyond its reach, where nothing is
-        filled any more
+        -1, or a body that was asked for an epoch beyond its reach; then not all are filled
     """
+    for form in set(constants["form"].tolist()):
+        body = _OF_FORM[form](constants, t, t_low, wxyz, rates)
+        if body >= 0:
+            return body
+    return -1
+
+
+@compiled
+def _uniform_all(constants, t, t_low, wxyz, rates):
+    return _each(kernel.uniform, codes.UNIFORM, constants, t, t_low, wxyz, rates)
+
+
+@compiled
+def _trigonometric_all(constants, t, t_low, wxyz, rates):
+    return _each(kernel.trigonometric, codes.TRIGONOMETRIC, constants, t, t_low, wxyz, rates)
+
+
+@compiled
+def _hyperbolic_all(constants, t, t_low, wxyz, rates):
+    return _each(kernel.hyperbolic, codes.HYPERBOLIC, constants, t, t_low, wxyz, rates)
+
+
+_OF_FORM = {
+    codes.UNIFORM: _uniform_all,
+    codes.TRIGONOMETRIC: _trigonometric_all,
+    codes.HYPERBOLIC: _hyperbolic_all,
+}
+
+
+@merged
+def _each(evaluate, form, constants, t, t_low, wxyz, rates):
     for b in range(len(constants)):
-        k = b if len(t) > 1 else 0
         c = constants[b]
+        if c.form != form:
+            continue
+        k = b if len(t) > 1 else 0
         # infinity is beyond the reach of a body at rest too
-        reach = min(LONGEST / max(abs(c.precession[0]), abs(c.nutation[0])), _FARTHEST)
-        if _beyond(t[k], reach):
+        fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
+        if _beyond(t[k], LONGEST / fastest if fastest > _SLOWEST else _FARTHEST):
             return b
         evaluate(
             c,

@@ -8,24 +8,26 @@ from attitude.solution.machine import compiled, inlined
 
 
 @compiled
-def rates_all(constants):
-    """The series of cn, sn and dn, times the amplitudes, of those of B motions that tumble."""
+def trigonometric_rates_all(constants):
+    """The series of cn, sn and dn, times the amplitudes, of those of B motions of this form."""
     for b in range(len(constants)):
         c = constants[b]
-        if c.fault != codes.FINE or c.form == codes.UNIFORM:
-            continue
-        if c.form == codes.TRIGONOMETRIC:
-            _trigonometric(math.sqrt(c.nome), c)
-        else:
+        if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
+            _trigonometric(math.sqrt(c.nome), c, c.rates)
+
+
+@compiled
+def hyperbolic_rates_all(constants):
+    """The same of those whose form is hyperbolic."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
             _hyperbolic(c.nome, c)
 
 
 @inlined
-def _trigonometric(q, c):
+def _trigonometric(q, c, rates):
     """cn, sn, dn as theta quotients; theta1 and theta2 without their factor 2 q^(1/4)."""
-    for k in range(5):
-        for row in range(4):
-            c.rates[row, k] = 0.0
     theta2 = theta3 = theta4 = 0.0
     sign = even = odd = step = 1.0
     for n in range(5):
@@ -34,18 +36,18 @@ def _trigonometric(q, c):
         theta3 += even
         theta4 += sign * even
         for k in range(5):
-            c.rates[0, k] += odd * COS_ODD[n, k]
-            c.rates[1, k] += sign * odd * SIN_ODD[n, k]
-            c.rates[2, k] += even * COS_EVEN[n, k]
-            c.rates[3, k] += sign * even * COS_EVEN[n, k]
+            rates[0, k] += odd * COS_ODD[n, k]
+            rates[1, k] += sign * odd * SIN_ODD[n, k]
+            rates[2, k] += even * COS_EVEN[n, k]
+            rates[3, k] += sign * even * COS_EVEN[n, k]
         even = 2.0 * q if n == 0 else even * step * step * q
         odd *= step * step * q * q
         step *= q
         sign = -sign
     for k in range(5):
-        c.rates[0, k] *= c.amplitudes[0] * theta4 / theta2
-        c.rates[1, k] *= -c.amplitudes[1] * theta3 / theta2
-        c.rates[2, k] *= c.amplitudes[2] * theta4 / theta3
+        rates[0, k] *= c.amplitudes[0] * theta4 / theta2
+        rates[1, k] *= -c.amplitudes[1] * theta3 / theta2
+        rates[2, k] *= c.amplitudes[2] * theta4 / theta3
 
 
 @inlined

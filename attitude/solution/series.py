@@ -15,6 +15,11 @@ _TINY = 1e-300
 
 
 @inlined
+def four(row):
+    return row[0], row[1], row[2], row[3]
+
+
+@inlined
 def quadratic(c, x):
     return fma(fma(c[2], x, c[1]), x, c[0])
 

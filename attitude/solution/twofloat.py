@@ -44,6 +44,13 @@ def pair(row):
 
 
 @inlined
+def put(row, a):
+    """A pair into the first two entries of an array."""
+    row[0] = a[0]
+    row[1] = a[1]
+
+
+@inlined
 def neg(a):
     return -a[0], -a[1]
 

@@ -3,8 +3,9 @@
 import math
 
 from attitude.solution import codes
-from attitude.solution.attach import four, product, turned_by, unit
+from attitude.solution.attach import product, turned_by, unit
 from attitude.solution.machine import compiled, inlined
+from attitude.solution.series import four
 from attitude.solution.twofloat import TWO_PI, add, div, less, pair, sqrt, square, sub
 
 
