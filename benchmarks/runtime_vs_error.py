@@ -103,7 +103,7 @@ def measure(method, case, state, exact, span, counts, limit):
     moments, wxyz0, omega0 = state
     revolution = 2.0 * np.pi / np.linalg.norm(omega0)
     rows = []
-    expected = longest = 0.0
+    spent = []  # (number of epochs, seconds)
     for count in counts:
         row = {
             "method": method.name,
@@ -119,24 +119,30 @@ def measure(method, case, state, exact, span, counts, limit):
         )
         if span > method.furthest:
             row["left out"] = "the span is beyond what it reaches in a reasonable time"
-        elif expected * count > limit:
-            row["left out"] = f"would take about {expected * count:.0f} s"
-        elif longest > 0.25 * limit and count < counts[-1]:
-            row["left out"] = f"costs what fewer epochs cost: {longest:.0f} s for the span"
+        elif (expected := _extrapolated(spent, count)) > limit:
+            row["left out"] = f"would take about {expected:.0f} s"
         else:
             try:
                 wxyz, seconds = _timed(method, moments, wxyz0, omega0, t)
                 row["ns"] = seconds / count * 1e9
                 row["error"] = _error(wxyz, exact, t)
-                # an integrator's cost is in the span, not in the number of epochs
-                longest = max(longest, seconds)
-                expected = seconds / count if seconds < 1.0 else seconds / counts[-1]
+                spent.append((count, seconds))
             except Exception as err:  # a peer that breaks is a result
                 row["broke"] = (
                     f"{type(err).__name__}: {str(err).splitlines()[0][:90] if str(err) else ''}"
                 )
         rows.append(row)
     return rows
+
+
+def _extrapolated(spent, count):
+    """Seconds for so many epochs: what the span costs an integrator, and what each epoch costs."""
+    if not spent:
+        return 0.0
+    few, least = spent[0]
+    most, longest = spent[-1]
+    slope = max(0.0, longest - least) / (most - few) if most > few else 0.0
+    return longest + slope * (count - most)
 
 
 def _compile(method):
