@@ -189,12 +189,11 @@ def _sum_of(terms, row):
 
 
 @numba.njit(error_model="numpy")
-def _product_of(terms, pair, out):
-    row = np.empty(len(terms))
+def _products_of(factors, row):
     n = 0
-    for x in terms:
-        n = expansion.added(row, n, x)
-    return expansion.times(row, n, pair, out)
+    for w, x, y, z in factors:
+        n = expansion.product_added(row, n, w, x, y, z)
+    return n
 
 
 def _exact(row):
@@ -214,11 +213,12 @@ def test_a_sum_of_doubles_is_exact(terms, cancel):
     assert abs(_value(rounded) - exact) <= 8 * U * U * abs(exact)
 
 
-@given(st.lists(_double, min_size=1, max_size=4), _pairs)
-def test_a_product_with_a_pair_is_exact(terms, pair):
-    out = np.empty(64)
-    n = _product_of(np.array(terms), pair, out)
-    assert _exact(out[:n]) == _exact(terms) * _value(pair)
+@given(st.lists(st.tuples(*[_double] * 4), min_size=1, max_size=4))
+def test_a_sum_of_products_of_four_doubles_is_exact(factors):
+    row = np.empty(64)
+    n = _products_of(np.array(factors), row)
+    exact = sum(math.prod(map(Fraction, each)) for each in factors)
+    assert _exact(row[:n]) == exact
 
 
 def test_the_difference_that_decides_the_regime_is_exact():

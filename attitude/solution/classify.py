@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from attitude.solution import codes
-from attitude.solution.expansion import added, rounded, times
+from attitude.solution.expansion import product_added, rounded
 from attitude.solution.machine import compiled, inlined, larger
 from attitude.solution.twofloat import less, mul, pair, put, same, square, sub
 
@@ -164,24 +164,18 @@ def _order(c):
 
 @inlined
 def _exact_middle_invariant(c):
-    """d (d - b) wd^2 + a (a - b) wa^2, every product exact.
-
-    A product with a pair doubles the number of parts twice: 4 of the difference become 256 at the
-    most, and 16 when the inputs are doubles (zeros are dropped on the way).
-    """
-    one, two = np.empty(256), np.empty(256)
+    """d (d - b) wd^2 + a (a - b) wa^2, every product exact: 16 parts if the inputs are doubles."""
     total = np.empty(512)
     count = 0
     middle = c.moments[c.order[1]]
     for k in (2, 0):
-        moment, rate = pair(c.moments[c.order[k]]), pair(c.omega[c.order[k]])
-        n = 0
-        for part in range(2):
-            n = added(one, n, moment[part])
-            n = added(one, n, -middle[part])
-        n = times(one, n, moment, two)
-        n = times(two, n, rate, one)
-        n = times(one, n, rate, two)
-        for i in range(n):
-            count = added(total, count, two[i])
+        moment, rate = c.moments[c.order[k]], c.omega[c.order[k]]
+        for i in range(2):
+            for j in range(4):
+                part = moment[j] if j < 2 else -middle[j - 2]
+                if moment[i] * part == 0.0:
+                    continue
+                for m in range(2):
+                    for n in range(2):
+                        count = product_added(total, count, moment[i], part, rate[m], rate[n])
     return rounded(total, count)

@@ -24,15 +24,16 @@ def added(row, n, x):
 
 
 @inlined
-def times(row, n, pair, out):
-    """The exact product of the expansion row[:n] and a pair, in out; the number of its parts."""
-    count = 0
-    for i in range(n):
-        for x in pair:
-            p, e = two_prod(row[i], x)
-            count = added(out, count, e)
-            count = added(out, count, p)
-    return count
+def product_added(row, n, w, x, y, z):
+    """Add the product of four doubles exactly, which has eight parts."""
+    p, e = two_prod(w, x)
+    for wx in (p, e):
+        q, f = two_prod(wx, y)
+        for wxy in (q, f):
+            r, g = two_prod(wxy, z)
+            n = added(row, n, g)
+            n = added(row, n, r)
+    return n
 
 
 @inlined
