@@ -269,6 +269,19 @@ def test_describe_the_others(attitude_command):
     assert "2268 J" in out
 
 
+def test_numbers_may_be_parted_by_spaces(attitude_command):
+    """Also negative ones, and each the same as with commas."""
+    rest = ("--phi0", 0, "--psi0", "-3 deg", "--epoch", "2008-10-07")
+    moments = "--moments", 0.4, 0.9, 1
+    code, apart, _ = attitude_command(
+        "describe", "2008 TC3", *moments, "--pole", -10, -20.5, "deg", *rest
+    )
+    assert code == 0
+    assert "longitude 350.000000 deg, latitude -20.500000 deg" in apart
+    joined = "--moments", "0.4, 0.9, 1", "--pole", "-10, -20.5 deg"
+    assert attitude_command("describe", "2008 TC3", *joined, *rest)[1] == apart
+
+
 def test_the_assumed_state_of_envisat_is_what_its_note_says():
     found = spin_file.read(ENVISAT)
     rates = found.body.rates_about_principal_axes(found.spin.angular_velocity)[:, 0]

@@ -104,7 +104,8 @@ def _joined(argv):
     joined = []
     for each in argv:
         after_option = joined and re.fullmatch(r"--[a-z][a-z-]*", joined[-1])
-        if after_option and re.match(r"-\.?[0-9]", each):
+        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", each)  # taken for a number
+        if after_option and re.match(r"-\.?[0-9]", each) and not alone:
             joined[-1] += "=" + each
         else:
             joined.append(each)

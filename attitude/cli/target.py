@@ -44,7 +44,7 @@ def add_arguments(parser):
     )
     group = parser.add_argument_group("what the catalogue does not hold of a body")
     for option, name, _, text in _NUMBERS:
-        group.add_argument(option, dest=name, metavar="NUMBERS", help=text)
+        group.add_argument(option, dest=name, metavar="NUMBERS", nargs="+", help=text)
     for option, name, text in _WORDS:
         group.add_argument(option, dest=name, metavar="WORD", help=text)
 
@@ -101,9 +101,9 @@ def _given(arguments):
 
     given = {}
     for option, name, unit, _ in _NUMBERS:
-        text = getattr(arguments, name)
-        if text is not None:
-            found = measured.in_unit(text, option, unit)
+        words = getattr(arguments, name)
+        if words is not None:
+            found = measured.in_unit(" ".join(words), option, unit)
             given[name] = found[()] if found.size > 1 else float(found.reshape(()))
     for _, name, _ in _WORDS:
         given[name] = getattr(arguments, name)

@@ -12,7 +12,8 @@ from attitude import gates
 from attitude.errors import AttitudeError
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_NUMBERS = re.compile(rf"\s*({_NUMBER}(?:\s*,\s*{_NUMBER})*)\s*([^-+.,0-9\s].*)?")
+_BETWEEN = r"(?:\s*,\s*|\s+)"
+_NUMBERS = re.compile(rf"\s*({_NUMBER}(?:{_BETWEEN}{_NUMBER})*)\s*([^-+.,0-9\s].*)?")
 # What people write and astropy does not read.
 _SPELLINGS = {
     "seconds": "s",
@@ -36,7 +37,8 @@ def numbers_and_unit(text, name):
     Raises
     ------
     AttitudeError
-        For a text that is not one or several numbers, with commas between, and at most one unit.
+        For a text that is not one or several numbers, with commas or spaces between, and at most
+        one unit.
     """
     found = _NUMBERS.fullmatch(text)
     if found is None:
@@ -45,7 +47,7 @@ def numbers_and_unit(text, name):
             '"14.51 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = found.groups()
-    return [number.strip() for number in numbers.split(",")], (unit or "").strip()
+    return re.split(_BETWEEN, numbers), (unit or "").strip()
 
 
 def unit_of(text, name):
