@@ -58,6 +58,58 @@ def test_other_types_agree_with_spice_and_with_the_orbit(tmp_path, kind):
     assert np.abs(position - 1e3 * circle(et)[:, :3]).max() < 1e-3  # of the interpolation
 
 
+def falling(seconds):
+    """Position and velocity (..., 6) in km of a constant acceleration."""
+    t = np.asarray(seconds)[..., None] - EPOCHS[0]
+    start, speed, pull = np.array([7e3, -2e3, 1e3]), np.array([1.0, 2.0, -3.0]), PULL
+    return np.concatenate([start + t * (speed + 0.5 * t * pull), speed + t * pull], -1)
+
+
+PULL = np.array([-8e-3, 1e-3, 2e-3])  # km/s2
+
+
+def type_21(file):
+    """A segment of modified difference arrays, as Horizons writes them; SPICE itself writes none.
+
+    Laid over a segment of type 13 that has as many numbers: 28 for each record of dimension 4
+    (SPK Required Reading: TL, G, reference state, differences, KQMAX1, KQ; then the epochs).
+    """
+    ends = EPOCHS[10::10]
+    count = 4 * len(ends)
+    filler = np.linspace(EPOCHS[0], EPOCHS[-1], count)
+    written(file, 13, epochs=filler)
+    rows = np.zeros((len(ends), 27))
+    rows[:, 0], rows[:, 1:5] = ends, 1.0
+    states = falling(ends)
+    rows[:, 5:11:2], rows[:, 6:11:2] = states[:, :3], states[:, 3:]
+    rows[:, 11:23:4] = PULL  # the first difference of each component
+    rows[:, 23:] = 2.0
+    rows[:, 24:] = 1.0
+    words = np.concatenate([rows.ravel(), ends, [4.0, len(ends)]])
+    content = bytearray(file.read_bytes())
+    summary = 1024  # the second record: three doubles of the list, then two of the span
+    integers = np.frombuffer(content, "<i4", 6, summary + 40)
+    assert integers[3] == 13 and integers[5] - integers[4] + 1 == len(words)
+    integers.setflags(write=True)
+    integers[3] = 21
+    np.frombuffer(content, "<f8", len(words), 8 * (integers[4] - 1))[:] = words
+    file.write_bytes(content)
+    return file
+
+
+def test_difference_arrays_of_horizons(tmp_path):
+    path = paths.spk(type_21(tmp_path / "type21.bsp"), TARGET)
+    et = np.random.default_rng(21).uniform(EPOCHS[0], EPOCHS[-1], 300)
+    position, velocity = path.state(Instant(0.0), et)
+    with spiceypy.KernelPool(str(tmp_path / "type21.bsp")):
+        states = 1e3 * np.array(spiceypy.spkezr(str(TARGET), et, "J2000", "NONE", "399")[0])
+    assert np.abs(position - states[:, :3]).max() < 1e-6
+    assert np.abs(velocity - states[:, 3:]).max() < 1e-9
+    expected = 1e3 * falling(et)
+    assert np.abs(position - expected[:, :3]).max() < 1e-2  # 1e8 m, of epochs to 1.2e-7 s
+    assert np.abs(velocity - expected[:, 3:]).max() < 1e-5
+
+
 @pytest.mark.parametrize("kind", [3, 9, 13])
 def test_the_low_double_counts(tmp_path, kind):
     path = paths.spk(written(tmp_path / f"low{kind}.bsp", kind), TARGET)
