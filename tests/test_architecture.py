@@ -14,7 +14,8 @@ PACKAGE = Path(attitude.__file__).parent
 # Each line may import from the lines above it, and within a line from the left.  What is not
 # named here is free to import anything above the two doors, `cli` and `__init__`.
 HOUSE = (
-    ("errors", "frozen", "gates", "chebyshev", "tdb", "dates", "epochs", "quaternion", "frames"),
+    ("errors", "frozen", "gates", "chebyshev", "tdb", "dates", "instant", "readings", "epochs"),
+    ("quaternion", "frames"),
     ("solution", "representations"),
     ("propagation",),
     ("regime", "labelling", "dynamic_inertia", "published"),

@@ -7,7 +7,7 @@ A million epochs a second: whole arrays of characters are turned into digits at 
 
 import numpy as np
 
-from attitude import epochs, tdb
+from attitude import epochs, readings, tdb
 from attitude.errors import AttitudeError
 
 # What TIME_SYSTEM may be; SCLK, MET and MRT count from events that no file tells.
@@ -64,7 +64,7 @@ def parsed(tokens, scale):
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
     _refuse_false_leaps(scale, day, second, part)
     try:
-        return epochs.tdb_of_day(scale, day, second, part, "an epoch")
+        return readings.tdb_of_day(scale, day, second, part, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
 
