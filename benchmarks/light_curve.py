@@ -205,7 +205,7 @@ def ellipsoid():
             ours = brightness(Ellipsoid(axes), LommelSeeliger(), s, o)
             worst = max(worst, *(digits(axes, *one) for one in zip(s, o, ours, strict=True)))
     row("  largest error of 3000, against 60 digits, also backlit", f"{worst:.1e}", "<= 1e-12")
-    for label, frequency in (("980", 7), ("1280, facets(1000)", 8)):
+    for label, frequency in (("980 facets", 7), ("1280 facets", 8)):
         for highest in (60, 90):
             s, o = directions(20_000, highest)
             faceted = shape.facets(20 * frequency**2)
@@ -213,7 +213,7 @@ def ellipsoid():
                 brightness(faceted, "lommel-seeliger", s, o),
                 brightness(shape, "lommel-seeliger", s, o),
             )
-            row(f"  {label} facets, phase to {highest} deg", f"{error:.2f} mmag rms", "<= 0.5")
+            row(f"  {label}, phase to {highest} deg", f"{error:.2f} mmag rms", "<= 0.5")
 
 
 def digits(axes, sun, observer, value):

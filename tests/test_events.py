@@ -302,6 +302,45 @@ def test_events_as_received_on_earth():
     assert np.max(np.abs(scene.at(found.seconds, found.low).sun_direction @ normal)) < 6e-9
 
 
+def test_the_shadow_of_the_earth_on_a_satellite():
+    from attitude import paths
+    from attitude.scene import Scene
+
+    motion = spinning()
+    center = paths.tle(DATA / "paths" / "envisat-2013.tle")
+    scene = Scene(motion, center=center, observer="earth", ephemeris="builtin", light_time=False)
+    start, stop = "2013-10-23T06:00:00", "2013-10-23T14:00:00"
+    found = events.find_discrete(start, stop, events.shadow_state(scene), step=60.0)
+    assert found.epoch == motion.spin.epoch and np.all(np.diff(found.seconds) > 0.0)
+    # Of each orbit penumbra, umbra, penumbra, light, in this order.
+    first = int(np.flatnonzero(found.values == 0)[0]) + 1
+    cycle = found.values[first:]
+    np.testing.assert_array_equal(cycle, np.resize([1, 2, 1, 0], len(cycle)))
+    assert len(cycle) >= 12
+    # Half a microsecond before and after, far below the 10 s of a penumbra, the state differs.
+    before, after = (np.asarray(scene.at(found.seconds + d).lit_fraction) for d in (-1e-6, 1e-6))
+    states = [(f < 1.0).astype(int) + (f <= 0.0) for f in (before, after)]
+    assert np.all(states[0] != states[1]) and np.array_equal(states[1], found.values)
+    # Seen from the satellite the limb of the spheroid touches the outer or inner edge of the Sun:
+    # a line to that edge is tangent to it.
+    view = scene.at(found.seconds)
+    sun = view.sun_direction_icrf * view.sun_distance[:, None]
+    earth = view.observer_direction_icrf * view.observer_distance[:, None]
+    across = np.cross(np.cross(earth, sun), sun)
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    is_umbra = (found.values == 2) | (np.roll(found.values, 1) == 2)
+    edge = sun + np.where(is_umbra, 1.0, -1.0)[:, None] * 6.957e8 * across
+    squash = np.array([1.0, 1.0, 1.0 / (1.0 - 1.0 / 298.257223563)])
+    ray, middle = edge * squash, earth * squash
+    ray /= np.linalg.norm(ray, axis=1)[:, None]
+    height = np.linalg.norm(np.cross(ray, middle), axis=1)
+    # km: the point of the disc that touches is not in the plane of the middles, as the Earth is
+    # flat; 21 km of flattening, seen over a quarter of a degree.
+    np.testing.assert_allclose(height[1:], 6378137.0, atol=2e3)
+    with pytest.raises(AttitudeError, match="epoch of its scene"):
+        events.find_discrete(0, 1, events.shadow_state(scene), step=1.0, epoch="2026-01-01")
+
+
 def test_glints_of_a_scene_know_distance_and_velocity():
     # A panel whose normal is the bisector in the middle of the night: the flash is there.
     scene = apophis_scene()
@@ -398,6 +437,11 @@ def test_dates_and_several_conditions():
     assert len(found.at(motion)) == 4
     with pytest.raises(AttitudeError, match="which == k"):
         found.spans()
+    # Spans of one of several conditions, whatever its number.
+    alone = events.find_discrete("2026-01-01", "2026-01-01T00:01:02", cones[0])
+    swapped = events.find_discrete("2026-01-01", "2026-01-01T00:01:02", cones[::-1])
+    assert alone.spans().shape == (1, 2)
+    np.testing.assert_allclose(swapped[swapped.which == 2].spans(), alone.spans(), atol=1e-12)
     with pytest.raises(AttributeError):
         found.seconds = 0
 

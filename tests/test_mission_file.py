@@ -86,7 +86,7 @@ def test_files_are_found_beside_the_mission(tmp_path):
 
 
 def test_shape_and_options():
-    text = FIXED + '\n[shape]\nellipsoid = "3, 2, 1 km"\nlaw = "lommel-seeliger"\n'
+    text = FIXED + '\n[shape]\nellipsoid = "3, 2, 1 km"\n[scattering]\nlaw = "lommel-seeliger"\n'
     assert np.allclose(mission.parse(text).scene.shape.semi_axes, [3000, 2000, 1000])
     text = 'light_time = false\ntolerance = "1 cm"\n' + FIXED
     scene = mission.parse(text).scene
@@ -120,7 +120,9 @@ def test_shape_and_options():
         ("center = [1, 2]\n" + FIXED, "give the name of a body, or a table"),
         ('ephemeris = "x.bsp"\n' + FIXED, "ephemeris is 'x.bsp', which is no file"),
         ("name = 3\n" + FIXED, "name is 3; give text"),
-        (FIXED + "\n[shape]\nsphere = 1", "either ellipsoid"),
+        (FIXED + "\n[shape]\nsphere = 1", "a key 'sphere'"),
+        (FIXED + "\n[shape]\nunit = 'm'", "none of ellipsoid, box"),
+        (FIXED + "\n[magnitude]\nh = 19", r"a section \[magnitude\], but no \[shape\]"),
         (FIXED + "\n[shape", "is not valid TOML"),
     ],
 )

@@ -120,6 +120,72 @@ def test_opposition_doubles_a_hapke_surge_of_one():
     )
 
 
+def hapke_written_out(law, i, e, psi):
+    """Hapke 1984, eqs. 46-58, and 1986, from the angles, term by term."""
+    cos_g = np.cos(i) * np.cos(e) + np.sin(i) * np.sin(e) * np.cos(psi)
+    g = np.arccos(cos_g)
+    surge = law.b0 / (1.0 + np.tan(g / 2.0) / law.h)
+    single = (1.0 - law.g**2) / (1.0 + 2.0 * law.g * cos_g + law.g**2) ** 1.5
+    tan = np.tan(law.roughness)
+    chi = 1.0 / np.sqrt(1.0 + np.pi * tan**2)
+
+    def e1(x):
+        return np.exp(-2.0 / np.pi / tan / np.tan(x))
+
+    def e2(x):
+        return np.exp(-1.0 / np.pi / tan**2 / np.tan(x) ** 2)
+
+    def eta(x):
+        return chi * (np.cos(x) + np.sin(x) * tan * e2(x) / (2.0 - e1(x)))
+
+    def h(x):
+        return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * np.sqrt(1.0 - law.w))
+
+    half = np.sin(psi / 2.0) ** 2
+    hidden = np.exp(-2.0 * np.tan(psi / 2.0))
+    if i <= e:
+        below = 2.0 - e1(e) - psi / np.pi * e1(i)
+        mu0 = chi * (np.cos(i) + np.sin(i) * tan * (np.cos(psi) * e2(e) + half * e2(i)) / below)
+        mu = chi * (np.cos(e) + np.sin(e) * tan * (e2(e) - half * e2(i)) / below)
+        last = np.cos(i) / eta(i)
+    else:
+        below = 2.0 - e1(i) - psi / np.pi * e1(e)
+        mu0 = chi * (np.cos(i) + np.sin(i) * tan * (e2(i) - half * e2(e)) / below)
+        mu = chi * (np.cos(e) + np.sin(e) * tan * (np.cos(psi) * e2(i) + half * e2(e)) / below)
+        last = np.cos(e) / eta(e)
+    shadow = mu / eta(e) * np.cos(i) / eta(i) * chi / (1.0 - hidden + hidden * chi * last)
+    share = law.w / (4.0 * np.pi) * mu0 / (mu0 + mu)
+    return share * ((1.0 + surge) * single + h(mu0) * h(mu) - 1.0) * shadow
+
+
+@pytest.mark.parametrize("given_law", [Hapke(), Hapke(w=0.9, g=0.3, roughness=np.radians(40.0))])
+def test_hapke_against_the_paper_written_out(given_law):
+    rng = np.random.default_rng(4)
+    for i, e, psi in zip(
+        *rng.uniform(0.05, 1.5, (2, 200)), rng.uniform(0.05, 3.0, 200), strict=True
+    ):
+        ours = given_law.reflectance(*directions(i, e, psi))
+        assert ours == pytest.approx(hapke_written_out(given_law, i, e, psi), rel=1e-10)
+
+
+def test_cook_torrance_against_the_paper_written_out():
+    rng = np.random.default_rng(5)
+    for i, e, psi in zip(
+        *rng.uniform(0.05, 1.5, (2, 200)), rng.uniform(0.05, 3.0, 200), strict=True
+    ):
+        sun = np.array([np.sin(i), 0.0, np.cos(i)])
+        seen = np.array([np.sin(e) * np.cos(psi), np.sin(e) * np.sin(psi), np.cos(e)])
+        half = (sun + seen) / np.linalg.norm(sun + seen)
+        tilt = np.arccos(half[2])
+        spread = np.exp(-((np.tan(tilt) / 0.3) ** 2)) / (np.pi * 0.3**2 * np.cos(tilt) ** 4)
+        fresnel = 0.5 + 0.5 * (1.0 - half @ sun) ** 5
+        grooves = min(1.0, *(2.0 * half[2] * v[2] / (half @ sun) for v in (sun, seen)))
+        expected = sun[2] * (
+            0.3 / np.pi + 0.5 * spread * fresnel * grooves / (4 * sun[2] * seen[2])
+        )
+        assert COOK.reflectance(*directions(i, e, psi)) == pytest.approx(expected, rel=1e-10)
+
+
 def test_gloss_shines_in_the_mirror_direction():
     for gloss in (Material(0.1, 0.8, exponent=1000.0), Material(0.1, 0.8, "cook-torrance")):
         mirror = gloss.reflectance(*directions(0.6, 0.6, np.pi))

@@ -51,14 +51,23 @@ def test_facets_of_an_ellipsoid_approach_its_closed_form():
     errors = []
     for count in (500, 2000, 8000):
         mesh = exact.facets(count)
-        assert len(mesh) >= count
+        assert len(mesh) == count
         assert mesh.is_closed and mesh.is_convex
-        # The facets are blown up to the area of the sphere before they are stretched.
+        # The facets of the sphere have its area before they are stretched.
         assert mesh.area == pytest.approx(exact.area, rel=1e-2 * 500 / count)
         properties, closed = mesh.mass_properties(density=1.0), exact.mass_properties(density=1.0)
         errors.append(np.max(np.abs(properties.inertia - closed.inertia)) / closed.inertia[2, 2])
     # As the number of facets: a factor of 4 each time.
     assert 3.5 < errors[0] / errors[1] < 4.5 and 3.5 < errors[1] / errors[2] < 4.5
+
+
+def test_an_ellipsoid_of_given_moments():
+    given = Ellipsoid((3.0, 1.0, 2.0))
+    moments = np.diag(given.mass_properties(density=7.0).inertia)
+    again = Ellipsoid.of_moments(moments, diameter=2.0 * 6.0 ** (1.0 / 3.0))
+    assert again.semi_axes == pytest.approx(given.semi_axes, rel=1e-12)
+    with pytest.raises(AttitudeError, match="less than the sum of the others"):
+        Ellipsoid.of_moments((1, 1, 2))
 
 
 def test_the_area_of_an_ellipsoid():
@@ -163,6 +172,18 @@ def test_bad_parts_are_refused_in_a_sentence():
         Ellipsoid((1, 1, 1)).facets(3)
     with pytest.raises(AttitudeError, match="no rotation"):
         box((1, 1, 1)).turned(np.diag([1.0, 1.0, -1.0]))
+
+
+def test_divided_facets_are_the_same_surface():
+    whole = box_wing((2, 3, 4), (5, 2), gap=0.5)
+    fine = whole.divided(2)
+    assert len(fine) == 16 * len(whole) and fine.is_closed and not len(fine.inward_facets)
+    assert fine.volume == pytest.approx(whole.volume, rel=1e-13)
+    assert fine.areas.reshape(-1, 16).sum(axis=1) == pytest.approx(whole.areas, rel=1e-13)
+    assert np.allclose(fine.normals[::16], whole.normals)
+    assert fine.materials[::16] == whole.materials and whole.divided(0) is whole
+    with pytest.raises(AttitudeError, match="times is -1"):
+        whole.divided(-1)
 
 
 def test_box_wing_faces_where_it_says():

@@ -15,7 +15,7 @@ from importlib import import_module
 from attitude import __version__
 from attitude.errors import AttitudeError
 
-COMMANDS = ("propagate", "describe", "geometry", "plot", "convert", "check")
+COMMANDS = ("propagate", "describe", "geometry", "lightcurve", "plot", "convert", "check")
 
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
 _EPILOG = """\

@@ -95,7 +95,8 @@ def shadow_state(lit):
     ----------
     lit : Scene, or function
         A function of seconds (N,) that returns the fraction (N,) of the Sun's disc that is seen;
-        of a Scene it is ``lit_fraction`` at the epochs of reception.
+        of a Scene it is ``lit_fraction`` at the epochs of reception, and seconds and dates are
+        those of its motion.
 
     >>> lit = lambda t: np.clip(0.5 + np.cos(0.001 * t), 0, 1)
     >>> times, states = find_discrete(0, 6000, shadow_state(lit), step=60)
@@ -104,7 +105,9 @@ def shadow_state(lit):
     """
     if hasattr(lit, "motion") and hasattr(lit, "at"):
         scene = lit
-        return _shadow_of(lambda t: scene.at(t).lit_fraction)
+        state = _shadow_of(lambda t: scene.at(t).lit_fraction)
+        state.epoch = scene.epoch
+        return state
     if not callable(lit):
         raise AttitudeError(f"lit is {lit!r}; give a Scene or a function of seconds.")
     return _shadow_of(lit)
@@ -155,7 +158,10 @@ def _of_function(start, stop, f, step, epoch, tolerance):
     tolerance = (
         1e-9 * step if tolerance is None else gates.positive(tolerance, "tolerance", unit="s")
     )
-    begin, end, epoch = plain_span(start, stop, epoch)
+    own = getattr(f, "epoch", None)
+    if own is not None and epoch is not None:
+        raise AttitudeError("the function has the epoch of its scene; leave epoch= out.")
+    begin, end, epoch = plain_span(start, stop, own if epoch is None else epoch)
     found, left = [], begin
     while left < end:
         right = min(end, left + _BLOCK * step)

@@ -77,7 +77,7 @@ class Events(Frozen):
 
         A span that is cut by an end of the search is left out.
         """
-        if self.values.dtype != bool or np.any(self.which != 0):
+        if self.values.dtype != bool or len(np.unique(self.which)) > 1:
             raise AttitudeError(
                 "spans are those of one condition that begins and ceases; pick it with "
                 "events[events.which == k]."

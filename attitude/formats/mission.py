@@ -15,18 +15,19 @@
 
 ==============  ====================================================================================
 spin            A spin file; or ``{ catalog = "Apophis", ... }`` with what the entry lacks, as
-                `catalog.load` takes it.  Left out where no column needs a rotation.
+                `catalog.load` takes it; or sections [body] and [spin] as in a spin file.  Left out
+                where no column needs a rotation.
 center          Where the centre of mass is.
 observer, sun   "earth" and "sun" unless given.
-columns         Names of quantities (docs/scene.md), each with the unit it is wanted in, or without.
+columns         Names of quantities (docs/scene.md), each with the unit it is wanted in, or without;
+                brightness and phase angle of what has a shape.
 [times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or with the name
                 of a time scale behind), or times after the epoch of the spin; or ``epochs``, a list
                 of dates.
 options         ``ephemeris`` (a kernel, or "builtin"), ``light_time``, ``aberration`` (true or
-                false), ``shadow_of`` (names), ``tolerance`` (a length, or "none"); ``name``,
-                ``source``, ``note`` (text).
-[shape]         ``ellipsoid`` (three semi-axes), or ``file`` with ``unit``; ``law``,
-                ``sun_magnitude``.
+                false), ``shadow_of`` (names), ``tolerance`` (a length, or "none"), ``threads``;
+                ``name``, ``source``, ``note`` (text).
+[shape]         With [scattering] and [magnitude]: how it looks; see `photometry`.
 ==============  ====================================================================================
 
 A place is the name of a body of the ephemeris, or one of ::
@@ -52,11 +53,14 @@ from attitude.formats.spin_file import refuse_unknown, syntax_error, text_of
 from attitude.scene import Scene, View
 
 _TEXTS = ("name", "source", "note")
-_OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance")
+_OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
-    *(*_TEXTS, "spin", "center", "observer", "sun", "columns", "times", "shape"),
+    *(*_TEXTS, "body", "spin", "center", "observer", "sun", "columns", "times"),
+    *("shape", "scattering", "magnitude"),
     *_OPTIONS,
 )
+# The columns of what has a shape and names none.
+_BRIGHT = ["brightness", "phase_angle deg"]
 # What each kind of place may have besides.
 _PLACES = {
     "tle": ("name",),
@@ -99,12 +103,15 @@ class Mission:
     times : dict of str
         start, stop and step; or epochs.
     columns : tuple of Column
+    magnitude : Magnitude or None
+        See `photometry`; None without a shape.
     name, source, note : str or None
     """
 
     scene: Scene
     times: dict
     columns: tuple
+    magnitude: object = None
     name: str = None
     source: str = None
     note: str = None
@@ -150,15 +157,18 @@ def parse(text, origin="text", *, folder="."):
     try:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}
+        motion = _motion(content, folder)
         scene = Scene(
-            _motion(content.get("spin"), folder),
+            motion,
             _place(content["center"], "center", folder) if "center" in content else None,
             _place(content.get("observer", "earth"), "observer", folder),
             _place(content.get("sun", "sun"), "sun", folder),
             **_options(content, folder),
-            **_shape(content.get("shape"), folder),
+            **_looks(content, motion, folder),
         )
-        return Mission(scene, _times(content), _columns(content), **labels)
+        return Mission(
+            scene, _times(content), _columns(content), _magnitude(content, scene), **labels
+        )
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
 
@@ -185,7 +195,7 @@ def column(text):
 
 
 def _columns(content):
-    given = content.get("columns")
+    given = content.get("columns", _BRIGHT if "shape" in content else None)
     if not isinstance(given, list) or not given:
         raise AttitudeError(
             'columns is missing; give a list of quantities, such as ["phase_angle deg"]. There are '
@@ -194,18 +204,27 @@ def _columns(content):
     return tuple(column(each) for each in given)
 
 
-def _motion(given, folder):
+def _motion(content, folder):
+    given = content.get("spin")
+    is_state = isinstance(given, dict) and "catalog" not in given
+    if "body" in content or is_state:
+        if not is_state and given is not None:
+            raise AttitudeError(
+                "the file has a section [body] beside a spin that brings its own; leave one out."
+            )
+        return spin_file.of_sections(content).motion
     if given is None:
         return None
     if isinstance(given, str):
         return spin_file.read(_file(given, folder, "spin")).motion
-    if isinstance(given, dict) and isinstance(given.get("catalog"), str):
+    if isinstance(given, dict) and isinstance(given["catalog"], str):
         from attitude import catalog
 
         rest = {key: value for key, value in given.items() if key != "catalog"}
         return catalog.entry(given["catalog"]).motion(**rest)
     raise AttitudeError(
-        f'spin is {given!r}; give the name of a spin file, or {{ catalog = "name", ... }}.'
+        f'spin is {given!r}; give the name of a spin file, {{ catalog = "name", ... }}, or the '
+        "sections [body] and [spin]."
     )
 
 
@@ -280,23 +299,38 @@ def _options(content, folder):
     return found
 
 
-def _shape(given, folder):
-    if given is None:
+def _looks(content, motion, folder):
+    """Shape and law, as a Scene takes them."""
+    if "shape" not in content:
+        for section in ("scattering", "magnitude"):
+            if section in content:
+                raise AttitudeError(f"the file has a section [{section}], but no [shape]; give it.")
         return {}
-    from attitude import shape
+    from attitude.formats import photometry
 
-    if not isinstance(given, dict) or ("ellipsoid" in given) == ("file" in given):
-        raise AttitudeError("[shape] needs either ellipsoid = three semi-axes, or file = a mesh.")
-    known = ("ellipsoid", "file", "unit", "law", "sun_magnitude")
-    refuse_unknown(given, known, "[shape]")
-    found = {key: given[key] for key in ("law", "sun_magnitude") if key in given}
-    if "file" in given:
-        file = _file(given["file"], folder, "[shape] file")
-        found["shape"] = shape.read(file, unit=given.get("unit", "m"))
-        return found
-    axes = given["ellipsoid"]
-    axes = measured.in_unit(axes, "[shape] ellipsoid", "m") if isinstance(axes, str) else axes
-    found["shape"] = shape.Ellipsoid(axes)
+    given = content["shape"]
+    body = getattr(motion, "body", None)
+    found = photometry.shape_of(given, body, lambda value, name: _file(value, folder, name))
+    law = photometry.law_of(content.get("scattering", {}), found["shape"])
+    return {**found, "law": law, "shape": photometry.facets_for(given, found["shape"], law)}
+
+
+def _magnitude(content, scene):
+    if scene.shape is None:
+        return None
+    from attitude.formats import photometry
+
+    given = content.get("magnitude", {})
+    found = photometry.magnitude_of(given, scene)
+    for text in content.get("columns", ()):
+        if found.function is not None and str(text).split()[:1] in (
+            ["magnitude"],
+            ["reduced_magnitude"],
+        ):
+            raise AttitudeError(
+                f"columns asks for {text!r}, the magnitude of the shape's size and albedo, but "
+                "[magnitude] has h, which is for attitude lightcurve; leave one out."
+            )
     return found
 
 

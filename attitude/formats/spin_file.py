@@ -140,11 +140,15 @@ def parse(text, origin="text"):
     try:
         refuse_unknown(content, _TOP, "the file")
         labels = {key: text_of(content, key) for key in ("name", "source", "note")}
-        body = _body(_section(content, "body"))
-        spin = _spin(_section(content, "spin"))
+        return of_sections(content, **labels)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
-    return SpinFile(body, spin, **labels)
+
+
+def of_sections(content, **labels):
+    """The `SpinFile` of the sections [body] and [spin] of a parsed text, and its labels."""
+    body = _body(_section(content, "body"))
+    return SpinFile(body, _spin(_section(content, "spin")), **labels)
 
 
 def write(path, motion, *, name=None, source=None, note=None):

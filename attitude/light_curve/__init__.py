@@ -7,6 +7,7 @@ Lambert disc of radius R, face on, has R^2.
 
 from attitude.light_curve.brightness import brightness, stream
 from attitude.light_curve.magnitudes import apparent_magnitude, reduced_magnitude
+from attitude.light_curve.orientations import mean_brightness, phased_magnitude
 from attitude.light_curve.raycast import brightness_by_rays
 from attitude.light_curve.visibility import Visibility
 
@@ -15,6 +16,8 @@ __all__ = [
     "apparent_magnitude",
     "brightness",
     "brightness_by_rays",
+    "mean_brightness",
+    "phased_magnitude",
     "reduced_magnitude",
     "stream",
 ]

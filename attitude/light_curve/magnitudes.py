@@ -55,11 +55,16 @@ def apparent_magnitude(brightness, sun_distance, observer_distance, *, sun_magni
     asteroid, so long as both are far away compared with the body's size.  Arrays broadcast; inf
     where the body shows nothing.  See `reduced_magnitude`.
     """
-    distances = []
+    reduced = reduced_magnitude(brightness, sun_magnitude=sun_magnitude)
+    return reduced + distance_modulus(sun_distance, observer_distance)
+
+
+def distance_modulus(sun_distance, observer_distance):
+    """Apparent minus reduced magnitude, 5 log10 of the product of both distances (m) in au."""
+    modulus = 0.0
     for value, name in ((sun_distance, "sun_distance"), (observer_distance, "observer_distance")):
         array = gates.real(value, name, unit="m")
         if not np.all(array > 0.0):
             raise AttitudeError(f"{name} holds {np.min(array)}; distances are greater than zero.")
-        distances.append(array)
-    reduced = reduced_magnitude(brightness, sun_magnitude=sun_magnitude)
-    return reduced + 5.0 * (np.log10(distances[0] / AU) + np.log10(distances[1] / AU))
+        modulus = modulus + 5.0 * np.log10(array / AU)
+    return modulus

@@ -62,6 +62,9 @@ class Visibility:
         progress : callable, optional
             Called with (facets done, facets in all).
 
+        Shadows pass over a facet in eight steps: of spacecraft of few large facets divide them
+        first (`Mesh.divided`).
+
         Accuracy against rays cast from the same points, for a waisted and cratered body of 2000
         facets, random directions and phase angles up to 90 deg, in mmag rms (without shadows 136):
         4.9 with resolution 32, 2.4 with 64, 1.3 with 128; against rays from the centroids 5.1,

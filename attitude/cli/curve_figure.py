@@ -1,0 +1,84 @@
+"""The figure of a light curve: magnitude and phase angle against time."""
+
+import numpy as np
+
+from attitude import plots
+
+_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.75"
+# Points that a picture of 1500 pixels can show; longer curves are drawn by their extremes.
+_POINTS = 40_000
+_UNITS = ((4.0 * 86400.0, 86400.0, "days"), (3.0 * 3600.0, 3600.0, "hours"), (0.0, 60.0, "minutes"))
+
+
+def of(mission, *, epoch, seconds, magnitude, phase_angle, lit_fraction=None, elevation=None):
+    """A matplotlib Figure of a mission's light curve.
+
+    Parameters
+    ----------
+    mission : Mission
+    epoch : Instant
+    seconds, magnitude, phase_angle : (N,) arrays
+        TDB seconds since the epoch; mag, inf where nothing is seen; rad.
+    lit_fraction, elevation : (N,) arrays, optional
+        Umbra is shaded; what is below the horizon (rad) is grey.
+    """
+    figure = plots.new_figure((10.0, 6.0))
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    span = np.ptp(seconds)
+    _, scale, unit = next(each for each in _UNITS if span >= each[0])
+    t = (seconds - seconds[0]) / scale
+    shown = np.where(np.isfinite(magnitude), magnitude, np.nan)
+    if elevation is not None:
+        up = elevation > 0.0
+        _line(above, t, np.where(up, np.nan, shown), _BELOW, "below the horizon")
+        _line(above, t, np.where(up, shown, np.nan), _CURVE, "above the horizon")
+    else:
+        _line(above, t, shown, _CURVE, None)
+    if lit_fraction is not None and np.any(lit_fraction == 0.0):
+        label = "in the shadow of another body"
+        for begin, end in _runs(lit_fraction == 0.0):
+            above.axvspan(t[begin], t[end - 1], color="0.9", zorder=0, label=label)
+            label = None
+    source = "" if mission.magnitude.function is None else " from H"
+    above.invert_yaxis()
+    above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
+    if above.get_legend_handles_labels()[0]:
+        above.legend(loc="best", fontsize=9)
+    _line(below, t, np.degrees(phase_angle), _PHASE, None)
+    start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
+    below.set(ylabel="phase angle (deg)", xlabel=f"{unit} since {start} UTC")
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+        axes.margins(x=0.01)
+    figure.suptitle(mission.name or "Light curve")
+    return figure
+
+
+def _line(axes, t, y, color, label):
+    t, y = _extremes(t, y)
+    # One epoch by itself has no line.
+    alone = (
+        np.isfinite(y) & ~np.isfinite(np.r_[np.nan, y[:-1]]) & ~np.isfinite(np.r_[y[1:], np.nan])
+    )
+    if np.any(np.isfinite(y)):
+        axes.plot(t, y, color=color, linewidth=0.9, label=label)
+        axes.plot(t[alone], y[alone], ".", color=color, markersize=4)
+
+
+def _extremes(t, y):
+    """The curve by the least and the greatest value in each of many parts, where it is long."""
+    each = len(t) // (_POINTS // 2)
+    if each < 2:
+        return t, y
+    count = len(t) // each * each
+    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, each)
+    low = np.min(parts, axis=1)
+    high = np.max(np.where(np.isfinite(parts), parts, -np.inf), axis=1)
+    pairs = np.stack([low, high], axis=1).reshape(-1)
+    return np.repeat(t[:count:each], 2), np.where(np.isfinite(pairs), pairs, np.nan)
+
+
+def _runs(flags):
+    """Begin and end of each run of True."""
+    edges = np.flatnonzero(np.diff(np.r_[False, flags, False]))
+    return edges.reshape(-1, 2)

@@ -1,0 +1,248 @@
+"""``attitude lightcurve MISSION.toml``: how bright a body is, as a table and a figure."""
+
+import sys
+from contextlib import ExitStack
+from dataclasses import replace
+from itertools import chain
+
+from attitude.cli import geometry
+from attitude.errors import AttitudeError
+
+HELP = "write and draw the light curve that a mission file asks for"
+EPILOG = """\
+example:
+  attitude lightcurve apophis-2012.toml --output curve.ecsv --figure curve.png
+
+A mission file with a section [shape] names spin, centre, observer, times and how the body looks
+([scattering], [magnitude]); data/mission/ has examples, docs/light_curves.md tells the keys.
+Columns: UTC at which light is received, TDB seconds since the epoch of the spin, the magnitude
+(inf where nothing of the body is both lit and seen), brightness in m2/sr, phase angle, distances,
+the fraction of the Sun's disc that other bodies leave free, elevation over a ground site, then the
+columns of the file.  As x.txt the curve has DAMIT's format: brightness at unit distances, against
+the dates at which the light left.  With --figure alone no table is written.
+"""
+_PICTURES = ("png", "svg", "pdf", "jpg")
+# Distances from here on are told in au, m.
+_FAR = 1e9
+# Epochs at a time: long curves need no more memory than short ones, but for what a figure keeps.
+_BLOCK = 65536
+# What DAMIT's file keeps.
+_DAMIT = ("reduced", "hi", "lo", "to_sun", "to_observer")
+
+
+def add_arguments(parser):
+    parser.add_argument("file", metavar="MISSION.toml", help="mission file with a section [shape]")
+    for name in ("start", "stop", "step"):
+        parser.add_argument(f"--{name}", metavar="TIME", help=f"instead of the {name} in the file")
+    parser.add_argument(
+        "--output",
+        metavar="FILE",
+        help="x.csv, x.ecsv, or x.txt as DAMIT has it (default: CSV to standard output); appears "
+        "whole or not at all",
+    )
+    parser.add_argument(
+        "--figure", metavar="FILE", help=f"picture, its kind by its ending: {', '.join(_PICTURES)}"
+    )
+
+
+def run(arguments):
+    from attitude.formats import mission as missions
+    from attitude.formats.aside import made_whole, written_whole
+
+    kind, picture = _kind(arguments.output), _picture(arguments.figure)
+    mission = missions.read(arguments.file)
+    if mission.magnitude is None:
+        raise AttitudeError(
+            f"{arguments.file}: has no section [shape], without which there is no brightness; give "
+            'it, as in shape.ellipsoid = "300, 200, 150 m".'
+        )
+    if kind == "txt":
+        _require_paths(mission.scene, arguments.output)
+    views = _views(mission, arguments)
+    first = next(views)  # what cannot be computed is said before anything is written
+    mission = replace(mission, columns=_columns(mission, first[0]))
+    curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
+    # Left in reverse: an error with the figure leaves no table either.
+    with ExitStack() as stack:
+        drawn = picture and stack.enter_context(made_whole(picture, "--figure"))
+        if kind in ("csv", "ecsv") and arguments.output is not None:
+            curve.write(stack.enter_context(written_whole(arguments.output, "--output")))
+        elif kind == "csv" and picture is None:
+            curve.write(sys.stdout)
+        else:
+            curve.run()
+        if drawn:
+            curve.draw(drawn)
+        if kind == "txt":
+            curve.write_damit(arguments.output)
+    if picture is not None:
+        print(picture)
+
+
+class _Curve:
+    """The light curve of a mission, block by block, and what a figure or DAMIT's file keeps."""
+
+    def __init__(self, mission, views, kind, *, is_drawn):
+        self._mission, self._views, self._kind = mission, views, kind
+        self._is_drawn, self._parts = is_drawn, []
+
+    def write(self, file):
+        """Make all blocks and write them as they come."""
+        blocks = self._blocks()
+        geometry._write(file, self._kind, self._mission, next(blocks), blocks)
+
+    def run(self):
+        """Make all blocks, for what is kept of them."""
+        for view, _ in self._views:
+            self._keep(view, self._mission.magnitude.of(view))
+
+    def draw(self, path):
+        """Save the figure of what was kept."""
+        from attitude.cli import curve_figure
+
+        names = [name for name in self._parts[0] if name not in _DAMIT]
+        kept = {name: self._joined(name) for name in names}
+        curve_figure.of(self._mission, **kept).savefig(path, dpi=150)
+
+    def write_damit(self, path):
+        """One calibrated curve of what was kept, in units of magnitude 0 at unit distances."""
+        import numpy as np
+
+        from attitude import epochs
+        from attitude.formats import damit_light_curve as damit
+
+        reduced, hi, lo, sun, observer = (self._joined(name) for name in _DAMIT)
+        if not np.all(np.isfinite(reduced)):
+            raise AttitudeError(
+                f"--output {path!r}: at {np.count_nonzero(~np.isfinite(reduced))} epochs nothing "
+                "of the body is both lit and seen, which DAMIT's files cannot hold; give other "
+                "times, or an --output x.csv."
+            )
+        left = epochs.times(self._parts[0]["epoch"], hi, lo)
+        curve = damit.from_positions(left, 10.0 ** (-0.4 * reduced), sun, observer, calibrated=True)
+        damit.write_damit_light_curves(path, curve)
+
+    def _blocks(self):
+        from attitude.formats import ccsds_epochs
+
+        rest = replace(self._mission, columns=self._mission.columns[1:])
+        for view, digits in self._views:
+            magnitude = self._mission.magnitude.of(view)
+            self._keep(view, magnitude)
+            columns = [magnitude.tolist(), *geometry._numbers(rest, view)]
+            yield geometry._dates(ccsds_epochs, view, digits), columns
+
+    def _keep(self, view, magnitude):
+        kept = {}
+        if self._is_drawn:
+            kept = {"epoch": view.epoch, "seconds": view.seconds, "magnitude": magnitude}
+            kept["phase_angle"] = view.phase_angle
+            if view.scene.shadow_of:
+                kept["lit_fraction"] = view.lit_fraction
+            if _has_horizon(view.scene):
+                kept["elevation"] = view.elevation
+        if self._kind == "txt":
+            import numpy as np
+
+            hi, lo = view.emission
+            reduced = replace(self._mission.magnitude, kind="reduced").of(view)
+            vectors = (
+                np.asarray(unit) * np.asarray(distance)[:, None]
+                for unit, distance in (
+                    (view.sun_direction_icrf, view.sun_distance),
+                    (view.observer_direction_icrf, view.observer_distance),
+                )
+            )
+            zero = np.zeros(len(hi)) if lo is None else lo
+            kept |= {
+                "epoch": view.epoch,
+                **dict(zip(_DAMIT, (reduced, hi, zero, *vectors), strict=True)),
+            }
+        self._parts.append(kept)
+
+    def _joined(self, name):
+        import numpy as np
+
+        parts = [part[name] for part in self._parts]
+        return parts[0] if name == "epoch" else np.concatenate(parts)
+
+
+def _views(mission, arguments):
+    """(View, decimals of a second) of some epochs at a time."""
+    given = {name: getattr(arguments, name) for name in geometry._TIMES}
+    if "epochs" in mission.times and not any(given.values()):
+        yield mission.scene.at(mission.times["epochs"]), 9
+        return
+    times = {
+        name: value if value is not None else mission.times.get(name)
+        for name, value in given.items()
+    }
+    grid = geometry._grid(mission, times, {name for name, value in given.items() if value})
+    for begin in range(0, grid.count, _BLOCK):
+        yield mission.scene.since(grid.epoch, *grid.block(begin, _BLOCK)), grid.digits
+        _told(min(begin + _BLOCK, grid.count), grid.count)
+
+
+def _told(done, count):
+    """How far it has come, to who sits before a terminal and has to wait."""
+    if count > _BLOCK and sys.stderr.isatty():
+        end = "\n" if done == count else ""
+        print(f"\rattitude: {100.0 * done / count:3.0f} %", end=end, file=sys.stderr, flush=True)
+
+
+def _columns(mission, view):
+    """What is always told, then the columns of the file."""
+    from attitude.formats.mission import Column
+
+    scene = view.scene
+    is_apparent = mission.magnitude.kind == "apparent"
+    own = [("magnitude" if is_apparent else "reduced_magnitude", "mag"), ("brightness", "m2 / sr")]
+    own.append(("phase_angle", "deg"))
+    for name, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
+        if not getattr(place, "is_direction", False):
+            own.append((name, "au" if getattr(view, name)[0] > _FAR else "km"))
+    if scene.shadow_of:
+        own.append(("lit_fraction", ""))
+    if _has_horizon(scene):
+        own.append(("elevation", "deg"))
+    asked = {each.name: each for each in mission.columns}
+    own = [asked.pop(name, None) or Column(name, unit) for name, unit in own]
+    return (*own, *asked.values())
+
+
+def _require_paths(scene, output):
+    for place, name in ((scene.sun, "sun"), (scene.observer, "observer")):
+        if getattr(place, "is_direction", False):
+            raise AttitudeError(
+                f"--output {output!r}: the {name} is a direction, but DAMIT's files hold vectors "
+                "to Sun and observer; give it as a path, or an --output x.csv."
+            )
+
+
+def _has_horizon(scene):
+    return hasattr(scene.observer, "zenith")
+
+
+def _kind(output):
+    if output is None:
+        return "csv"
+    ending = output.rpartition(".")[2].lower() if "." in output else ""
+    if ending not in ("csv", "ecsv", "txt"):
+        raise AttitudeError(
+            f"--output is {output!r}; give a file name that ends in .csv, .ecsv, or .txt (DAMIT)."
+        )
+    return ending
+
+
+def _picture(figure):
+    """The file name of a figure, of a kind that can be drawn here."""
+    if figure is None:
+        return None
+    ending = figure.rpartition(".")[2].lower() if "." in figure else ""
+    if ending not in _PICTURES:
+        kinds = " or ".join(f".{each}" for each in _PICTURES)
+        raise AttitudeError(f"--figure is {figure!r}; give a file name that ends in {kinds}.")
+    from attitude import plots
+
+    plots.new_figure((1.0, 1.0))  # without matplotlib nothing is begun
+    return figure

@@ -1,0 +1,186 @@
+"""Envisat over one night: the flashes of its flat sides, found between the samples.
+
+A box with one wing (data/mission/envisat-glints.toml: dimensions approximate, materials, wing angle
+and state of rotation assumed) is seen from Skibotn in northern Norway on the night of 23 October
+2013.  Each side is diffuse with a gloss about the mirror direction.  A side glints while the Sun,
+mirrored in it, is so near to the observer that its gloss keeps a tenth of its peak: some seconds,
+as the body turns at 2.7 deg/s.  These times are found on the exact motion, not among samples.  In
+the shadow of the Earth a glint is dark.
+
+    python examples/envisat_glints.py
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from attitude import epochs, events
+from attitude.formats import mission
+
+MISSION = Path(__file__).resolve().parent.parent / "data" / "mission" / "envisat-glints.toml"
+PICTURE = "envisat_glints.png"
+START, NIGHT = "2013-10-23T15:30:00", 8 * 3600.0
+LOWEST = np.radians(5.0)
+
+
+def sides(scene):
+    """Name, outward normal and material of each flat side of the box and of the wing."""
+    mesh, found = scene.shape, {}
+    for normal, material in zip(mesh.normals.round(9) + 0.0, mesh.materials, strict=True):
+        if material == "panel edge":
+            continue
+        name = material
+        if material == "body":
+            axis = int(np.argmax(np.abs(normal)))
+            name = f"box {'-+'[int(normal[axis] > 0.0)]}{'xyz'[axis]}"
+        found[name] = normal, material
+    return found
+
+
+def reach(material):
+    """Where Phong's lobe cos^n has fallen to a tenth, rad, and the Sun's radius."""
+    return np.arccos(0.1 ** (1.0 / material.exponent)) + events.SUN_RADIUS
+
+
+def passes(scene, start):
+    """(begin, end) in seconds of the motion of each time above the lowest elevation."""
+    view = scene.since(start, np.arange(0.0, NIGHT, 10.0))
+    up = np.flatnonzero(np.diff(np.r_[False, view.elevation > LOWEST, False]))
+    return [(view.seconds[a], view.seconds[b - 1]) for a, b in up.reshape(-1, 2)]
+
+
+def glints(scene, spans):
+    """(pass, side, begin, end) of each glint, in order."""
+    known = sides(scene)
+    conditions, flat = [], []
+    for normal, material in known.values():
+        conditions.append(events.glint(scene, normal, sun_radius=reach(scene.law[material])))
+        flat.append(events.glint(scene, normal))
+    found, mirrors = [], 0
+    for number, (begin, end) in enumerate(spans):
+        seen = events.find_discrete(begin, end, conditions)
+        for k, name in enumerate(known):
+            found += [(number, name, a, b) for a, b in seen[seen.which == k].spans()]
+        mirrors += len(events.find_discrete(begin, end, flat)) // 2
+    return sorted(found, key=lambda each: each[2]), mirrors
+
+
+def main():
+    found = mission.read(MISSION)
+    scene = found.scene
+    start = epochs.instant(START)
+    spans = passes(scene, start)
+    print(found.name)
+    print(found.note.strip(), end="\n\n")
+
+    def date(seconds, digits=1):
+        text = scene.epoch.after(float(seconds)).utc_iso
+        return f"{text[11:19]}{f'{float(text[19:] or 0):.{digits}f}'[1:]}"
+
+    print(f"{'pass':<22}{'highest':>8}{'phase deg':>11}{'magnitude':>14}   enters or leaves shadow")
+    for begin, end in spans:
+        view = scene.at(np.arange(begin, end, 1.0))
+        seen = found.magnitude.of(view)
+        seen = seen[np.isfinite(seen)]
+        edges = events.find_discrete(begin, end, events.shadow_state(scene), step=5.0)
+        told = ", ".join(
+            f"{('light', 'penumbra', 'umbra')[state]} {date(t)}"
+            for t, state in zip(*edges, strict=True)
+        )
+        magnitudes = f"{np.min(seen):.1f} to {np.max(seen):.1f}" if len(seen) else "dark"
+        phase = np.degrees([np.min(view.phase_angle), np.max(view.phase_angle)])
+        print(
+            f"{date(begin, 0)} - {date(end, 0):<11}{np.degrees(np.max(view.elevation)):8.1f}"
+            f"{phase[0]:6.0f} -{phase[1]:3.0f}{magnitudes:>14}   {told}"
+        )
+
+    flashes, mirrors = glints(scene, spans)
+    print(f"\n{'UTC':<12}{'side':<13}{'lasts s':>8}{'elev.':>7}{'phase':>7}{'lit':>6}", end="")
+    print(f"{'mag':>7}{'before':>8}")
+    for _, name, begin, end in flashes:
+        t = np.linspace(begin, end, 201)
+        magnitude = found.magnitude.of(scene.at(t))
+        top = int(np.argmin(magnitude)) if np.any(np.isfinite(magnitude)) else 100
+        view = scene.at([t[top], begin - (end - begin)])
+        print(
+            f"{date(t[top]):<12}{name:<13}{end - begin:8.3f}{np.degrees(view.elevation[0]):7.1f}"
+            f"{np.degrees(view.phase_angle[0]):7.1f}{view.lit_fraction[0]:6.2f}{magnitude[top]:7.2f}"
+            f"{found.magnitude.of(view)[1]:8.2f}"
+        )
+    print(
+        f"\n{len(flashes)} glints; were the sides mirrors, flat to the Sun's disc, there would be "
+        f"{mirrors}. (inf: nothing is lit.)"
+    )
+    draw(found, spans, flashes, date)
+
+
+def draw(found, spans, flashes, date):
+    try:
+        import matplotlib
+
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+    except ImportError:
+        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
+        return
+
+    scene = found.scene
+    bright = [(float(found.magnitude.of(scene.at([0.5 * (a + b)]))[0]), number, name, a, b)
+              for number, name, a, b in flashes]  # fmt: skip
+    bright = sorted(each for each in bright if np.isfinite(each[0]))[:2]
+    shown = sorted({each[1] for each in bright})
+    figure, panels = plt.subplots(
+        len(shown) + 1, 1, figsize=(10, 3.6 * (len(shown) + 1)), layout="constrained"
+    )
+    for panel, number in zip(panels, shown, strict=False):
+        curve(panel, found, *spans[number], 0.25)
+        for each, name, begin, end in flashes:
+            if each == number:
+                t = (0.5 * (begin + end) - spans[number][0]) / 60.0
+                panel.axvline(t, color="#d55e00", lw=0.8, ls="--")
+                panel.text(t, 0.97, f"{name} ", transform=panel.get_xaxis_transform(), va="top",
+                           ha="right", rotation=90, color="#d55e00", fontsize=9)  # fmt: skip
+        panel.set_xlabel(f"minutes since {date(spans[number][0], 0)} UTC")
+    if bright:
+        _, _, name, begin, end = bright[0]
+        middle = 0.5 * (begin + end)
+        t = np.linspace(middle - 8.0, middle + 8.0, 3201)
+        panels[-1].plot(t - middle, found.magnitude.of(scene.at(t)), color="#0072b2", lw=1.2)
+        panels[-1].axvspan(begin - middle, end - middle, color="#d55e00", alpha=0.2)
+        panels[-1].invert_yaxis()
+        panels[-1].set(
+            xlabel=f"seconds from {date(middle)} UTC: the glint of the {name} (shaded)",
+            ylabel="apparent magnitude",
+            xlim=(-8, 8),
+        )
+    panels[0].set_title("Envisat as a box with a wing, over Skibotn on 23 October 2013")
+    for panel in panels:
+        panel.grid(alpha=0.3)
+    figure.savefig(PICTURE, dpi=120)
+    plt.close(figure)
+    print(f"\nPicture: {PICTURE}")
+
+
+def curve(panel, found, begin, end, step):
+    t = np.arange(begin, end, step)
+    view = found.scene.at(t)
+    magnitude = found.magnitude.of(view)
+    minutes = (t - begin) / 60.0
+    panel.plot(
+        minutes, np.where(np.isfinite(magnitude), magnitude, np.nan), color="#0072b2", lw=0.9
+    )
+    dark = np.flatnonzero(view.lit_fraction == 0.0)
+    if dark.size:
+        panel.axvspan(minutes[dark[0]], minutes[dark[-1]], color="0.88", zorder=0)
+        panel.text(minutes[dark].mean(), 0.5, "in the Earth's umbra", rotation=90, ha="center",
+                   va="center", transform=panel.get_xaxis_transform(), color="0.4")  # fmt: skip
+    panel.invert_yaxis()
+    panel.set(ylabel="apparent magnitude", xlim=(0, minutes[-1]))
+    right = panel.twinx()
+    right.plot(minutes, np.degrees(view.elevation), color="#009e73", ls=":", lw=1.2)
+    right.set_ylabel("elevation (deg)", color="#009e73")
+    right.set_ylim(0, 90)
+
+
+if __name__ == "__main__":
+    main()
