@@ -311,7 +311,6 @@ WRONG = [
     (FIXED + '[magnitude]\nh = 10\n[scattering]\nlaw = "hapke"', "phase function of its own"),
     (FIXED + '[magnitude]\nsun_distance = "-1 AU"', "sun_distance is -1"),
     (EARTH + '[magnitude]\nsun_distance = "1 AU"', "whose distance is known"),
-    ('columns = ["magnitude"]\n' + EARTH + "[magnitude]\nh = 10", "columns asks for 'magnitude'"),
     (changed("wxyz", "wxzy"), "did you mean 'wxyz'"),
     (changed("[body]\nmoments", "[other]\nmoments"), "a key 'other'"),
     ('spin = "x.toml"\n' + changed("[spin]", "[times]").partition("[times]")[0], "[body] beside"),

@@ -5,7 +5,17 @@ import pickle
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths, tdb
+from attitude import (
+    AttitudeError,
+    Body,
+    FreeRotation,
+    Spin,
+    epochs,
+    light_curve,
+    paths,
+    scattering,
+    tdb,
+)
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import Path, julian
 from attitude.scene import Scene
@@ -546,3 +556,28 @@ def test_a_body_without_a_long_axis_and_one_at_rest():
         view.long_axis_position_angle  # noqa: B018
     with pytest.raises(AttitudeError, match="at rest"):
         view.aspect_angle  # noqa: B018
+
+
+def test_magnitudes_follow_a_phase_function():
+    """As `phased_magnitude` has them, reduced and apparent; NaN epochs stay NaN."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.0, 1.0))
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    shape, center = Ellipsoid((3, 2, 1)), paths.uniform((2e11, 1e11, 0), (0, 0, 0), "2026-01-01")
+
+    def function(alpha):
+        return scattering.hg(alpha, 19.09, 0.24)
+
+    view = Scene(motion, center, shape=shape, phase_function=function).at([0.0, 1.0, np.nan])
+    expected = light_curve.phased_magnitude(
+        view.brightness[:2], shape, "lommel-seeliger", view.phase_angle[:2], function
+    )
+    assert view.reduced_magnitude[:2] == pytest.approx(expected, abs=1e-12)
+    modulus = 5 * np.log10(
+        view.sun_distance * view.observer_distance / light_curve.magnitudes.AU**2
+    )
+    assert view.magnitude[:2] == pytest.approx(expected + modulus[:2], abs=1e-12)
+    assert np.isnan(view.magnitude[2])
+    with pytest.raises(AttitudeError, match="function of the phase angle"):
+        Scene(motion, center, shape=shape, phase_function=19.09)
+    with pytest.raises(AttitudeError, match="leave out sun_magnitude"):
+        Scene(motion, center, shape=shape, phase_function=function, sun_magnitude=-26.7)

@@ -39,7 +39,7 @@ def of(mission, *, epoch, seconds, magnitude, phase_angle, lit_fraction=None, el
         for begin, end in _runs(lit_fraction == 0.0):
             above.axvspan(t[begin], t[end - 1], color="0.9", zorder=0, label=label)
             label = None
-    source = "" if mission.magnitude.function is None else " from H"
+    source = "" if mission.scene.phase_function is None else " from H"
     above.invert_yaxis()
     above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
     if above.get_legend_handles_labels()[0]:

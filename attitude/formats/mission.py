@@ -300,7 +300,7 @@ def _options(content, folder):
 
 
 def _looks(content, motion, folder):
-    """Shape and law, as a Scene takes them."""
+    """Shape, law and magnitudes, as a Scene takes them."""
     if "shape" not in content:
         for section in ("scattering", "magnitude"):
             if section in content:
@@ -312,7 +312,9 @@ def _looks(content, motion, folder):
     body = getattr(motion, "body", None)
     found = photometry.shape_of(given, body, lambda value, name: _file(value, folder, name))
     law = photometry.law_of(content.get("scattering", {}), found["shape"])
-    return {**found, "law": law, "shape": photometry.facets_for(given, found["shape"], law)}
+    scale = photometry.scale_of(content.get("magnitude", {}))
+    shape = photometry.facets_for(given, found["shape"], law)
+    return {**found, **scale, "law": law, "shape": shape}
 
 
 def _magnitude(content, scene):
@@ -320,18 +322,7 @@ def _magnitude(content, scene):
         return None
     from attitude.formats import photometry
 
-    given = content.get("magnitude", {})
-    found = photometry.magnitude_of(given, scene)
-    for text in content.get("columns", ()):
-        if found.function is not None and str(text).split()[:1] in (
-            ["magnitude"],
-            ["reduced_magnitude"],
-        ):
-            raise AttitudeError(
-                f"columns asks for {text!r}, the magnitude of the shape's size and albedo, but "
-                "[magnitude] has h, which is for attitude lightcurve; leave one out."
-            )
-    return found
+    return photometry.magnitude_of(content.get("magnitude", {}), scene)
 
 
 def _times(content):

@@ -29,7 +29,7 @@ from attitude import gates, scattering, shape
 from attitude.errors import AttitudeError
 from attitude.formats import measured
 from attitude.formats.spin_file import refuse_unknown
-from attitude.light_curve import magnitudes, phased_magnitude
+from attitude.light_curve import magnitudes
 
 # What leads each way to give a shape, and what may go with it.
 _SHAPES = {
@@ -70,38 +70,26 @@ class Magnitude:
     ----------
     kind : str
         "apparent" or "reduced".
-    sun_magnitude : float
-    function : callable or None
-        Reduced magnitude, in the mean over all orientations, at a phase angle in rad.
     sun_distance, observer_distance : float or None
         m; where the scene has directions.
     """
 
     kind: str
-    sun_magnitude: float
-    function: object = None
     sun_distance: float = None
     observer_distance: float = None
 
     def of(self, view):
         """The magnitudes of a View, (S,); inf where nothing of the body is both lit and seen."""
-        lit = np.asarray(view.brightness)
-        distances = ()
-        if self.kind == "apparent":
-            if view.scene.shadow_of:
-                lit = lit * view.lit_fraction
-            distances = (
-                view.sun_distance if self.sun_distance is None else self.sun_distance,
-                view.observer_distance
-                if self.observer_distance is None
-                else self.observer_distance,
-            )
-        if self.function is None:
-            found = magnitudes.reduced_magnitude(lit, sun_magnitude=self.sun_magnitude)
-        else:
-            scene = view.scene
-            found = phased_magnitude(lit, scene.shape, scene.law, view.phase_angle, self.function)
-        return found + magnitudes.distance_modulus(*distances) if distances else found
+        if self.kind == "reduced":
+            return view.reduced_magnitude
+        if self.sun_distance is None and self.observer_distance is None:
+            return view.magnitude
+        far = [
+            getattr(view, name) if getattr(self, name) is None else getattr(self, name)
+            for name in ("sun_distance", "observer_distance")
+        ]
+        found = view.reduced_magnitude + magnitudes.distance_modulus(*far)
+        return found + magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
 
 
 def shape_of(given, body, opened):
@@ -178,18 +166,26 @@ def law_of(given, found):
     return _law(name, rest, "[scattering]")
 
 
-def magnitude_of(given, scene):
-    """The `Magnitude` of a section [magnitude], of what is seen in a Scene."""
+def scale_of(given):
+    """Of a section [magnitude], what a Scene takes: sun_magnitude, phase_function; a dict."""
     if not isinstance(given, dict):
         raise AttitudeError(f"magnitude is {given!r}; give a section that begins [magnitude].")
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
     refuse_unknown(given, known, "[magnitude]")
-    function = _phase_function(given)
-    if function is not None and "sun_magnitude" in given:
+    found = {"phase_function": _phase_function(given)}
+    if "sun_magnitude" in given:
+        band = given["sun_magnitude"]
+        found["sun_magnitude"] = gates.number(band, "[magnitude] sun_magnitude", unit="mag")
+    if found["phase_function"] is not None and "sun_magnitude" in given:
         raise AttitudeError(
             "[magnitude] has both h and sun_magnitude, but h tells the brightness by itself; leave "
             "one out."
         )
+    return found
+
+
+def magnitude_of(given, scene):
+    """The `Magnitude` of a section [magnitude], of what is seen in a Scene."""
     distances = {}
     for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
         if key in given:
@@ -212,9 +208,7 @@ def magnitude_of(given, scene):
             f"an apparent magnitude needs {' and '.join(far)} where there is a direction; give it "
             'in [magnitude], or kind = "reduced".'
         )
-    band = given.get("sun_magnitude", magnitudes.SUN_V)
-    band = gates.number(band, "[magnitude] sun_magnitude", unit="mag")
-    return Magnitude(kind, band, function, **distances)
+    return Magnitude(kind, **distances)
 
 
 def _ellipsoid(given, body):

@@ -68,3 +68,9 @@ def distance_modulus(sun_distance, observer_distance):
             raise AttitudeError(f"{name} holds {np.min(array)}; distances are greater than zero.")
         modulus = modulus + 5.0 * np.log10(array / AU)
     return modulus
+
+
+def dimming(lit):
+    """Magnitudes by which a body is fainter that a fraction of the Sun's disc lights; inf for 0."""
+    with np.errstate(divide="ignore"):
+        return -2.5 * np.log10(gates.real(lit, "lit", finite=False))

@@ -36,30 +36,42 @@ class Brightness:
     @quantity("mag")
     def reduced_magnitude(self):
         """Magnitude at 1 au from Sun and observer, V(1, 1, alpha), in full sunlight."""
-        return self._magnitude(self.brightness)
+        from attitude import light_curve
+
+        bright, scene = np.asarray(self.brightness).reshape(-1), self.scene
+        known = ~np.isnan(bright)
+        out = np.full(bright.size, np.nan)
+        if not known.any():
+            return self._numbers(out)
+        if scene.phase_function is None:
+            band = scene.sun_magnitude
+            given = {} if band is None else {"sun_magnitude": band}
+            out[known] = light_curve.reduced_magnitude(bright[known], **given)
+        else:
+            angles = np.asarray(self.phase_angle).reshape(-1)[known]
+            out[known] = light_curve.phased_magnitude(
+                bright[known], scene.shape, scene.law, angles, scene.phase_function
+            )
+        return self._numbers(out)
 
     @quantity("mag")
     def magnitude(self):
         """Apparent magnitude, in the shadow that other bodies cast; inf where nothing is seen."""
+        from attitude.light_curve import magnitudes
+
         for found, name in ((self.sun_line, "sun"), (self.observer_line, "observer")):
             if found.distance is None:
                 raise AttitudeError(
                     f"the {name} is a direction, infinitely far away, where an apparent magnitude "
                     "has no meaning; ask for reduced_magnitude, or give a path."
                 )
-        lit = self.brightness * self.lit_fraction if self.scene.shadow_of else self.brightness
-        return self._magnitude(lit, self.sun_distance, self.observer_distance)
-
-    def _magnitude(self, brightness, *distances):
-        from attitude.light_curve import magnitudes
-
-        given = np.asarray(brightness).reshape(-1)
-        known = ~np.isnan(given)
-        band = self.scene.sun_magnitude
-        band = magnitudes.SUN_V if band is None else band
-        out = np.full(given.size, np.nan)
-        far = [np.asarray(each).reshape(-1)[known] for each in distances]
-        made = magnitudes.apparent_magnitude if far else magnitudes.reduced_magnitude
-        if known.any():
-            out[known] = made(given[known], *far, sun_magnitude=band)
-        return self._numbers(out)
+        found = np.array(self.reduced_magnitude).reshape(-1)
+        known = ~np.isnan(found)
+        far = [
+            np.asarray(each).reshape(-1)[known]
+            for each in (self.sun_distance, self.observer_distance)
+        ]
+        found[known] += magnitudes.distance_modulus(*far)
+        if self.scene.shadow_of:
+            found += magnitudes.dimming(self.lit_fraction.reshape(-1))
+        return self._numbers(found)

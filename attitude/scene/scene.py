@@ -44,6 +44,10 @@ class Scene(Frozen):
         so much, and turn no direction by more than 4e-10 rad.  None: never.
     shadows, threads, sun_magnitude
         As in `attitude.light_curve`: of the body on itself, and so on.
+    phase_function : callable, optional
+        Reduced magnitude at phase angles in rad, in the mean over all orientations: magnitudes
+        follow it, with ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)`` for H = 19.09 and
+        G = 0.24, and size and albedo do not enter; see `light_curve.phased_magnitude`.
 
     Raises
     ------
@@ -84,6 +88,7 @@ class Scene(Frozen):
         shadows=True,
         threads=1,
         sun_magnitude=None,
+        phase_function=None,
     ):
         if motion is not None and not hasattr(motion, "at"):
             raise AttitudeError(
@@ -108,6 +113,16 @@ class Scene(Frozen):
         self._set("shadows", shadows)
         self._set("threads", threads)
         self._set("sun_magnitude", sun_magnitude)
+        if phase_function is not None and not callable(phase_function):
+            raise AttitudeError(
+                f"phase_function is {gates.shown(phase_function)}; give a function of the phase "
+                "angle in rad, such as lambda alpha: scattering.hg(alpha, 19.09, 0.24)."
+            )
+        if phase_function is not None and sun_magnitude is not None:
+            raise AttitudeError(
+                "phase_function tells how bright the body is by itself; leave out sun_magnitude."
+            )
+        self._set("phase_function", phase_function)
 
     def __setattr__(self, name, value):
         raise AttributeError("a Scene does not change; make a new one.")
