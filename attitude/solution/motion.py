@@ -36,14 +36,14 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
         how many have a fault
     """
     faults, uniform, cancelled = classify_all(moments, wxyz, omega, constants)
-    if differences is not None:
-        constants["gaps"], constants["d2"] = differences[:2], differences[2]
-    elif cancelled:
-        refine_all(constants)
     if uniform:
         uniform_all(wxyz, principal, constants)
     tumbling = len(constants) - faults - uniform
     if tumbling:
+        if differences is not None:
+            constants["gaps"], constants["d2"] = differences[:2], differences[2]
+        elif cancelled:
+            refine_all(constants)
         hyperbolic = solve_all(constants)
         if hyperbolic < tumbling:
             trigonometric_all(constants)
