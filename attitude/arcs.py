@@ -13,6 +13,7 @@ array([[0. , 0. , 0.5],
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -22,11 +23,10 @@ from attitude.crossing import first
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
 from attitude.history import AttitudeHistory
+from attitude.solution.layout import CONSTANTS
 from attitude.spin import Spin
 
-# Runs of epochs on one arc shorter than this are evaluated all at once, each with a copy of its
-# constants (a kilobyte): cheaper than a call for every run.
-_SHORT_RUN = 16
+_NO_LOW = frozen(np.zeros(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,27 +159,38 @@ class Arcs(Frozen):
         kept = None if low is None else np.array(low)
         return AttitudeHistory(self, self.spin.epoch, np.array(seconds), kept, wxyz)
 
+    def wxyz_at(self, seconds, low=None):
+        """Attitudes (..., 4), body to ICRF, at TDB seconds since the epoch (and low ones).
+
+        The floor under `at`, for inner loops: numbers in, numbers out.
+        """
+        return self._evaluate(np.asarray(seconds, dtype=np.float64), low)[0]
+
     def angular_velocity_at(self, seconds, low=None):
         """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        return self._evaluate(seconds, low, rates=True)[1]
+        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, rates=True)[1]
 
     def angular_acceleration_at(self, seconds, low=None):
         """Euler's equations with the body of each epoch: (..., 3) rad/s2 in body axes."""
         from attitude.free_rotation import FreeRotation
 
         rates = np.array(self.angular_velocity_at(seconds, low))
-        arc = self._arc(np.asarray(seconds), low)[0]
+        rest = np.float64(0.0) if low is None else np.asarray(low)
         out = np.empty(rates.shape)
-        for number, body in enumerate(self._bodies):
-            here = arc == number
-            if np.any(here):
-                out[here] = FreeRotation(body, self.spin).angular_acceleration_from(rates[here])
+        for number, (body, (high, more)) in enumerate(zip(self._bodies, self._starts, strict=True)):
+            if number and body is self._bodies[number - 1]:
+                continue
+            on = (seconds > high) | ((seconds == high) & (rest >= more)) | (number == 0)
+            out[on] = FreeRotation(body, self.spin).angular_acceleration_from(rates[on])
+        out[np.isnan(seconds)] = np.nan
         return out
 
     def body_at(self, t):
         """The Body at one epoch."""
         seconds, low = epochs.seconds_since(self.spin.epoch, t)
-        return self._bodies[int(self._arc(np.asarray(seconds), low)[0])]
+        if np.ndim(seconds):
+            raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
+        return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
 
     # How the arcs are joined ---------------------------------------------------------------------
 
@@ -193,32 +204,30 @@ class Arcs(Frozen):
         q[:, 0] = spin.wxyz_icrf
         w = body.rates_about_principal_axes(spin.angular_velocity)
         self._set("_bodies", [body])
-        self._set("_constants", _constants(body, q, w)[None])
-        self._set("_starts", np.array([[0.0, 0.0]]))
-        records, starts = [self._constants[0]], [(0.0, 0.0)]
+        records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
+        starts = np.zeros((len(records), 2))
+        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity))
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
             time = times[k]
-            if time is None or callable(change.angular_momentum):
-                # What looks at the motion so far is shown the motion so far.
-                self._set("_constants", np.array(records))
-                self._set("_starts", np.array(starts))
+            # What looks at the motion so far is shown the motion so far.
+            self._set("_constants", frozen(records[: k + 1]))
+            self._set("_starts", frozen(starts[: k + 1]))
             if time is None:
                 end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
-                fastest = _fastest(body, w[:, 0])
-                time = (first(change.at, self, starts[-1][0], end, fastest, name), 0.0)
+                time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
             added = self._added(change, time, name)
-            body = self._join(change, added, body, time, starts[-1], records[-1], q, w)
+            body = self._join(change, added, body, time, starts[k], records[k], q, w)
             self._bodies.append(body)
             try:
-                records.append(_constants(body, q, w))
+                records[k + 1] = _constants(body, q, w)
             except AttitudeError as err:
                 raise AttitudeError(f"{name} leaves no physical state: {err}") from err
-            starts.append(time)
+            starts[k + 1] = time
         self._set("_bodies", tuple(self._bodies))
-        self._set("_constants", frozen(np.array(records)))
-        self._set("_starts", frozen(np.array(starts)))
-        self._set("joints", frozen(self._starts[1:, 0].copy()))
+        self._set("_constants", frozen(records))
+        self._set("_starts", frozen(starts))
+        self._set("joints", frozen(starts[1:, 0].copy()))
 
     def _epoch(self, at, name):
         """(high, low) seconds since the epoch of the spin, or None for an event."""
@@ -282,81 +291,52 @@ class Arcs(Frozen):
 
     # Evaluation ----------------------------------------------------------------------------------
 
-    def _arc(self, seconds, low):
-        """The number of the arc of each epoch, and seconds since that arc's start."""
-        starts, starts_low = self._starts[:, 0], self._starts[:, 1]
-        arc = np.searchsorted(starts, seconds, side="right") - 1
-        rest = np.float64(0.0) if low is None else np.asarray(low)
-        # Epochs before the first, and equal high parts, where the low part decides.
-        arc = np.maximum(arc, 0)
-        early = (arc > 0) & (seconds == starts[arc]) & (rest < starts_low[arc])
-        arc = arc - early
-        local = tdb.add((seconds, rest + 0.0 * seconds), -starts[arc], -starts_low[arc])
-        return arc, local
-
     def _evaluate(self, seconds, low, *, rates=False):
-        seconds = np.asarray(seconds)
         shape = seconds.shape
-        arc, (t, t_low) = self._arc(seconds, low)
-        arc, t, t_low = arc.reshape(-1), np.reshape(t, -1), np.reshape(t_low, -1)
+        # Views of what was given, read-only: one type of array, one compilation.
+        t = frozen(np.ascontiguousarray(seconds).reshape(-1))
+        if low is None:
+            t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
+        else:
+            # The low part decides between equal high parts: any two summands make such a pair.
+            with np.errstate(invalid="ignore"):
+                pair = tdb.two_sum(t, np.ascontiguousarray(low).reshape(-1))
+            t, t_low = frozen(pair[0]), frozen(pair[1])
         wxyz = np.empty((4, t.size))
         omega = np.empty((3, t.size)) if rates else None
-        runs = np.flatnonzero(np.diff(arc)) + 1
-        if t.size < _SHORT_RUN * (len(runs) + 1):
-            self._all_at_once(arc, t, t_low, wxyz, omega)
-        else:
-            for part in zip([0, *runs], [*runs, t.size], strict=True):
-                self._one_run(slice(*part), arc[part[0]], t, t_low, wxyz, omega)
+        beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
+        if beyond >= 0:
+            self._refuse(float(t[beyond]))
+        # transpose: np.moveaxis alone would cost as much as all the rest of one epoch
+        last = (*range(1, len(shape) + 1), 0)
         return (
-            np.moveaxis(wxyz.reshape(4, *shape), 0, -1),
-            np.moveaxis(omega.reshape(3, *shape), 0, -1) if rates else None,
+            wxyz.reshape(4, *shape).transpose(last),
+            omega.reshape(3, *shape).transpose(last) if rates else None,
         )
 
-    def _all_at_once(self, arc, t, t_low, wxyz, omega):
-        """Epochs scattered over arcs: each with the constants of its own."""
-        for begin in range(0, t.size, 256):
-            part = slice(begin, begin + 256)
-            size = len(t[part])
-            some = np.empty((size, 4, 1))
-            turning = None if omega is None else np.empty((size, 3, 1))
-            propagation.evaluate(
-                self._constants[arc[part]],
-                t[part].reshape(size, 1),
-                t_low[part].reshape(size, 1),
-                some,
-                turning,
-            )
-            wxyz[:, part] = some[:, :, 0].T
-            if omega is not None:
-                omega[:, part] = turning[:, :, 0].T
+    def _refuse(self, t):
+        """Raise what a free rotation says of an epoch beyond its reach."""
+        number = self._arc(t)
+        local = np.array([[t - self._starts[number, 0]]])
+        out = np.empty((1, 4, 1))
+        propagation.evaluate(self._constants[number : number + 1], local, None, out, None)
 
-    def _one_run(self, part, number, t, t_low, wxyz, omega):
-        """Neighbouring epochs on one arc."""
-        size = part.stop - part.start
-        some = np.empty((1, 4, size))
-        turning = None if omega is None else np.empty((1, 3, size))
-        constants = self._constants[number : number + 1]
-        t, t_low = t[part].reshape(1, size), t_low[part].reshape(1, size)
-        propagation.evaluate(constants, t, t_low, some, turning)
-        wxyz[:, part] = some[0]
-        if omega is not None:
-            omega[:, part] = turning[0]
+    def _arc(self, t, low=0.0):
+        """The number of the arc of one epoch."""
+        return max(sum((high, rest) <= (t, low) for high, rest in self._starts.tolist()) - 1, 0)
 
 
-def _constants(body, q, w):
+@cache
+def _compiled():
+    from attitude.solution.arcs import evaluate_arcs
+
+    return evaluate_arcs
+
+
+def _constants(body, q, w, differences=None):
     """The record of the free motion from a state in pairs."""
-    principal = body.principal_wxyz[None]
-    return propagation.constants_of(
-        body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy(), principal
-    )[0]
-
-
-def _fastest(body, w):
-    """A bound of the angular rate (rad/s) that holds for the whole arc, from 2 E and L^2."""
-    moments = body.moments
-    momentum, energy = np.sum((moments * w) ** 2), np.sum(moments * w**2)
-    some = moments > 0.0
-    return float(np.sqrt(np.sum(np.minimum(energy / moments[some], momentum / moments[some] ** 2))))
+    state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
+    return propagation.constants_of(body.moments_as_pairs[None], *state, differences=differences)[0]
 
 
 def _check_frame(change):

@@ -1,9 +1,9 @@
 """The first time that something happens on a free arc, found on the exact motion.
 
-What is sought is a zero of a function of the attitude.  Bounds on the angular rate bound its
-second derivative, so that an interval without a zero can be proved to be one: no sample spacing
-decides what is found.  This is the collision search of van Zon & Schofield (2006), section 1:
-free motion, then the first time that two surfaces meet.
+What is sought is the first zero of a function of the attitude, isolated as in `attitude.events`:
+an interval is passed over only when a bound of the second derivative proves that it holds none.
+This is the collision search of van Zon & Schofield (2006), section 1: free motion, then the first
+time that two surfaces meet.
 """
 
 from dataclasses import dataclass
@@ -12,14 +12,13 @@ import numpy as np
 
 from attitude import gates, quaternion
 from attitude.errors import AttitudeError
+from attitude.events.pace import Bounded, free
+from attitude.events.refine import refined
+from attitude.events.search import TOUCH, isolated, shifted
 from attitude.frozen import Frozen, frozen
 
-# Samples of a search are this far apart, in radians of the fastest possible rotation.
-_SPACING = 0.25
-_BLOCK = 256
-_PARTS = 8
-# Zeros nearer to each other than this (rad of rotation) are a touch, and not looked for.
-_TOUCH = 1e-7
+# Knots of a first look, in radians of the fastest rotation; as many are looked at together.
+_SPACING, _BLOCK = Bounded.spacing, 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +50,12 @@ class AxisCrossesDirection(Frozen):
         _check_within(self)
 
     def values(self, history):
-        """cos(angle to the direction) - cos(angle), its rate, per second."""
+        """cos(angle to the direction) - cos(angle), and its rate, per second."""
         v, rate = _point(history, self.axis)
         return v @ self.direction - np.cos(self.angle), rate @ self.direction
 
-    @property
-    def arm(self):
-        return 1.0
+    # The length that turns, and the greatest rate of what else changes the value.
+    arm, drift = 1.0, 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,30 +97,32 @@ class PointMeetsPlane(Frozen):
     def values(self, history):
         """Height of the point over the plane, m, and its rate, m/s."""
         v, rate = _point(history, self.point)
-        drift = self.start @ self.normal + history.seconds * (self.velocity @ self.normal)
-        return (
-            v @ self.normal + drift - self.offset,
-            rate @ self.normal + self.velocity @ self.normal,
-        )
+        speed = self.velocity @ self.normal
+        low = 0.0 if history.low is None else history.low
+        centre = (self.start @ self.normal - self.offset) + (history.seconds + low) * speed
+        return v @ self.normal + centre, rate @ self.normal + speed
 
     @property
     def arm(self):
         return float(np.sqrt(self.point @ self.point))
 
+    @property
+    def drift(self):
+        return abs(float(self.velocity @ self.normal))
 
-def first(event, motion, start, end, fastest, name):
-    """Seconds of the first crossing after `start`.
+
+def first(event, motion, start, end, name):
+    """Seconds of the first crossing on the last arc of a motion.
 
     Parameters
     ----------
-    event : object with ``values(history)``, ``arm`` and ``within``
-    motion : object with ``.at(t)``
+    event : object with ``values(history)``, ``arm``, ``drift`` and ``within``
+    motion : Arcs
+        Free from `start` on.
     start : float
         TDB seconds since the epoch of the motion.
     end : float
         Where the search ends at the latest; inf where only `within` ends it.
-    fastest : float
-        A bound of the angular rate, rad/s.
     name : str
         How the event is called in the message.
 
@@ -131,63 +131,34 @@ def first(event, motion, start, end, fastest, name):
     AttitudeError
         If it does not happen in that time.
     """
-    if not fastest > 0.0:
-        raise AttitudeError(f"{name} waits for an event of a body that does not turn.")
-    within = event.within if event.within is not None else 1000.0 * 2.0 * np.pi / fastest
+    pace = free(motion.body_at(start), motion.angular_velocity_at(start)).pace
+    away = abs(event.values(motion.at(start))[0]) + event.arm
+    rate = pace.first + (event.drift / away if event.drift else 0.0)
+    if not rate > 0.0:
+        raise AttitudeError(f"{name} waits for an event of a body that does not move.")
+    within = event.within if event.within is not None else 1000.0 * 2.0 * np.pi / rate
     last = min(end, start + within)
-    # |d2/dt2 (R p)| <= |p| (|w|^2 + |w'|), and |w'| <= |w|^2 by the triangle inequality.
-    bound = 2.0 * event.arm * fastest * fastest
-    width = _SPACING / fastest
     # What happened at the start itself (a bounce off the same plane) is not to be found again.
-    left = start + _TOUCH / fastest
+    left = start + TOUCH / rate
     while left < last:
-        knots = left + width * np.arange(_BLOCK + 1)
-        knots = np.append(knots[knots < last], last) if knots[-1] >= last else knots
-        found = _first_zero(event, motion, knots, bound, _TOUCH / fastest)
-        if found is not None:
-            return found
-        left = knots[-1]
+        # Seconds from here: a single double of them is fine enough for any bracket.
+        knots = np.minimum(_SPACING / rate * np.arange(_BLOCK + 1.0), last - left)
+        knots = knots[: np.argmax(knots) + 1]
+
+        def evaluate(s, base=left):
+            return event.values(motion.at(*shifted((base, 0.0), s)))[0]
+
+        values = evaluate(knots)
+        noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
+        bound = event.arm * pace.second
+        brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
+        if brackets.size:
+            return float(left + np.min(refined(evaluate, *brackets)))
+        left += knots[-1]
     raise AttitudeError(
         f"{name} waits for {type(event).__name__}, which does not happen between {start:.9g} and "
         f"{last:.9g} s; give a longer within=, an event that happens, or an epoch."
     )
-
-
-def _first_zero(event, motion, knots, bound, touch):
-    """The first zero between knots, or None; each interval is decided or divided."""
-    values, _ = event.values(motion.at(knots))
-    sizes = np.diff(knots)
-    change = (values[:-1] < 0.0) != (values[1:] < 0.0)
-    least = np.minimum(np.abs(values[:-1]), np.abs(values[1:]))
-    open_ = change | (least <= bound * sizes**2 / 8.0)
-    for k in np.flatnonzero(open_):
-        if sizes[k] <= touch or np.spacing(knots[k]) * _PARTS >= sizes[k]:
-            if change[k]:
-                return _refined(event, motion, knots[k], knots[k + 1])
-            continue
-        finer = np.linspace(knots[k], knots[k + 1], _PARTS + 1)
-        found = _first_zero(event, motion, finer, bound, touch)
-        if found is not None:
-            return found
-    return None
-
-
-def _refined(event, motion, a, b):
-    """The zero in [a, b], |b - a| small, by Newton kept inside the bracket."""
-    value_a = event.values(motion.at(a))[0]
-    t = 0.5 * (a + b)
-    for _ in range(60):
-        value, rate = event.values(motion.at(t))
-        if (value < 0.0) == (value_a < 0.0):
-            a = t
-        else:
-            b = t
-        step = t - value / rate if rate != 0.0 else 0.5 * (a + b)
-        new = step if a <= step <= b else 0.5 * (a + b)
-        if new == t or b - a <= np.spacing(abs(b)):
-            return float(new)
-        t = new
-    return float(t)
 
 
 def _point(history, vector):

@@ -2,14 +2,18 @@
 
 import numpy as np
 
-from attitude import quaternion
+from attitude import quaternion, tdb
 from attitude.errors import AttitudeError
 
 # The largest turn between two torques: most torques vary with twice the attitude, and what varies
 # with a body turning by more than this between samples is seen as something else.
 LARGEST_TURN = 0.5 * np.pi
-# Fixed steps: a state is kept after each so many; so many kept states are made at a time.
-_EVERY, _RUN = 32, 64
+# Fixed steps: a state is kept after each so many, at first.  When so many are kept (15 MB), every
+# other one is given up, so that memory has a bound and an epoch costs a few hundred steps at most
+# for each hundred million taken.
+_EVERY, _MOST = 32, 1 << 17
+# So many steps, or kicks of epochs asked for, are prepared at a time.
+_STEPS, _ROWS = 2048, 1 << 18
 # Adaptive steps: fraction of the step that the error estimate allows, and how it may change.
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 4.0
 _MOST_REFUSALS = 60
@@ -36,28 +40,38 @@ class System:
         self.start[:4] /= np.sqrt(self.start[:4] @ self.start[:4])
         self.start[4:7] = spin.angular_velocity @ self.axes
         self.setup = self._compiled_setup()
+        self.kicks = len(chosen.kicks)
 
     def _compiled_setup(self):
-        with_gradient = np.any(self.scheme.gradients != 0.0)
-        gradient = self.torques[0].gradient_address() if with_gradient else 0
-        if with_gradient and (len(self.torques) > 1 or gradient == 0):
-            names = ", ".join(type(torque).__name__ for torque in self.torques)
-            raise AttitudeError(
-                f'the scheme "{self.scheme.name}" needs the force gradient of one torque, given '
-                f'were {names}; take "suzuki" or "blanes-moan", or a GravityGradient alone.'
-            )
+        slopes = [0] * len(self.torques)
+        if np.any(self.scheme.gradients != 0.0):
+            slopes = [torque.slope_address() for torque in self.torques]
+            self._refuse_without_slope(slopes)
         kept = [np.append(np.asarray(t.parameters(self.body), float), 0.0) for t in self.torques]
         self._parameters = kept  # the compiled loops hold no more than their addresses
         rows, column = [], 0
-        for torque, parameters in zip(self.torques, kept, strict=True):
-            rows.append([torque.address(), torque.kind, parameters.ctypes.data, column])
+        for torque, parameters, slope in zip(self.torques, kept, slopes, strict=True):
+            where = parameters.ctypes.data
+            rows.append([torque.address(), torque.kind, where, column, slope])
             column += torque.columns
-        rows.append([int(gradient), 0, 0, 0])
         turn = np.concatenate([self.turn, self.axes.reshape(9)])
         numbers = np.concatenate([self.moments, 1.0 / self.moments, turn, [LARGEST_TURN]])
         chosen = self.scheme
         coefficients = np.array([chosen.kicks, np.append(chosen.flights, 0.0), chosen.gradients])
         return numbers, coefficients, np.array(rows, dtype=np.int64)
+
+    def _refuse_without_slope(self, slopes):
+        names = [
+            type(torque).__name__
+            for torque, slope in zip(self.torques, slopes, strict=True)
+            if not slope
+        ]
+        if names:
+            raise AttitudeError(
+                f'the scheme "{self.scheme.name}" needs the force gradient of every torque, which '
+                f"{' and '.join(names)} does not tell; GravityGradient, ConstantTorque and a "
+                'CustomTorque with a slope do. Take "suzuki" or "blanes-moan", which need none.'
+            )
 
     def check_step(self, step):
         """Raise the AttitudeError for a step that cannot resolve the rotation at the epoch."""
@@ -76,29 +90,42 @@ class System:
             f"(at most {LARGEST_TURN:.2f} rad), and {0.1 * could:.2g} s is a good first choice."
         )
 
-    def sampled(self, seconds):
-        """What the torques are given at some epochs (...): (..., columns), at least one."""
-        flat = np.ascontiguousarray(seconds).reshape(-1)
-        parts = [torque.sample(self.epoch, flat) for torque in self.torques if torque.columns]
-        parts = parts or [np.zeros((flat.size, 1))]
+    def sampled(self, times):
+        """What the torques are given at epochs (2, ...), pairs: (..., columns), at least one."""
+        shape = times.shape[1:]
+        hi, lo = np.ascontiguousarray(times).reshape(2, -1)
+        parts = [torque.sample(self.epoch, hi, lo) for torque in self.torques if torque.columns]
+        parts = parts or [np.zeros((hi.size, 1))]
         joined = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-        return np.ascontiguousarray(joined).reshape(*np.shape(seconds), joined.shape[1])
+        return np.ascontiguousarray(joined).reshape(*shape, joined.shape[1])
 
     def kick_times(self, starts, h):
-        """Epochs (..., n + 1) of the kicks of steps that start somewhere, of lengths h."""
+        """Epochs (2, ..., n + 1) of the kicks of steps that start at (2, ...), of lengths h.
+
+        In pairs: after 1e8 steps a double of seconds leaves the place on an orbit uncertain by
+        1e-10 rad, which would show as a random walk of what is conserved.
+        """
         share = np.concatenate([[0.0], np.cumsum(self.scheme.flights)])
         share[-1] = 1.0
-        return np.asarray(starts)[..., None] + np.asarray(h)[..., None] * share
+        hi, lo = starts[0][..., None], starts[1][..., None]
+        return np.array(tdb.add((hi, lo), np.asarray(h)[..., None] * share))
 
     def march(self, state, start, h, steps, every):
-        """Take steps of one length from a state, in place; the kept states (steps // every, 14)."""
+        """Take steps of one length from a state, in place; the kept states (steps // every, 14).
+
+        start: a pair of seconds, or how many such steps lead there from the epoch.
+        """
         from attitude.solution.march import march
 
-        times = self.kick_times(start + h * np.arange(steps), h)
-        rows = np.append(times[:, :-1].reshape(-1), times[-1, -1])
+        if np.ndim(start):
+            starts = np.array(tdb.add(_product(np.arange(steps), h), *start))
+        else:
+            starts = np.array(_product(start + np.arange(steps), h))
+        times = self.kick_times(starts, h)
+        rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, 14))
         given = self.sampled(rows)
-        self.judge(march(*self.setup, state, start, h, steps, given, kept, every), h)
+        self.judge(march(*self.setup, state, starts[0, 0], h, steps, given, kept, every), h)
         return kept
 
     def judge(self, answer, h):
@@ -123,7 +150,7 @@ class System:
         out[:, 4:] = states[:, 4:] @ self.axes.T
         return out
 
-    def acceleration(self, seconds, found):
+    def acceleration(self, seconds, low, found):
         """Rates of change (..., 3) of the angular velocity over the body axes."""
         from attitude.solution.march import accelerations
 
@@ -132,28 +159,33 @@ class System:
         states = np.zeros((int(known.sum()), 14))
         states[:, :4] = quaternion.multiply(flat[known, :4], self.turn)
         states[:, 4:7] = flat[known, 4:] @ self.axes
-        t = seconds.reshape(-1)[known]
+        t = np.zeros((2, len(states)))
+        t[0] = seconds.reshape(-1)[known]
+        t[1] = 0.0 if low is None else np.asarray(low).reshape(-1)[known]
         out = np.full((len(flat), 3), np.nan)
-        some = np.empty((len(t), 3))
+        some = np.empty((len(states), 3))
         numbers, _, models = self.setup
-        self.judge(accelerations(numbers, models, states, t, self.sampled(t), some), 0.0)
+        self.judge(accelerations(numbers, models, states, t[0], self.sampled(t), some), 0.0)
         out[known] = some @ self.axes.T
         return out.reshape((*found.shape[:-1], 3))
 
     def revisit(self, states, starts, h, place, steps, parts):
-        """States (T, 14 -> 7) some whole steps and a part of one after kept states."""
+        """States (T, 14 -> 7) some whole steps and a part of one after kept ones, at (2, S)."""
         from attitude.solution.march import revisit
 
-        most = int(steps.max()) if len(steps) else 0
-        whole = starts[:, None] + h * np.arange(max(most, 1))
+        # steps of length h from the starts, as many as the farthest epoch wants
+        hi, lo = _product(np.arange(max(int(steps.max()), 1)), h)
+        whole = np.array(tdb.add((starts[0][:, None], starts[1][:, None]), hi, lo))
         times = self.kick_times(whole, h)
         rows = np.concatenate(
-            [times[:, :, :-1].reshape(len(starts), -1), times[:, -1:, -1]], axis=1
+            [times[:, :, :, :-1].reshape(2, len(states), -1), times[:, :, -1:, -1]], axis=2
         )
-        given = self.sampled(rows if most else rows[:, :1])
-        within = self.sampled(self.kick_times(starts[place] + h * steps, parts))
+        given = self.sampled(rows if steps.any() else rows[:, :, :1])
+        last = np.array(tdb.add(starts[:, place], *_product(steps, h)))
+        within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        answer = revisit(*self.setup, states, starts, h, place, steps, parts, given, within, out)
+        start = np.ascontiguousarray(starts[0])
+        answer = revisit(*self.setup, states, start, h, place, steps, parts, given, within, out)
         self.judge(answer, h)
         return out
 
@@ -162,25 +194,35 @@ class FixedSteps:
     """States after every so many steps in one direction of time."""
 
     def __init__(self, system, h):
-        self.system, self.h = system, h
-        self.kept = [system.start[None].copy()]
+        self.system, self.h, self.every = system, h, _EVERY
+        self.kept = system.start[None].copy()  # grows by doubling
         self.count = 1  # of kept states, that of the epoch included
 
     @property
     def reached(self):
-        return (self.count - 1) * _EVERY * self.h
+        return (self.count - 1) * self.every * self.h
 
     def states(self, seconds, low):
         """(T, 7) at seconds + low of this direction."""
+        number, parts = self._steps(seconds, low)
+        order = np.lexsort((np.abs(parts), number))
+        self._extend(int(number[order[-1]]))
+        segment = number[order] // self.every
+        rank = np.cumsum(np.diff(segment, prepend=segment[0]) != 0)
+        # As many segments and epochs at a time as may be prepared together.
+        most = max(1, _ROWS // (self.every * self.system.kicks))
         out = np.empty((len(seconds), 7))
-        order = np.argsort(np.abs(seconds + low), kind="stable")
-        for begin in range(0, len(order), 4096):
-            some = order[begin : begin + 4096]
-            out[some] = self._some(seconds[some], low[some])
+        begin = 0
+        while begin < len(order):
+            end = int(np.searchsorted(rank, rank[begin] + most))
+            end = min(end, begin + _ROWS // self.system.kicks)
+            here = order[begin:end]
+            out[here] = self._some(segment[begin:end], number[here], parts[here])
+            begin = end
         return out
 
-    def _some(self, seconds, low):
-        """Epochs ordered by distance from the start."""
+    def _steps(self, seconds, low):
+        """How many whole steps lead to epochs, and seconds of a last one."""
         number = np.floor((seconds + low) / self.h)
         hi, lo = _product(number, self.h)
         parts = (seconds - hi) + (low - lo)
@@ -188,26 +230,34 @@ class FixedSteps:
         early = parts * np.sign(self.h) < 0.0
         number[early] -= 1.0
         parts[early] += self.h
-        number = np.maximum(number, 0.0).astype(np.int64)
-        segment = number // _EVERY
-        self._extend(int(segment[-1]))
+        return np.maximum(number, 0.0).astype(np.int64), parts
+
+    def _some(self, segment, number, parts):
         used, place = np.unique(segment, return_inverse=True)
-        states = self._kept_states(used)
-        starts = used * _EVERY * self.h
-        steps = number - segment * _EVERY
-        return self.system.revisit(states, starts, self.h, place, steps, parts)
+        starts = np.array(_product(used * self.every, self.h))
+        steps = number - segment * self.every
+        return self.system.revisit(self.kept[used], starts, self.h, place, steps, parts)
 
-    def _kept_states(self, numbers):
-        if len(self.kept) > 1:
-            self.kept = [np.concatenate(self.kept)]
-        return self.kept[0][numbers]
-
-    def _extend(self, last):
-        while self.count <= last:
-            run = min(_RUN, last + 1 - self.count)
-            state = self.kept[-1][-1].copy()
-            begin = (self.count - 1) * _EVERY * self.h
-            self.kept.append(self.system.march(state, begin, self.h, run * _EVERY, _EVERY))
+    def _extend(self, number):
+        """Keep states up to a number of steps."""
+        while (self.count - 1) < number // self.every:
+            if self.count > _MOST:
+                self.kept[: self.count // 2 + 1] = self.kept[: self.count : 2]
+                self.count, self.every = self.count // 2 + 1, 2 * self.every
+                continue
+            run = min(
+                max(1, _STEPS // self.every),
+                number // self.every - (self.count - 1),
+                _MOST + 1 - self.count,
+            )
+            if self.count + run > len(self.kept):
+                larger = np.empty((max(2 * len(self.kept), self.count + run), 14))
+                larger[: self.count] = self.kept[: self.count]
+                self.kept = larger
+            state = self.kept[self.count - 1].copy()
+            start = (self.count - 1) * self.every
+            made = self.system.march(state, start, self.h, run * self.every, self.every)
+            self.kept[self.count : self.count + run] = made
             self.count += run
 
 
@@ -218,6 +268,9 @@ class VaryingSteps:
         self.system, self.sign, self.tolerance = system, sign, tolerance
         self.times, self.kept = [0.0], [system.start.copy()]
         self.h = None
+        # A step that ends beyond the epoch asked for must not leave a path that ends there.
+        spans = [torque.span(system.epoch) for torque in system.torques]
+        self.last = min(last if sign > 0.0 else -first for first, last in spans)
 
     @property
     def reached(self):
@@ -233,26 +286,29 @@ class VaryingSteps:
         used, place = np.unique(place, return_inverse=True)
         kept = np.array([self.kept[k] for k in used])
         steps = np.zeros(len(place), dtype=np.int64)
+        starts = np.stack([times[used], np.zeros(len(used))])
         out = np.empty((len(seconds), 7))
-        out[order] = self.system.revisit(kept, times[used], 0.0, place, steps, parts)
+        out[order] = self.system.revisit(kept, starts, 0.0, place, steps, parts)
         return out
 
     def _extend(self, last):
-        while abs(self.times[-1]) <= abs(last):
-            self._step()
+        while abs(self.times[-1]) < abs(last):
+            self._step(last)
 
-    def _step(self):
+    def _step(self, asked):
         """One step; its half steps, which are kept, tell how wrong it is."""
         system, t, state = self.system, self.times[-1], self.kept[-1]
         order = system.scheme.order
         h = self.h if self.h is not None else self._first()
         for _ in range(_MOST_REFUSALS):
-            h = self.sign * min(abs(h), self._longest(state))
+            # Beyond the last epoch of a path, it is the path that says so.
+            room = max(self.last, abs(asked)) - abs(t)
+            h = self.sign * min(abs(h), self._longest(state), room)
             end = t + h
             h = end - t
             whole, half = state.copy(), state.copy()
-            system.march(whole, t, h, 1, 1)
-            system.march(half, t, 0.5 * h, 2, 2)
+            system.march(whole, (t, 0.0), h, 1, 1)
+            system.march(half, (t, 0.0), 0.5 * h, 2, 2)
             error = _difference(whole, half) / (2.0**order - 1.0)
             ratio = (self.tolerance / max(error, 1e-300)) ** (1.0 / (order + 1.0))
             factor = min(max(_SAFETY * ratio, _SHRINK), _GROW)

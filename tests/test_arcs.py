@@ -116,6 +116,43 @@ def test_no_change_is_free_rotation():
     assert np.max(np.abs(nothing - free)) < FREE
 
 
+def test_the_array_floor():
+    """Numbers in, numbers out: what `at` wraps, and what was given stays as it was."""
+    motion = Arcs(BODY, SPIN, kicks(30))
+    t = np.linspace(-1.0, motion.joints[-1] + 1.0, 101)
+    assert np.array_equal(motion.wxyz_at(t), motion.at(t).wxyz)
+    assert t.flags.writeable
+    assert motion.wxyz_at(1.5).shape == (4,)
+    assert np.array_equal(motion.wxyz_at(1.5), motion.at(1.5).wxyz)
+    assert np.array_equal(motion.wxyz_at([1.5, 2.0], [1e-9, 0.0])[0], motion.at(1.5, 1e-9).wxyz)
+    # two summands in the wrong order are the same epoch
+    assert np.array_equal(motion.wxyz_at(1e-9, 1.5), motion.at(1.5, 1e-9).wxyz)
+
+
+def test_the_low_part_decides_at_a_joint():
+    """An epoch a hair before the joint is on the arc before it."""
+    motion = Arcs(BODY, SPIN, [Impulse(2.0, (0, 0, 40.0))])
+    before, at, after = (motion.at(2.0, low).angular_velocity for low in (-1e-17, 0.0, 1e-17))
+    assert np.max(np.abs(at - after)) < 1e-14
+    assert at[2] - before[2] == pytest.approx(40.0 / 26.0)
+
+
+def test_no_change_is_free_rotation_of_a_tensor_too():
+    """Near the separatrix, where two doubles of the moments are not enough."""
+    tensor = [[2.0, 1e-9, 0.0], [1e-9, 2.5, 1e-10], [0.0, 1e-10, 2.6]]
+    body = Body(tensor=tensor)
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-9, 2.0, 1e-9))
+    t = np.linspace(-5.0, 1e6, 100)
+    assert np.array_equal(Arcs(body, spin, []).at(t).wxyz, FreeRotation(body, spin).at(t).wxyz)
+
+
+def test_epochs_beyond_reach_are_a_sentence():
+    motion = Arcs(BODY, SPIN, kicks(3))
+    for t in (np.inf, -np.inf, 1e30, [0.0, 1e300]):
+        with pytest.raises(AttitudeError, match=r"lies .* s from that of the state"):
+            motion.at(t)
+
+
 def momentum(history, body):
     return history.body_to_inertial(history.angular_velocity @ body.tensor)
 
@@ -194,6 +231,31 @@ def test_the_first_crossing_is_found():
         here = event.values(motion.at(found.joints[0]))
         # at most two doubles of time off, at 15 rad/s
         assert abs(here[0]) < 1e-14 + 2.0 * abs(here[1]) * np.spacing(found.joints[0])
+
+
+def test_a_body_that_does_not_turn_falls_on_a_plane():
+    """Not turning, with its corner a metre above a floor at 2 m/s: half a second."""
+    rest = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+    fall = PointMeetsPlane((0.3, 0, -0.5), (0, 0, 1), start=(0, 0, 1.5), velocity=(0, 0, -2.0))
+    motion = Arcs(BODY, rest, [Impulse(fall, (0, 1, 0))])
+    assert motion.joints[0] == pytest.approx(0.5, rel=1e-15)
+    centre = PointMeetsPlane((0, 0, 0), (0, 0, 1), start=(0, 0, 1.5), velocity=(0, 0, -2.0))
+    assert Arcs(BODY, rest, [Impulse(centre, (0, 1, 0))]).joints[0] == pytest.approx(0.75)
+    hovers = PointMeetsPlane((0.3, 0, -0.5), (0, 0, 1), start=(0, 0, 1.5))
+    with pytest.raises(AttitudeError, match="a body that does not move"):
+        Arcs(BODY, rest, [Impulse(hovers, (0, 1, 0))])
+
+
+def test_an_event_a_century_ahead_is_found_as_sharply():
+    """Time is counted from the block that is searched, not from the epoch."""
+    late = 3e9
+    event = AxisCrossesDirection((1, 0.2, 0), (0, 0.3, 1))
+    motion = Arcs(BODY, SPIN, [Impulse(late, (0, 0, 0)), Impulse(event, (1, 0, 0))])
+    at = motion.joints[1]
+    assert late < at < late + 10.0
+    value, rate = event.values(motion.at(at))
+    # one double of 3e9 s, at some rad/s
+    assert abs(value) < 2.0 * abs(rate) * np.spacing(late)
 
 
 def test_bouncing_rod_keeps_its_energy():

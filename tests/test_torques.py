@@ -1,9 +1,12 @@
 """Torque models against formulas written out here, potentials, and laws of mechanics."""
 
+import ctypes
+
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
+from attitude.shape import Mesh
 from attitude.splitting import TorquedRotation
 from attitude.torques import (
     ConstantTorque,
@@ -69,31 +72,49 @@ def test_torque_is_the_slope_of_its_potential():
         assert slope == pytest.approx(found[k], rel=1e-6, abs=1e-10 * np.max(np.abs(found)))
 
 
-def test_force_gradient_is_the_slope_of_its_potential():
-    """-N . I^-1 N, differentiated along turns about each axis."""
-    from attitude.torques.compiled import gravity_gradient_of_force
-
-    call = gravity_gradient_of_force.ctypes
-    import ctypes
-
-    def pointer(array):
-        return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
-
+def called(door, wxyz, y, place, parameters):
+    """What a compiled torque or slope answers."""
     out = np.zeros(3)
-    q, place = np.array(SPIN.wxyz), PLACE.copy()
+    given = [np.array(each, dtype=float) for each in (wxyz, y, place, parameters)]
+    pointer = ctypes.POINTER(ctypes.c_double)
+    door.ctypes(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
+    return out
+
+
+def test_slope_of_gravity_gradient_times_a_held_vector():
+    """N . y differentiated along turns about each axis."""
+    from attitude.torques.compiled import gravity_gradient_slope
+
+    y, h = np.array([0.3, -0.2, 0.5]), 1e-4
     parameters = GravityGradient(still, MU).parameters(BODY)
-    call(0.0, pointer(q), pointer(out), pointer(place), pointer(parameters), pointer(out))
-    inverse, h = np.linalg.inv(TENSOR), 1e-4
-
-    def potential(wxyz):
-        n = gravity_gradient(wxyz)
-        return -n @ inverse @ n
-
+    found = called(gravity_gradient_slope, SPIN.wxyz, y, PLACE, parameters)
     slopes = [
-        -(potential(turned(q, axis, h)) - potential(turned(q, axis, -h))) / (2.0 * h)
+        (
+            gravity_gradient(turned(SPIN.wxyz, axis, h))
+            - gravity_gradient(turned(SPIN.wxyz, axis, -h))
+        )
+        @ y
+        / (2.0 * h)
         for axis in np.eye(3)
     ]
-    assert np.allclose(out, slopes, rtol=1e-6, atol=1e-9 * np.max(np.abs(slopes)))
+    # truncation h^2, and 1e-16 of the torque over h
+    assert np.allclose(found, slopes, rtol=1e-6, atol=1e-9 * np.max(np.abs(slopes)))
+
+
+def test_slope_of_a_torque_without_a_potential():
+    """(y . d) N - N x y, which is the slope of N . y where there is a potential."""
+    from attitude.torques.compiled import constant_slope, gravity_gradient_slope
+
+    y, h = np.array([0.3, -0.2, 0.5]), 1e-4
+    size = np.sqrt(y @ y)
+    sides = [gravity_gradient(turned(SPIN.wxyz, y / size, k * h * size)) for k in (-1.0, 1.0)]
+    along = (sides[1] - sides[0]) / (2.0 * h) - np.cross(gravity_gradient(SPIN.wxyz), y)
+    parameters = GravityGradient(still, MU).parameters(BODY)
+    found = called(gravity_gradient_slope, SPIN.wxyz, y, PLACE, parameters)
+    assert np.allclose(along, found, rtol=1e-6, atol=1e-9 * np.max(np.abs(found)))
+    torque = np.array([0.1, 0.2, -0.3])
+    found = called(constant_slope, SPIN.wxyz, y, PLACE, torque)
+    assert np.allclose(found, -np.cross(torque, y), rtol=1e-15, atol=1e-16)
 
 
 def test_torques_add():
@@ -207,6 +228,47 @@ def test_light_pressure_by_its_formula():
     assert np.allclose(found, total, rtol=1e-12, atol=1e-20)
 
 
+def lopsided():
+    """A tetrahedron without symmetry: closed and convex, so that facets shade nothing."""
+    corners = np.array([[1.0, 0.1, -0.6], [-0.9, 0.7, -0.5], [-0.2, -1.1, -0.4], [0.1, 0.2, 0.9]])
+    mesh = Mesh(corners, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    mesh.require_closed()
+    return mesh
+
+
+def test_sunlight_spins_up_by_the_torque_averaged_over_rotations():
+    """YORP: 400 rotations integrated, against the sum over facets at 720 phases of one."""
+    mesh = lopsided()
+    body = Body.from_shape(mesh, density=500.0)
+    short = body.principal_axes[:, np.argmax(body.moments)]
+    rate, sun = 0.05, np.array([0.6, 0.0, 0.8])
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=rate * short)
+    place = -sun * 5.0 * AU  # so far that the axis turns by no more than 1e-4
+    light = SolarRadiation(mesh, lambda s: np.broadcast_to(place, (*np.shape(s), 3)), diffuse=0.7)
+    period = 2.0 * np.pi / rate
+    motion = TorquedRotation(body, spin, light, step=period / 51.3)
+    phases = np.arange(64) / 64.0 - 0.5
+    ends = []
+    for middle in (0.0, 400.0 * period):
+        history = motion.at(middle + period * phases)
+        momentum = history.body_to_inertial(history.angular_velocity @ body.tensor)
+        ends.append(np.mean(momentum, axis=0))
+    found = (ends[1] - ends[0]) / (400.0 * period)
+
+    total = np.zeros(3)
+    for angle in 2.0 * np.pi * (np.arange(720) + 0.5) / 720:
+        turn = np.append(np.cos(0.5 * angle), np.sin(0.5 * angle) * short)
+        s = quaternion.matrix(turn).T @ sun
+        for area, n, c in zip(mesh.areas, mesh.normals, mesh.centroids, strict=True):
+            cosine = max(n @ s, 0.0)
+            force = -1361.0 / 25.0 / 299792458.0 * area * cosine * (s + 2.0 / 3.0 * 0.7 * n)
+            arm = quaternion.rotate(turn, c - body.center_of_mass)
+            total += np.cross(arm, quaternion.rotate(turn, force)) / 720
+    # the edge of the light crosses facets between the samples of both, 1/51^2 and 1/720^2
+    assert np.max(np.abs(found - total)) < 2e-3 * np.max(np.abs(total))
+    assert abs(total @ short) > 0.01 * np.max(np.abs(total))
+
+
 def test_a_facet_in_the_dark_feels_nothing():
     model = SolarRadiation(Facets, lambda s: np.broadcast_to((AU, AU, AU), (*np.shape(s), 3)))
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
@@ -242,6 +304,10 @@ def test_what_a_user_s_function_raises_comes_through():
         TorquedRotation(BODY, SPIN, broken, step=0.1).at(2.0)
 
 
+def nothing(t, wxyz, omega):
+    return 0.0, 0.0, 0.0
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -254,6 +320,12 @@ def test_what_a_user_s_function_raises_comes_through():
         (lambda: SolarRadiation(None, still), "without areas, normals, centroids"),
         (lambda: SolarRadiation(Facets, still, diffuse=0.9, mirrored=0.2), "at most 1"),
         (lambda: CustomTorque(3), "function is 3"),
+        (lambda: CustomTorque(nothing, slope=3), "slope is 3"),
+        (lambda: CustomTorque(nothing, slope=nothing), "force gradient is of torques that do not"),
+        (
+            lambda: CustomTorque(nothing, False, slope=lambda t, q, y: (1, 2)),
+            "the slope of a CustomTorque returned",
+        ),
         (lambda: CustomTorque(lambda t, q, w: (1, 2)), "must return three numbers"),
         (lambda: CustomTorque(lambda t, q, w: "abc"), "must return three numbers"),
         (

@@ -26,6 +26,7 @@ from attitude.solution.twofloat import (
     mul,
     neg,
     pair,
+    put,
     scale,
     sqrt,
     square,
@@ -108,7 +109,7 @@ def flow(c, moments, t, q, w):
     for k in range(3):
         back[1 + order[k]] = sign * p[1 + k]
         w[order[k]] = sign * o[k]
-    _times(q, pair(back[0]), pair(back[1]), pair(back[2]), pair(back[3]))
+    multiply(q, pair(back[0]), pair(back[1]), pair(back[2]), pair(back[3]))
 
 
 @inlined
@@ -181,16 +182,16 @@ def _pieces(i, t, q, w):
         one = add((2.0, 0.0), add(add(mul(f1, l1), mul(f2, l2)), mul(f3, l3)))
         size = div(ONE, sqrt(scale(one, 2.0)))
         _turn(q, l1, l2, l3, div(scale(chi, 0.5), TWO_PI))
-        _times(
+        multiply(
             q,
             mul(one, size),
             mul(sub(mul(f2, l3), mul(f3, l2)), size),
             mul(sub(mul(f3, l1), mul(f1, l3)), size),
             mul(sub(mul(f1, l2), mul(f2, l1)), size),
         )
-        _put(w[0], add(w1, d1))
-        _put(w[1], add(w2, d2))
-        _put(w[2], add(w3, d3))
+        put(w[0], add(w1, d1))
+        put(w[1], add(w2, d2))
+        put(w[2], add(w3, d3))
 
 
 @inlined
@@ -198,19 +199,19 @@ def _series(e1, e3, a):
     """S = sum a_n t^(2n+1) from S'' = -(e1 + e3) S + 2 e1 e3 S^3."""
     s, p = neg(add(e1, e3)), scale(mul(e1, e3), 2.0)
     squares = np.zeros((_TERMS, 2))
-    _put(a[0], ONE)
+    put(a[0], ONE)
     for n in range(_TERMS - 1):
         total = mul(s, pair(a[n]))
         if n > 0:
             here = (0.0, 0.0)
             for i in range(n):
                 here = add(here, mul(pair(a[i]), pair(a[n - 1 - i])))
-            _put(squares[n - 1], here)
+            put(squares[n - 1], here)
             cube = (0.0, 0.0)
             for i in range(n):
                 cube = add(cube, mul(pair(squares[i]), pair(a[n - 1 - i])))
             total = add(total, mul(p, cube))
-        _put(a[n + 1], div(total, ((2.0 * n + 3.0) * (2.0 * n + 2.0), 0.0)))
+        put(a[n + 1], div(total, ((2.0 * n + 3.0) * (2.0 * n + 2.0), 0.0)))
 
 
 @inlined
@@ -253,16 +254,17 @@ def _turn(q, x, y, z, turns):
         return
     cosine, sine = _cosine_and_sine(turns)
     sine = div(sine, size)
-    _times(q, cosine, mul(sine, x), mul(sine, y), mul(sine, z))
+    multiply(q, cosine, mul(sine, x), mul(sine, y), mul(sine, z))
 
 
 @inlined
-def _times(q, s, x, y, z):
+def multiply(q, s, x, y, z):
+    """q (4, 2) becomes q times the quaternion of four pairs."""
     a, b, c, d = pair(q[0]), pair(q[1]), pair(q[2]), pair(q[3])
-    _put(q[0], sub(mul(a, s), add(add(mul(b, x), mul(c, y)), mul(d, z))))
-    _put(q[1], add(add(mul(a, x), mul(b, s)), sub(mul(c, z), mul(d, y))))
-    _put(q[2], add(add(mul(a, y), mul(c, s)), sub(mul(d, x), mul(b, z))))
-    _put(q[3], add(add(mul(a, z), mul(d, s)), sub(mul(b, y), mul(c, x))))
+    put(q[0], sub(mul(a, s), add(add(mul(b, x), mul(c, y)), mul(d, z))))
+    put(q[1], add(add(mul(a, x), mul(b, s)), sub(mul(c, z), mul(d, y))))
+    put(q[2], add(add(mul(a, y), mul(c, s)), sub(mul(d, x), mul(b, z))))
+    put(q[3], add(add(mul(a, z), mul(d, s)), sub(mul(b, y), mul(c, x))))
 
 
 @inlined
@@ -285,8 +287,3 @@ def _cosine_and_sine(turns):
     if side == 3:
         return sine, neg(cosine)
     return cosine, sine
-
-
-@inlined
-def _put(row, pair):
-    row[0], row[1] = pair

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from attitude.solution.flow import multiply
 from attitude.solution.machine import compiled, inlined
-from attitude.solution.twofloat import ONE, ZERO, add, div, mul, neg, pair, sqrt, square, sub
+from attitude.solution.twofloat import ONE, ZERO, add, div, mul, neg, pair, put, sqrt, square, sub
 
 
 @compiled
@@ -16,13 +17,13 @@ def change_axes(q, turn, sense):
     s = _unit(turn)
     for k in range(1, 4):
         s[k] = sense * s[k]
-    _multiply(q, s)
+    multiply(q, pair(s[0]), pair(s[1]), pair(s[2]), pair(s[3]))
     size = ZERO
     for k in range(4):
         size = add(size, square(pair(q[k])))
     size = div(ONE, sqrt(size))
     for k in range(4):
-        q[k, 0], q[k, 1] = mul(pair(q[k]), size)
+        put(q[k], mul(pair(q[k]), size))
 
 
 @compiled
@@ -40,16 +41,16 @@ def strike(moments, axes, q, w, in_body, in_space):
     """
     total = _to_body(q, in_space)
     for k in range(3):
-        total[k, 0], total[k, 1] = add(pair(total[k]), (in_body[k], 0.0))
+        put(total[k], add(pair(total[k]), (in_body[k], 0.0)))
     for j in range(3):
         change = ZERO
         for k in range(3):
             change = add(change, mul(pair(axes[k, j]), pair(total[k])))
         if change[0] != 0.0:
             if moments[j, 0] > 0.0:
-                w[j, 0], w[j, 1] = add(pair(w[j]), div(change, pair(moments[j])))
+                put(w[j], add(pair(w[j]), div(change, pair(moments[j]))))
             else:
-                w[j, 0], w[j, 1] = math.inf, 0.0
+                put(w[j], (math.inf, 0.0))
 
 
 @compiled
@@ -60,7 +61,7 @@ def exchange(moments, axes, new_moments, new_axes, w):
         total = ZERO
         for j in range(3):
             total = add(total, mul(pair(axes[k, j]), mul(pair(moments[j]), pair(w[j]))))
-        momentum[k, 0], momentum[k, 1] = total
+        put(momentum[k], total)
     for j in range(3):
         total = ZERO
         for k in range(3):
@@ -69,7 +70,7 @@ def exchange(moments, axes, new_moments, new_axes, w):
             total = div(total, pair(new_moments[j]))
         elif total[0] != 0.0:
             total = math.inf, 0.0
-        w[j, 0], w[j, 1] = total
+        put(w[j], total)
 
 
 @inlined
@@ -80,19 +81,8 @@ def _unit(q):
         size = add(size, square((q[k], 0.0)))
     size = div(ONE, sqrt(size))
     for k in range(4):
-        out[k, 0], out[k, 1] = mul((q[k], 0.0), size)
+        put(out[k], mul((q[k], 0.0), size))
     return out
-
-
-@inlined
-def _multiply(q, p):
-    """q becomes q p."""
-    a, b, c, d = pair(q[0]), pair(q[1]), pair(q[2]), pair(q[3])
-    s, x, y, z = pair(p[0]), pair(p[1]), pair(p[2]), pair(p[3])
-    q[0, 0], q[0, 1] = sub(mul(a, s), add(add(mul(b, x), mul(c, y)), mul(d, z)))
-    q[1, 0], q[1, 1] = add(add(mul(a, x), mul(b, s)), sub(mul(c, z), mul(d, y)))
-    q[2, 0], q[2, 1] = add(add(mul(a, y), mul(c, s)), sub(mul(d, x), mul(b, z)))
-    q[3, 0], q[3, 1] = add(add(mul(a, z), mul(d, s)), sub(mul(b, y), mul(c, x)))
 
 
 @inlined
@@ -109,7 +99,7 @@ def _to_body(q, v):
     one = add(mul(s, d), sub(mul(y, f), mul(z, e)))
     two = add(mul(s, e), sub(mul(z, d), mul(x, f)))
     three = add(mul(s, f), sub(mul(x, e), mul(y, d)))
-    out[0, 0], out[0, 1] = add(a, (2.0 * one[0], 2.0 * one[1]))
-    out[1, 0], out[1, 1] = add(b, (2.0 * two[0], 2.0 * two[1]))
-    out[2, 0], out[2, 1] = add(c, (2.0 * three[0], 2.0 * three[1]))
+    put(out[0], add(a, (2.0 * one[0], 2.0 * one[1])))
+    put(out[1], add(b, (2.0 * two[0], 2.0 * two[1])))
+    put(out[2], add(c, (2.0 * three[0], 2.0 * three[1])))
     return out

@@ -1,9 +1,10 @@
 """Splitting integrators: torques between exact free motions, step after step.
 
 A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients in units
-of the step; `attitude.splitting` holds them.  A kick changes the angular velocity at a fixed
-attitude and epoch by the torque there; with a coefficient g it also adds g h^3 times the torque of
-the force gradient.
+of the step; `attitude.schemes` holds them.  A kick changes the angular velocity at a fixed attitude
+and epoch by the torque N there; with a coefficient g it also adds g h^3 times the torque of the
+potential -N . I^-1 N (the commutator of torque, free motion and torque again): twice the slope of
+N . y over turns of the body, y = I^-1 N being held, for which each torque has a function of y.
 
 Torques are called by address, so that one compiled loop serves all of them, also those that a
 user wrote.  Each is a C function
@@ -57,9 +58,9 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         c        (20,) moments ascending (3), their inverses (3), principal axes to body axes as
                  wxyz (4) and as matrix by rows (9), the largest angle of a free motion (1)
         scheme   (3, n + 1) kicks, free motions (the last entry unused), force gradients
-        models   (M + 1, 4) each torque's address, its kind (`attitude.torques.torque`), the
-                 address of its parameters, and where its samples begin in a row; the last row
-                 begins with the address of the force gradient of the first, or 0
+        models   (M, 5) each torque's address, its kind (`attitude.torques.torque`), the address
+                 of its parameters, where its samples begin in a row, and the address of the
+                 function for its force gradient
         start    s since the epoch; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next
@@ -167,7 +168,7 @@ def _body(c):
 def _kinds(models):
     """Whether a torque depends on the rates, and whether one is a slip."""
     rates = slips = False
-    for model in range(len(models) - 1):
+    for model in range(len(models)):
         rates = rates or models[model, 1] == BY_RATE
         slips = slips or models[model, 1] == SLIP
     return rates, slips
@@ -229,14 +230,28 @@ def _kick(body, what, models, state, t, h, cubed, samples, work, here, held):
             fine = fine and _torque(models, t, samples, work, here)
         _apply(body, state, h, work)
     if cubed != 0.0 and fine:
-        x, y, z = work[7], work[8], work[9]
-        _ask(models, 0, models[len(models) - 1, 0], t, samples, here)
-        fine = _finite(work, 10)
-        work[7], work[8], work[9] = work[10], work[11], work[12]
-        _apply(body, state, cubed, work)
-        work[7], work[8], work[9] = x, y, z
+        fine = _gradient(body, models, state, t, cubed, samples, work, here)
     if slips and fine:
         fine = _slip(body, models, state, t, 0.5 * h, samples, work, here)
+    return fine
+
+
+@inlined
+def _gradient(body, models, state, t, cubed, samples, work, here):
+    """The kick by the force gradient, after that by the torque in work[7:10], which stays."""
+    n1, n2, n3 = work[7], work[8], work[9]
+    a, b, d = _accelerations(body, work)
+    for k in range(3):
+        row = body[3][k]
+        work[4 + k] = row[0] * a + row[1] * b + row[2] * d
+    x = y = z = 0.0
+    for model in range(len(models)):
+        _ask(models, model, models[model, 4], t, samples, here)
+        x, y, z = x + work[10], y + work[11], z + work[12]
+    work[7], work[8], work[9] = 2.0 * x, 2.0 * y, 2.0 * z
+    fine = _finite(work, 7)
+    _apply(body, state, cubed, work)
+    work[7], work[8], work[9] = n1, n2, n3
     return fine
 
 
@@ -263,7 +278,7 @@ def _ask(models, model, address, t, samples, here):
 def _torque(models, t, samples, work, here):
     """work[7:10]: the sum of the torques."""
     x = y = z = 0.0
-    for model in range(len(models) - 1):
+    for model in range(len(models)):
         if models[model, 1] != SLIP:
             _ask(models, model, models[model, 0], t, samples, here)
             x, y, z = x + work[10], y + work[11], z + work[12]
@@ -321,7 +336,7 @@ def _slip(body, models, state, t, h, samples, work, here):
     """The body turns under its own momentum, which stays fixed in space; midpoint rule."""
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
-    for model in range(len(models) - 1):
+    for model in range(len(models)):
         if models[model, 1] == SLIP:
             momentum = i[0] * state[4], i[1] * state[5], i[2] * state[6]
             dx = dy = dz = 0.0

@@ -33,7 +33,7 @@ import math
 
 from attitude.solution.machine import fma, inlined
 from attitude.solution.turns import sincos
-from attitude.solution.twofloat import two_sum
+from attitude.solution.twofloat import two_prod, two_sum
 
 # What one increment may cover: the change of the state over it, as an angle (see `pieces`).
 # Truncation there is below 2e-17 of the angle; tests/test_splitting.py walks across the limit.
@@ -109,12 +109,16 @@ def increment(moments, k, w, h):
     over /= largest
     dot = w1 * l1 + w2 * l2 + w3 * l3
 
-    kappa = k1 * k3 * w2 * w2
-    e1, e3 = fma(-k2 * k3, w1 * w1, kappa), fma(-k1 * k2, w3 * w3, kappa)
-    hh = h * h
-    e1, e3, kappa = e1 * hh, e3 * hh, kappa * hh
-    # rates of change in units of the step, so that time runs from 0 to 1
-    r1, r2, r3 = h * (k1 * w2 * w3), h * (k2 * w3 * w1), h * (k3 * w1 * w2)
+    # Rates of change in units of the step, so that time runs from 0 to 1.  What a rounded constant
+    # leaves out is the same at every step; in terms even in h it would drive the energy one way.
+    # So h is multiplied into rates, whose roundings change, and products of the k are kept whole.
+    v1, v2, v3 = h * w1, h * w2, h * w3
+    r1, r2, r3 = k1 * w2 * v3, k2 * w3 * v1, k3 * w1 * v2
+    (k12, low12), (k13, low13), (k23, low23) = two_prod(k1, k2), two_prod(k1, k3), two_prod(k2, k3)
+    s1, s2, s3 = v1 * v1, v2 * v2, v3 * v3
+    kappa = fma(k13, s2, low13 * s2)
+    e1 = fma(-k23, s1, fma(-low23, s1, kappa))
+    e3 = fma(-k12, s3, fma(-low12, s3, kappa))
     series = _series(e1, e3)
     state = w1, w2, w3, r1, r2, r3, e1, e3, kappa
     weights = l1, l2, l3, i1 * over, i2 * over, i3 * over, dot
@@ -129,7 +133,7 @@ def increment(moments, k, w, h):
     )
     chi *= h
 
-    n1, n2, n3, d = _numerators(1.0, series, state)
+    n1, n2, n3, d = _at_end(series, state)
     d = 1.0 / d
     d1, d2, d3 = n1 * d, n2 * d, n3 * d
     # least turn from l to l0: (1 + l . l0; l x l0) / sqrt(2 (1 + l . l0))
@@ -182,21 +186,12 @@ def _series(a, b):
 
 
 @inlined
-def _numerators(x, series, state):
+def _within(x, series, state):
     """d (w(x) - w) and d, at the fraction x of the step."""
     w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
-    xx = x * x
-    f = fma(series[7], xx, series[6])
-    f = fma(f, xx, series[5])
-    f = fma(f, xx, series[4])
-    f = fma(f, xx, series[3])
-    f = fma(f, xx, series[2])
-    f = fma(f, xx, series[1])
-    f = fma(f, xx, series[0])
-    s = fma(x * xx, f, x)
+    s = _sine(x, series)
     ss = s * s
-    a, b, g = e1 * ss, e3 * ss, kappa * ss
-    u1, u3 = _root_less_one(a), _root_less_one(b)
+    u1, u3, g = _root_less_one(e1 * ss), _root_less_one(e3 * ss), kappa * ss
     return (
         fma(w1, u3 + g, r1 * s * (1.0 + u1)),
         fma(w2, fma(u1, u3, u1 + u3) + g, r2 * s),
@@ -206,24 +201,70 @@ def _numerators(x, series, state):
 
 
 @inlined
+def _at_end(series, state):
+    """The same at the end of the step, where rounding must not go one way.
+
+    e1 and e3 are constants of the motion: what depends on them alone is rounded alike in every
+    step, and is kept in two doubles.  What the second leaves is added to a product of kappa, which
+    does change, before that is rounded; added to a rounded number it would be lost each time.
+    """
+    w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
+    s = _sine(1.0, series)
+    ss, less = two_prod(s, s)
+    u1, low1 = _root_less_one_in_pairs(e1, ss, less)
+    u3, low3 = _root_less_one_in_pairs(e3, ss, less)
+    g = kappa * less
+    g1, g2, g3 = g + low3, g + (low1 + low3), g + low1
+    g, g1 = fma(kappa, ss, g), fma(kappa, ss, g1)
+    g2, g3 = fma(kappa, ss, g2), fma(kappa, ss, g3)
+    r1, r2, r3 = r1 * s, r2 * s, r3 * s
+    return (
+        fma(w1, u3 + g1, fma(r1, u1, r1)),
+        fma(w2, fma(u1, u3, (u3 + g2) + u1), r2),
+        fma(w3, u1 + g3, fma(r3, u3, r3)),
+        1.0 - g,
+    )
+
+
+@inlined
+def _root_less_one_in_pairs(e, ss, less):
+    """u = sqrt(1 - a) - 1 for a = e (ss + less), and what its double leaves out."""
+    a = e * ss
+    u = -a / (1.0 + math.sqrt(1.0 - a))
+    # u^2 + 2 u + a = 0; 2 u + a is exact
+    return u, -0.5 * (fma(u, u, 2.0 * u + a) + fma(e, ss, -a) + e * less)
+
+
+@inlined
+def _sine(x, series):
+    """S/h at the fraction x of the step."""
+    xx = x * x
+    return fma(x * xx, _horner(series[7], xx, series), x)
+
+
+@inlined
 def _root_less_one(a):
     """sqrt(1 - a) - 1 without cancellation."""
-    p = fma(_ROOT[9], a, _ROOT[8])
-    p = fma(p, a, _ROOT[7])
-    p = fma(p, a, _ROOT[6])
-    p = fma(p, a, _ROOT[5])
-    p = fma(p, a, _ROOT[4])
-    p = fma(p, a, _ROOT[3])
-    p = fma(p, a, _ROOT[2])
-    p = fma(p, a, _ROOT[1])
-    return a * fma(p, a, _ROOT[0])
+    return a * _horner(fma(fma(_ROOT[9], a, _ROOT[8]), a, _ROOT[7]), a, _ROOT)
+
+
+@inlined
+def _horner(last, x, c):
+    """c[0] + c[1] x + ... + c[6] x^6 + last x^7."""
+    p = fma(last, x, c[6])
+    p = fma(p, x, c[5])
+    p = fma(p, x, c[4])
+    p = fma(p, x, c[3])
+    p = fma(p, x, c[2])
+    p = fma(p, x, c[1])
+    return fma(p, x, c[0])
 
 
 @inlined
 def _turning(x, series, state, weights):
     """chi' at the fraction x of the step."""
     l1, l2, l3, f1, f2, f3, dot = weights
-    n1, n2, n3, d = _numerators(x, series, state)
+    n1, n2, n3, d = _within(x, series, state)
     n1, n2, n3 = l1 * n1, l2 * n2, l3 * n3
     top = fma(2.0 * dot, d, n1 + n2 + n3)
     return top / fma(2.0, d, fma(f1, n1, fma(f2, n2, f3 * n3)))

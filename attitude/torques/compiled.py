@@ -1,22 +1,29 @@
 """The compiled functions of the torques that are shipped; see `attitude.solution.march`.
 
-Each is given body axes throughout and fills out[0:3].
+Each is given body axes throughout and fills out[0:3].  Those named slope are given a vector y in
+the place of the angular velocity; see `attitude.torques.torque.Torque.slope_address`.
 """
 
 import math
+from functools import partial
 
-from numba import cfunc, njit, types
+from numba import carray, cfunc, njit, types
 
 _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
 
 
-def door(function):
+def door(function, fastmath=False):
     """Compile as a C function, kept on disk where that is possible."""
+    how = {"error_model": "numpy", "fastmath": fastmath}
     try:
-        return cfunc(SIGNATURE, cache=True, error_model="numpy")(function)
+        return cfunc(SIGNATURE, cache=True, **how)(function)
     except RuntimeError:
-        return cfunc(SIGNATURE, error_model="numpy")(function)
+        return cfunc(SIGNATURE, **how)(function)
+
+
+# Sums over facets, in whatever order is quickest.
+summing_door = partial(door, fastmath={"reassoc", "contract", "nsz"})
 
 
 @njit(error_model="numpy")
@@ -61,7 +68,7 @@ def _cross(u, v):
 
 @door
 def gravity_gradient(t, wxyz, omega, given, p, out):
-    """3 GM / r^3 times u x I u; p: GM, the tensor (6), its inverse (6)."""
+    """3 GM / r^3 times u x I u; p: GM, the tensor (6)."""
     u, r = _direction(wxyz, given)
     n = _cross(u, _symmetric(p, 1, u))
     c = 3.0 * p[0] / (r * r * r)
@@ -69,16 +76,14 @@ def gravity_gradient(t, wxyz, omega, given, p, out):
 
 
 @door
-def gravity_gradient_of_force(t, wxyz, omega, given, p, out):
-    """The torque of the potential -N . I^-1 N, N that of `gravity_gradient`."""
+def gravity_gradient_slope(t, wxyz, y, given, p, out):
+    """d(N . y) over turns about the body axes, N that of `gravity_gradient`."""
     u, r = _direction(wxyz, given)
-    inertia_u = _symmetric(p, 1, u)
-    y = _symmetric(p, 7, _cross(u, inertia_u))
-    # d (n . I^-1 n) / du = 2 (I u x y + I (y x u))
-    one, two = _cross(inertia_u, y), _symmetric(p, 1, _cross(y, u))
-    n = _cross(u, (one[0] + two[0], one[1] + two[1], one[2] + two[2]))
+    y = y[0], y[1], y[2]
+    # d(u x I u . y)/du = I u x y + I (y x u)
+    one, two = _cross(_symmetric(p, 1, u), y), _symmetric(p, 1, _cross(y, u))
+    n = _cross((one[0] + two[0], one[1] + two[1], one[2] + two[2]), u)
     c = 3.0 * p[0] / (r * r * r)
-    c = -2.0 * c * c
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
@@ -86,6 +91,13 @@ def gravity_gradient_of_force(t, wxyz, omega, given, p, out):
 def constant(t, wxyz, omega, given, p, out):
     """p: the torque."""
     out[0], out[1], out[2] = p[0], p[1], p[2]
+
+
+@door
+def constant_slope(t, wxyz, y, given, p, out):
+    """y x N: there is no potential, and the commutator with the free motion is this alone."""
+    n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
+    out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @door
@@ -107,30 +119,31 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
-@door
+@summing_door
 def solar_radiation(t, wxyz, omega, given, p, out):
     """Pressure on flat facets that see the Sun.
 
-    given: the body's position from the Sun; p: pressure times distance squared (N), count, and
-    for each facet area, normal (3), arm (3), fractions reflected diffusely and mirrored.
+    given: the body's position from the Sun; p: pressure times distance squared (N), count N, and
+    rows of N: area, normal (3), arm (3), arm x normal (3), fractions reflected diffusely and
+    mirrored.
     """
     back, r = _direction(wxyz, given)
     sx, sy, sz = -back[0], -back[1], -back[2]
-    pressure = p[0] / (r * r)
-    x = y = z = 0.0
-    for k in range(int(p[1])):
-        j = 2 + 9 * k
-        nx, ny, nz = p[j + 1], p[j + 2], p[j + 3]
-        cosine = max(nx * sx + ny * sy + nz * sz, 0.0)
-        diffuse, mirrored = p[j + 7], p[j + 8]
-        size = -pressure * p[j] * cosine
+    count = int(p[1])
+    rows = carray(p, (2 + 12 * count,))[2:].reshape(12, count)
+    # sums of the arms, weighted by what pushes along the sunlight, and of arm x normal
+    ax = ay = az = bx = by = bz = 0.0
+    for k in range(count):
+        cosine = max(rows[1, k] * sx + rows[2, k] * sy + rows[3, k] * sz, 0.0)
+        size, mirrored = rows[0, k] * cosine, rows[11, k]
         along_sun = size * (1.0 - mirrored)
-        along_normal = size * 2.0 * (mirrored * cosine + diffuse / 3.0)
-        fx = along_sun * sx + along_normal * nx
-        fy = along_sun * sy + along_normal * ny
-        fz = along_sun * sz + along_normal * nz
-        ax, ay, az = p[j + 4], p[j + 5], p[j + 6]
-        x += ay * fz - az * fy
-        y += az * fx - ax * fz
-        z += ax * fy - ay * fx
-    out[0], out[1], out[2] = x, y, z
+        along_normal = size * 2.0 * (mirrored * cosine + rows[10, k] * (1.0 / 3.0))
+        ax += along_sun * rows[4, k]
+        ay += along_sun * rows[5, k]
+        az += along_sun * rows[6, k]
+        bx += along_normal * rows[7, k]
+        by += along_normal * rows[8, k]
+        bz += along_normal * rows[9, k]
+    n = _cross((ax, ay, az), (sx, sy, sz))
+    pressure = -p[0] / (r * r)
+    out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)

@@ -29,5 +29,10 @@ class ConstantTorque(Torque):
 
         return constant.address
 
+    def slope_address(self):
+        from attitude.torques.compiled import constant_slope
+
+        return constant_slope.address
+
     def parameters(self, body):
         return np.array(self.torque)

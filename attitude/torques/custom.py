@@ -25,54 +25,93 @@ class CustomTorque(Torque):
     depends_on_rate : bool
         Whether it uses omega.  False saves three of four calls, and makes the schemes symplectic
         where the torque has a potential.
+    slope : function, optional
+        ``slope(t, wxyz, y)``, three numbers too, for the scheme "force-gradient": how N . y, the
+        torque times a vector y that is held over the body axes, changes with turns about the body
+        axes.  Only of torques that do not depend on the rates.
 
     Raises
     ------
     AttitudeError
-        If the function does not return three numbers for a first, harmless state.
+        If a function does not return three numbers for a first, harmless state.
+
+    Examples
+    --------
+    A magnetic dipole m in the field b over the body axes: N = m x b, so that N . y = b . (y x m),
+    and a turn changes b by b x d.
+
+    >>> from attitude import quaternion
+    >>> m, field = np.array([0.0, 0.0, 2.0]), np.array([0.0, 3e-5, 0.0])
+    >>> def over_body(wxyz):
+    ...     return quaternion.rotate(quaternion.conjugate(wxyz), field)
+    >>> dipole = CustomTorque(
+    ...     lambda t, wxyz, omega: np.cross(m, over_body(wxyz)),
+    ...     depends_on_rate=False,
+    ...     slope=lambda t, wxyz, y: np.cross(np.cross(y, m), over_body(wxyz)),
+    ... )
     """
 
     function: object
     depends_on_rate: bool = True
+    slope: object = None
 
     def __post_init__(self):
-        if not callable(self.function):
-            raise AttitudeError(
-                f"function is {self.function!r}; give a function of (t, wxyz, omega)."
-            )
         self._set("_error", [])
-        self._set("_door", None)
-        _three(self.function(0.0, np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)))
+        self._set("_doors", {})
+        self._check("function", "omega")
+        if self.slope is None:
+            return
+        self._check("slope", "y")
+        if self.depends_on_rate:
+            raise AttitudeError(
+                "slope is given for a torque that depends on the angular velocity; the force "
+                "gradient is of torques that do not. Say depends_on_rate=False, or leave it out."
+            )
 
     def __reduce__(self):
-        return CustomTorque, (self.function, self.depends_on_rate)
+        return CustomTorque, (self.function, self.depends_on_rate, self.slope)
 
     @property
     def kind(self):
         return BY_RATE if self.depends_on_rate else BY_ATTITUDE
 
     def address(self):
-        if self._door is None:
-            compiled = hasattr(self.function, "py_func")
-            self._set("_door", _compiled(self.function) if compiled else self._plain())
-        if hasattr(self._door, "address"):
-            return self._door.address
-        return ctypes.cast(self._door, ctypes.c_void_p).value
+        return self._address("function")
+
+    def slope_address(self):
+        return 0 if self.slope is None else self._address("slope")
+
+    def _check(self, name, third):
+        function = getattr(self, name)
+        if not callable(function):
+            raise AttitudeError(f"{name} is {function!r}; give a function of (t, wxyz, {third}).")
+        _three(function(0.0, np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)), name)
+
+    def _address(self, name):
+        """Of the C function; the object keeps that alive."""
+        if name not in self._doors:
+            function = getattr(self, name)
+            compiled = hasattr(function, "py_func")
+            self._doors[name] = _compiled(function) if compiled else self._plain(function, name)
+        door = self._doors[name]
+        if hasattr(door, "address"):
+            return door.address
+        return ctypes.cast(door, ctypes.c_void_p).value
 
     def explain(self):
         if self._error:
             raise self._error.pop()
 
-    def _plain(self):
+    def _plain(self, function, name):
         """A C function that calls the Python one; what that raises is kept for `explain`."""
-        function, error = self.function, self._error
+        error = self._error
 
         @ctypes.CFUNCTYPE(None, ctypes.c_double, *[_POINTER] * 5)
         def torque(t, wxyz, omega, given, parameters, out):
             try:
                 # Copies: the function may keep what it is given.
                 q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
-                out[0], out[1], out[2] = _three(function(t, q, w))
+                out[0], out[1], out[2] = _three(function(t, q, w), name)
             except BaseException as err:
                 error.append(err)
                 out[0] = out[1] = out[2] = float("nan")
@@ -93,11 +132,11 @@ def _compiled(function):
     return torque
 
 
-def _three(value):
+def _three(value, name):
     array = np.asarray(value)
     if array.shape != (3,) or array.dtype.kind not in "fiu":
         raise AttitudeError(
-            f"the torque function returned {value!r}; it must return three numbers, the torque in "
-            "N m over the body axes."
+            f"the {name} of a CustomTorque returned {value!r}; it must return three numbers, over "
+            "the body axes: a torque in N m."
         )
     return array.astype(float).tolist()

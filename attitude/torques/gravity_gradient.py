@@ -6,15 +6,12 @@ import numpy as np
 
 from attitude import gates, quaternion
 from attitude.errors import AttitudeError
-from attitude.torques.torque import Torque, check_path, positions
+from attitude.paths import two_body
+from attitude.torques.torque import Torque, check_path, positions, span_of
 
-# m3/s2, DE440 (Park et al. 2021).
-GM = {
-    "sun": 1.32712440041279419e20,
-    "earth": 3.98600435507e14,
-    "moon": 4.902800118e12,
-    "jupiter": 1.26712764100000e17,
-}
+_BARYCENTER = " barycenter"
+# m3/s2, by the names of the planets: seen from afar, a planet has the mass of its moons too.
+GM = {name.removesuffix(_BARYCENTER): value for name, value in two_body.GM.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +25,12 @@ class GravityGradient(Torque):
         A function takes TDB seconds (...) since the epoch of the spin and returns (..., 3), m,
         over ICRF axes.
     mu : float or str
-        GM of the point mass in m3/s2, or "sun", "earth", "moon", "jupiter".
+        GM of the point mass in m3/s2, or "sun", "moon" or the name of a planet, "earth".
 
     Notes
     -----
-    MacCullagh's formula, the first term of the expansion in (size of the body)/r.  The potential
-    has a force gradient, so that the scheme "force-gradient" takes it.
+    MacCullagh's formula, the first term of the expansion in (size of the body)/r.  The scheme
+    "force-gradient" takes it, also several of them.
     """
 
     path: object
@@ -52,21 +49,21 @@ class GravityGradient(Torque):
 
         return gravity_gradient.address
 
-    def gradient_address(self):
-        from attitude.torques.compiled import gravity_gradient_of_force
+    def slope_address(self):
+        from attitude.torques.compiled import gravity_gradient_slope
 
-        return gravity_gradient_of_force.address
+        return gravity_gradient_slope.address
 
     def parameters(self, body):
         # The part of the tensor that a sphere has turns nothing, and would only cancel.
-        tensor = body.tensor
-        upper = np.triu_indices(3)
-        if np.min(body.moments) <= 0.0:
-            raise AttitudeError("the body is a rod, with one moment zero; give it a small one.")
-        return np.concatenate([[self.mu], tensor[upper], np.linalg.inv(tensor)[upper]])
+        tensor = body.tensor - np.min(np.diag(body.tensor)) * np.eye(3)
+        return np.concatenate([[self.mu], tensor[np.triu_indices(3)]])
 
-    def sample(self, instant, seconds):
-        found = positions(self.path, instant, seconds, "path")
+    def span(self, instant):
+        return span_of(self.path, instant)
+
+    def sample(self, instant, seconds, low):
+        found = positions(self.path, instant, seconds, low, "path")
         if not np.all(np.any(found != 0.0, axis=-1)):
             raise AttitudeError("path passes through the point mass; give a path at a distance.")
         return found
@@ -76,8 +73,9 @@ class GravityGradient(Torque):
 
         Without the part -GM m/r that no attitude changes: GM/(2 r^3) (3 u . I u - tr I).
         """
-        seconds = np.atleast_1d(history.seconds)
-        r = self.sample(history.epoch, seconds.reshape(-1)).reshape(*history.seconds.shape, 3)
+        seconds = history.seconds.reshape(-1)
+        low = np.zeros(seconds.size) if history.low is None else history.low.reshape(-1)
+        r = self.sample(history.epoch, seconds, low).reshape(*history.shape, 3)
         distance = np.sqrt(np.sum(r * r, axis=-1))
         u = quaternion.rotate(quaternion.conjugate(history.wxyz), r / distance[..., None])
         form = np.sum(u * (u @ body.tensor), axis=-1)

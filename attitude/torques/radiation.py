@@ -7,7 +7,7 @@ import numpy as np
 from attitude import gates
 from attitude.errors import AttitudeError
 from attitude.frozen import frozen
-from attitude.torques.torque import Torque, check_path, positions
+from attitude.torques.torque import Torque, check_path, positions, span_of
 
 _AU = 149597870700.0  # m, IAU 2012
 _LIGHT = 299792458.0  # m/s
@@ -74,17 +74,15 @@ class SolarRadiation(Torque):
                 "the moments of the body are relative, and light pressure is in newtons; give a "
                 "Body with moments in kg m2."
             )
-        facets = np.column_stack(
-            [
-                self.shape.areas,
-                self.shape.normals,
-                np.asarray(self.shape.centroids) - body.center_of_mass,
-                self.diffuse,
-                self.mirrored,
-            ]
-        )
+        arms = np.asarray(self.shape.centroids) - body.center_of_mass
+        normals = np.asarray(self.shape.normals)
+        vectors = np.concatenate([normals, arms, np.cross(arms, normals)], axis=1).T
+        rows = [self.shape.areas, *vectors, self.diffuse, self.mirrored]
         strength = self.flux / _LIGHT * _AU**2
-        return np.concatenate([[strength, len(facets)], facets.reshape(-1)])
+        return np.concatenate([[strength, len(arms)], np.ravel(rows)])
 
-    def sample(self, instant, seconds):
-        return positions(self.path, instant, seconds, "path")
+    def span(self, instant):
+        return span_of(self.path, instant)
+
+    def sample(self, instant, seconds, low):
+        return positions(self.path, instant, seconds, low, "path")

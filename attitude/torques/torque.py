@@ -4,6 +4,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen
+from attitude.paths.path import since
 
 # Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.
 BY_ATTITUDE, BY_RATE, SLIP = 0, 1, 2
@@ -27,25 +28,34 @@ class Torque(Frozen):
         """Where its compiled function is; see `attitude.solution.march`."""
         raise NotImplementedError(f"{type(self).__name__} defines no address")
 
-    def gradient_address(self):
-        """Where that of the force gradient is, or 0 if there is none."""
+    def slope_address(self):
+        """Where the function for the scheme "force-gradient" is, or 0 if there is none.
+
+        It is given a vector y in place of the angular velocity, and fills d(N . y) over turns
+        about the body axes, y staying as it is over them.  Of a torque that depends on the
+        attitude but has no potential: (y . d) N - N x y, which for one that has is the same.
+        """
         return 0
 
     def parameters(self, body):
         """What its function is given, for a body: float64 (P,)."""
         return np.zeros(0)
 
-    def sample(self, instant, seconds):
-        """What its function is given at each epoch: float64 (K, columns)."""
+    def sample(self, instant, seconds, low):
+        """What its function is given at epochs (K,), seconds + low: float64 (K, columns)."""
         return np.zeros((len(seconds), 0))
+
+    def span(self, instant):
+        """First and last TDB seconds since an instant at which it can be sampled."""
+        return -np.inf, np.inf
 
     def explain(self):
         """Raise what a user's function raised, if it did."""
 
 
-def positions(path, instant, seconds, name):
+def positions(path, instant, seconds, low, name):
     """Positions (K, 3) in m along a path, or by a function of seconds since the instant."""
-    found = path.position(instant, seconds) if hasattr(path, "position") else path(seconds)
+    found = path.position(instant, seconds, low) if hasattr(path, "position") else path(seconds)
     found = np.asarray(found, dtype=np.float64)
     if found.shape != (len(seconds), 3):
         raise AttitudeError(
@@ -59,6 +69,14 @@ def positions(path, instant, seconds, name):
             "covers the span."
         )
     return found
+
+
+def span_of(path, instant):
+    """First and last TDB seconds since an instant that a path knows, on the safe side."""
+    if getattr(path, "span", None) is None:
+        return -np.inf, np.inf
+    first, last = (sum(since(end, instant)) for end in path.span)
+    return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
 def check_path(path, name):
