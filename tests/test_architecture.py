@@ -24,7 +24,8 @@ HOUSE = (
     ("history", "free_rotation", "interpolation", "attitude_table", "fitting"),
     ("paths",),
     ("scattering", "light_curve", "scene"),
-    ("events", "spectrum", "arcs", "torques", "splitting", "referee"),
+    ("events", "spectrum", "crossing", "arcs"),
+    ("torques", "schemes", "torqued_steps", "splitting", "referee"),
     ("catalog", "formats", "plots", "check"),
     ("cli", "__main__"),
 )
@@ -32,7 +33,7 @@ HOUSE = (
 SOLUTION = (
     *("cache", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
     *("series", "coefficients", "rate_series", "classify", "constants", "attach", "uniform"),
-    *("kernel", "motion"),
+    *("kernel", "motion", "step", "flow", "joints", "march", "arcs"),
 )
 PLACE = {name: (line, k) for line, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
