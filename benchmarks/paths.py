@@ -102,7 +102,7 @@ def on_the_ground():
     start = instant("2025-01-01")
 
     def of_astropy(seconds):
-        with iers.earth_orientation_table.set(tdb._earth_orientation()):
+        with iers.earth_orientation_table.set(tdb.earth_orientation()):
             found = place.get_gcrs_posvel(astropy_at(start, seconds))[0]
         return found.xyz.to_value("m").T
 
