@@ -251,7 +251,7 @@ class AttitudeTable(Frozen):
             for part in self.segments
         ]
         listed = ", ".join(spans[:4]) + (", ..." if len(spans) > 4 else "")
-        where = self.epoch.after(seconds) if np.isfinite(seconds) else seconds
+        where = f"{self.epoch.after(seconds).utc_iso} UTC" if np.isfinite(seconds) else seconds
         raise AttitudeError(
             f"the table has no attitude at {where}; it answers from {listed} UTC. Ask within, or "
             "fit a free rotation to it, which has no limits."

@@ -170,6 +170,10 @@ class Body(Frozen):
                 f"tensor is not symmetric: entries across its diagonal differ by {off:.3g}. Give "
                 "a symmetric inertia tensor (products of inertia with a minus sign)."
             )
+        if largest > 0.25 * np.finfo(float).max:
+            raise AttitudeError(
+                f"tensor holds {largest:.3g}, so large that sums overflow; give smaller numbers."
+            )
         tensor = 0.5 * (tensor + tensor.T)
         if np.all(tensor == np.diag(np.diag(tensor))):
             self._from_moments(np.diag(tensor).copy())

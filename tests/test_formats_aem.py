@@ -93,21 +93,6 @@ def test_what_the_quaternions_mean():
     assert abs(np.linalg.norm(second.wxyz[0]) - 1.0) < 3e-16
 
 
-def test_the_spinner_of_the_standard_has_its_pole_where_it_says():
-    table = aem.read(DATA / "st5-224.aem")
-    assert table.epoch.utc_iso == "2006-03-31T05:00:00.071"
-    ra, dec, angle = np.degrees(forms.to_pole(quaternion.multiply(_to_eme2000(), table.wxyz)))
-    assert np.allclose([ra[2], dec[2], angle[2]], [268.56786, 68.383555, 137.0710680], atol=1e-9)
-    # Its momentum lies 67 deg from a pole that hardly moves: of its rates nothing can be tested.
-    assert table.angular_velocity.shape == (8, 3)
-
-
-def _to_eme2000():
-    from attitude import frames
-
-    return quaternion.conjugate(frames.wxyz_to_icrf("eme2000"))
-
-
 @pytest.mark.parametrize("kind", ["SPIN/NUTATION", "SPIN/NUTATION_MOM"])
 def test_nutation_is_a_regular_precession(tmp_path, kind):
     """Columns by elementary geometry; rates against differences of the attitudes."""
@@ -134,9 +119,10 @@ def test_nutation_is_a_regular_precession(tmp_path, kind):
     text = re.sub(
         r"(?s)DATA_START.*",
         "DATA_START\n" + "\n".join(lines) + "\nDATA_STOP\n",
-        (DATA / "st5-224.aem").read_text().replace("2006-090T05:00:00.071", "2026-001T00:00:00"),
+        (DATA / "ccsds" / "aem-g5.txt").read_text(),
     )
-    text = text.replace("SPIN/NUTATION_MOM", kind).replace("= J2000", "= ICRF")
+    text = re.sub(r"2006-090T05:00:00\.(071|946)", "2026-001T00:00:00", text)
+    text = text.replace("= SPIN", f"= {kind}").replace("= J2000", "= ICRF")
     path = tmp_path / "x.aem"
     path.write_text(text)
     table = aem.read(path)
@@ -448,6 +434,8 @@ def test_what_is_wrong_in_xml_is_told(tmp_path, old, new, sentence):
         ({"object_name": "a\nb"}, "one line of text"),
         ({"body_frame": "ICRF"}, "the name of other axes"),
         ({"sequence": "XXY"}, "sequence"),
+        ({"method": "spline"}, "interpolation method is 'spline'"),
+        ({"degree": 77}, "interpolation degree is 77"),
     ],
 )
 def test_what_cannot_be_written(tmp_path, how, sentence):
@@ -498,3 +486,206 @@ def test_rates_that_no_body_has_are_refused(tmp_path):
             aem.read(path).at(HISTORY.time[1])
         except AttitudeError as err:
             assert re.search("no body turns so fast|must be finite", str(err))
+
+
+# Records in XML that are written alike go by a pattern: it must mean what the parser means --------
+
+
+def slowly(path, monkeypatch):
+    """The same file, every record of it by the parser."""
+    from attitude.formats import aem_xml
+
+    with monkeypatch.context() as patched:
+        patched.setattr(aem_xml, "_MOST_PATTERNS", 0)
+        return aem.read(path)
+
+
+def same(p, q):
+    rates = p.angular_velocity is None or np.array_equal(p.angular_velocity, q.angular_velocity)
+    # TDB - TT of one epoch and of an array differ by 5e-15 s
+    late = np.max(np.abs((p.seconds - q.seconds) + (p.low - q.low)))
+    return rates and np.array_equal(p.wxyz, q.wxyz) and late < 2e-14
+
+
+@pytest.mark.parametrize(("version", "kind"), [c[:2] for c in CHOICES if c[2]])
+def test_alike_or_one_by_one_xml_means_the_same(tmp_path, monkeypatch, version, kind):
+    for first in (False, True):
+        path = written(tmp_path, version=version, kind=kind, xml=True, scalar_first=first)
+        assert same(aem.read(path), slowly(path, monkeypatch))
+
+
+# What may stand between and inside of records without changing what they mean, or changing it.
+BETWEEN = [
+    "<COMMENT>one more</COMMENT>",
+    "<!-- <attitudeState>not read</attitudeState> -->",
+    "<?target <attitudeState/> ?>",
+    "\n\n\t \n",
+    "<!--</attitudeState>-->",
+]
+
+
+@pytest.mark.parametrize("piece", [37, 500, 1 << 20])
+def test_what_is_between_records_is_parsed(tmp_path, monkeypatch, piece):
+    from attitude.formats import xml_events
+
+    monkeypatch.setattr(xml_events, "_PIECE", piece)
+    path = written(tmp_path, xml=True)
+    plain = aem.read(path)
+    parts = path.read_text().split("        <attitudeState>")
+    assert len(parts) == 61
+    for k in range(0, 60, 7):
+        parts[1 + k] = parts[1 + k] + BETWEEN[k % len(BETWEEN)]
+    # another order of attributes, spaces and elements: not alike, but the same
+    parts[20] = parts[20].replace('<ANGVEL_X units="deg/s">', "<ANGVEL_X   units='deg/s' > ")
+    parts[30] = parts[30].replace("<Q1>", "<Q1><![CDATA[").replace("</Q1>", "]]></Q1>")
+    parts[40] = parts[40].replace("</EPOCH>", "&#32;</EPOCH>")
+    path.write_text("        <attitudeState>".join(parts))
+    found = aem.read(path)
+    assert same(found, plain)
+    assert same(slowly(path, monkeypatch), plain)
+    assert found.segments[0].meta["data_comments"].count("one more") >= 1
+
+
+def test_records_inside_of_comments_and_character_data_are_none(tmp_path):
+    """Alike as they may be: they are not parsed, so they must not be matched."""
+    path = written(tmp_path, HISTORY[:9], xml=True)
+    text = path.read_text()
+    records = re.findall(r"\s*<attitudeState>.*?</attitudeState>", text, re.DOTALL)
+    assert len(records) == 9
+    hidden = "<!--" + "".join(records[5:8]) + "-->"
+    path.write_text(text.replace("".join(records[5:8]), hidden))
+    found = aem.read(path)
+    assert len(found) == 6 and np.array_equal(found.wxyz[5], HISTORY.wxyz[8])
+    path.write_text(
+        text.replace(
+            "".join(records[5:8]), "<COMMENT><![CDATA[" + "".join(records[5:8]) + "]]></COMMENT>"
+        )
+    )
+    assert len(aem.read(path)) == 6
+
+
+@pytest.mark.parametrize("at", [0, 1, 30, 59])
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (r"<Q2>[^<]*", "<Q2>two", "Q2 is 'two'"),
+        (r"<Q2>[^<]*", "<Q2>1_0", "Q2 is '1_0'"),
+        (r"<Q2>[^<]*", "<Q2>nan", "not finite"),
+        (r"<Q2>[^<]*", "<Q2>0.9", "off 1 by"),
+        (r"<Q2>[^<]*", "<Q2>", "Q2 is '', which is no number"),
+        (r"<EPOCH>[^<]*", "<EPOCH>2017-02-30T00:00:00", "the epoch '2017-02-30"),
+        (r'X units="deg/s"', 'X units="deg"', "ANGVEL_X is given in 'deg'; it must be in deg/s"),
+        (r"<EPOCH>", "<EPOCH>2016-12-31T00:00:00</EPOCH><EPOCH>", "two epochs"),
+        (r"<Q2>[^<]*</Q2>", "", "lacks Q2"),
+        (r"</QC>", "</Q>", "mismatched tag"),
+    ],
+)
+def test_the_line_of_what_is_wrong_is_told_in_long_xml(tmp_path, at, old, new, sentence):
+    path = written(tmp_path, xml=True)
+    parts = path.read_text().split("<attitudeState>")
+    changed = re.sub(old, new, parts[1 + at], count=1)
+    assert changed != parts[1 + at]
+    line = "<attitudeState>".join(parts[: 1 + at]).count("\n") + 1
+    parts[1 + at] = changed
+    path.write_text("<attitudeState>".join(parts))
+    with pytest.raises(AttitudeError, match=sentence) as found:
+        aem.read(path)
+    told = int(re.search(r"line (\d+):", str(found.value)).group(1))
+    assert line <= told <= line + 18  # lines of a record; what is wrong with numbers, at its end
+
+
+def test_a_message_in_a_combined_one_and_several(tmp_path):
+    path = written(tmp_path, HISTORY[:3], xml=True)
+    head, body = path.read_text().split("<aem ", 1)
+    path.write_text(f"{head}<ndm><COMMENT>around it</COMMENT><aem {body}</ndm>")
+    assert aem.read(path).meta["comments"] == ("around it",)
+    path.write_text(f"{head}<ndm><aem {body}<aem {body}</ndm>")
+    with pytest.raises(AttitudeError, match="several messages"):
+        aem.read(path)
+    for tolerance in (-1.0, float("nan"), "x", None, True):
+        with pytest.raises(AttitudeError, match="tolerance is"):
+            aem.read(path, tolerance=tolerance)
+
+
+@pytest.mark.parametrize("kind", [k for k in attitude_types.COLUMNS if k != "SPIN"])
+@pytest.mark.parametrize("to_body", [True, False])
+@pytest.mark.parametrize("over_body", [True, False])
+@pytest.mark.parametrize("follow", [True, False])
+def test_columns_mean_the_same_in_every_convention_and_sequence(kind, to_body, over_body, follow):
+    """There and back through each direction, frame of rates and order of axes."""
+    wxyz, rates = HISTORY.wxyz, HISTORY.angular_velocity
+    sequences = forms.EULER_SEQUENCES if kind.startswith("EULER") else ("ZXZ",)
+    for sequence in sequences:
+        how = attitude_types.Convention(
+            to_body=to_body, rates_over_body=over_body, rates_follow=follow, sequence=sequence
+        )
+        columns = attitude_types.encoded(kind, wxyz, rates, HISTORY.angular_acceleration, how)
+        assert columns.shape == (60, len(attitude_types.COLUMNS[kind]))
+        q, w = attitude_types.decoded(kind, columns, how)
+        assert apart(q, wxyz) < 3e-15
+        if attitude_types.has_rates(kind):
+            # rad/s; near gimbal lock (1e-2 away) rates of angles amplify rounding a hundredfold
+            assert np.max(np.abs(w - rates)) < 1e-13
+        else:
+            assert w is None
+
+
+@pytest.mark.parametrize("kind", attitude_types.IN_VERSION_1)
+def test_version_1_the_other_way_round_is_the_same(tmp_path, kind):
+    """A and B exchanged and the direction turned: nothing has changed, the rates' frame but named
+    by its other keyword."""
+    for over in ("body", "frame"):
+        path = written(tmp_path, version="1.0", kind=kind, rates_over=over)
+        before, text = aem.read(path), path.read_text()
+        for old, new in [
+            (
+                "REF_FRAME_A = ICRF\nREF_FRAME_B = SC_BODY_1",
+                "REF_FRAME_A = SC_BODY_1\nREF_FRAME_B = ICRF",
+            ),
+            ("ATTITUDE_DIR = A2B", "ATTITUDE_DIR = B2A"),
+        ]:
+            assert old in text
+            text = text.replace(old, new)
+        rate_frame = "B" if over == "body" else "A"
+        other = "A" if over == "body" else "B"
+        text = text.replace(
+            f"RATE_FRAME = REF_FRAME_{rate_frame}", f"RATE_FRAME = REF_FRAME_{other}"
+        )
+        path.write_text(text)
+        after = aem.read(path)
+        assert np.array_equal(after.wxyz, before.wxyz)
+        if before.angular_velocity is not None:
+            assert np.array_equal(after.angular_velocity, before.angular_velocity)
+
+
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize("xml", [False, True])
+def test_comments_of_segments_are_kept(tmp_path, version, xml):
+    table = aem.read(DATA / "two-segments.aem")
+    again = aem.read(written(tmp_path, table, version=version, xml=xml))
+    for one, other in zip(table.segments, again.segments, strict=True):
+        for key in ("comments", "meta_comments", "data_comments", "object_name", "center"):
+            assert one.meta[key] == other.meta[key]
+    assert any(part.meta["data_comments"] for part in again.segments)
+
+
+@pytest.mark.parametrize(
+    ("count", "how", "method", "degree"),
+    [
+        (60, {}, "HERMITE", 7),
+        (3, {}, "HERMITE", 5),
+        (1, {}, "LINEAR", 1),
+        (60, {"kind": "QUATERNION"}, "LAGRANGE", 7),
+        (3, {"kind": "QUATERNION"}, "LAGRANGE", 2),
+        (60, {"method": "lagrange", "degree": 9}, "LAGRANGE", 9),
+        (60, {"method": "slerp"}, "LINEAR", 1),
+    ],
+)
+def test_what_is_recommended_for_interpolation(tmp_path, count, how, method, degree):
+    """By names of the standard, and of a degree for which there are records."""
+    path = written(tmp_path, HISTORY[:count], **how)
+    text = path.read_text()
+    assert f"INTERPOLATION_METHOD = {method}\nINTERPOLATION_DEGREE = {degree}\n" in text
+    found = aem.read(path)
+    assert found.degree == degree
+    assert aem.read(written(tmp_path, found)).method == found.method

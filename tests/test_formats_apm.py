@@ -112,7 +112,7 @@ def test_brahe_and_ccsds_ndm_read_version_2(tmp_path, xml):
         theirs = state.quaternion_state[0]
         numbers = [theirs.qc, theirs.q1]
         assert np.array_equal(numbers, given.spin.wxyz[:2])
-        assert state.inertia[0].ixy == 0.5
+        assert state.inertia[0].ixy == -0.5  # the tensor has -IXY, annex F6
         read += 1
     except ImportError:
         pass
@@ -122,6 +122,8 @@ def test_brahe_and_ccsds_ndm_read_version_2(tmp_path, xml):
         message = ccsds.APM.from_file(str(path))
         theirs = np.array(message.quaternion_states[0].quaternion.to_vector(True))
         assert apart(theirs, given.spin.wxyz) < 1e-14
+        matrix = message.inertias[0].inertia_matrix
+        assert np.array_equal(matrix() if callable(matrix) else matrix, given.body.tensor)
         read += 1
     except ImportError:
         pass
@@ -159,6 +161,7 @@ BAD = [
     (r"Y_ANGLE = 0 ", "X_ANGLE = 0 ", "needs Z_ANGLE, X_ANGLE, Y_ANGLE"),
     (r"RATE_FRAME = E.*\n", "", "RATE_FRAME of the block EULER is not given"),
     (r"I33 = 26\.0", "I33 = 260", "line 30: the inertia: .* no body has"),
+    (r"I33 = 26\.0", "I33 = 1e308", r"line 30: the inertia: tensor holds 1e\+308"),
     (r"I33 = 26\.0", "I34 = 260", "line 32: I34 is not known"),
     (r"CENTER_NAME = EARTH", "CENTER", "no .KEYWORD = value"),
 ]
@@ -189,3 +192,66 @@ def test_what_cannot_be_written(tmp_path):
     assert not list(tmp_path.iterdir())
     apm.write(tmp_path / "x", relative, inertia=False)
     assert apm.read(tmp_path / "x").body is None
+
+
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize("xml", [False, True])
+def test_signs_of_cross_products_are_those_of_the_version_and_can_be_told(tmp_path, version, xml):
+    path = tmp_path / "a.apm"
+    for products, sign in (
+        ("tensor", 1.0),
+        ("integral", -1.0),
+        (None, 1.0 if version == "1.0" else -1.0),
+    ):
+        apm.write(path, motion(), version=version, xml=xml, products=products)
+        name = "I12" if version == "1.0" else "IXY"
+        listed = float(re.search(rf"{name}(?: =| [^>]*>) ?(\S+?)[ <]", path.read_text()).group(1))
+        assert listed == sign * 0.5
+        assert np.array_equal(apm.read(path, products=products).body.tensor, TENSOR)
+    with pytest.raises(AttitudeError, match="products is"):
+        apm.write(path, motion(), products="minus")
+
+
+def test_names_and_comments_go_with_the_parameters(tmp_path):
+    path = tmp_path / "a.apm"
+    names = {"object_name": "SAT", "object_id": "2026-001A", "center": "MARS", "body_frame": "BUS"}
+    apm.write(path, motion(), comments=["kept"], **names)
+    again = tmp_path / "b.apm"
+    apm.write(again, apm.read(path), version="1.0", xml=True)
+    meta = apm.read(again).meta
+    assert {key: meta[key] for key in names} == names and meta["comments"] == ("kept",)
+    apm.write(again, apm.read(path), object_name="OTHER", comments=())
+    assert apm.read(again).meta["object_name"] == "OTHER" and not apm.read(again).meta["comments"]
+    path.write_text(re.sub(r"(?s)INERTIA_START.*", "", path.read_text()))
+    with pytest.raises(AttitudeError, match="inertia=False"):
+        apm.write(again, apm.read(path))
+    apm.write(again, apm.read(path), inertia=False)
+
+
+def test_rates_and_inertia_of_another_body_are_refused(tmp_path):
+    path = tmp_path / "a.apm"
+    apm.write(path, motion())
+    text = path.read_text()
+    path.write_text(text.replace("INERTIA_REF_FRAME = SC_BODY_1", "INERTIA_REF_FRAME = ARM"))
+    found = apm.read(path)
+    assert found.spin is not None
+    for use in (lambda: found.motion, lambda: apm.write(tmp_path / "b", found)):
+        with pytest.raises(AttitudeError, match="inertia is over the axes ARM"):
+            use()
+    head, tail = text.split("ANGVEL_START")
+    path.write_text(head + "ANGVEL_START" + tail.replace("SC_BODY_1", "ARM"))
+    with pytest.raises(AttitudeError, match="ANGVEL has the rates of ARM"):
+        apm.read(path)
+
+
+def test_combined_messages(tmp_path):
+    path = tmp_path / "a.xml"
+    apm.write(path, motion(), xml=True)
+    head, body = path.read_text().split("<apm ", 1)
+    path.write_text(f"{head}<ndm><COMMENT>around it</COMMENT><apm {body}</ndm>")
+    assert apm.read(path).meta["comments"] == ("around it",)
+    path.write_text(f"{head}<ndm><apm {body}<apm {body}</ndm>")
+    with pytest.raises(AttitudeError, match="several messages"):
+        apm.read(path)
+    with pytest.raises(AttitudeError, match="tolerance is"):
+        apm.read(path, tolerance=float("nan"))

@@ -137,6 +137,132 @@ def test_unknown_frames_and_broken_kernels(tmp_path):
     junk.write_bytes(b"DAF/CK  " + bytes(3000))
     with pytest.raises(AttitudeError):
         ck.KernelAttitude(junk, "J2000")
-    with pytest.raises(AttitudeError, match="cannot load"):
+    with pytest.raises(AttitudeError, match="cannot be read"):
         ck.KernelAttitude(tmp_path / "none.bc", "J2000")
+    text = tmp_path / "broken.tf"
+    text.write_text("KPL/FK\n\\begindata\nFRAME_X = abc def\n\\begintext\n")
+    with pytest.raises(AttitudeError, match="cannot load"):
+        ck.KernelAttitude(text, "J2000")
     assert spice.ktotal("ALL") == 0
+
+
+def test_heads_that_end_the_process_in_spice_are_refused_before(tmp_path):
+    """Found by mutation: SPICE believes the numbers of the first record, and crashes."""
+    made = ck.write(tmp_path / "a.bc", MOTION, 0.0, 600.0)
+    whole = (tmp_path / "a.bc").read_bytes()
+    for place, value, sentence in [
+        (13, 47, "its summaries have 2 doubles and"),
+        (10, 231, "its summaries have"),
+        (77, 9, "its summaries are not within it"),
+        (86, 9, "shorter than it says"),
+    ]:
+        changed = bytearray(whole)
+        changed[place] = value
+        (tmp_path / "a.bc").write_bytes(changed)
+        with pytest.raises(AttitudeError, match=sentence):
+            ck.KernelAttitude(made.kernels, "TUMBLER")
+    (tmp_path / "a.bc").write_bytes(whole[:500])
+    with pytest.raises(AttitudeError, match="ends before its first 1024 bytes"):
+        ck.KernelAttitude(made.kernels, "TUMBLER")
+    assert spice.ktotal("ALL") == 0
+
+
+@pytest.fixture
+def users_own(tmp_path):
+    """What a user has in SPICE's pool: three kernels and variables of a program."""
+    made = ck.write(tmp_path / "users.bc", MOTION, 0.0, 600.0)
+    for name in made.kernels:
+        spice.furnsh(name)
+    spice.pdpool("USERS_NUMBERS", [1.0, 2.5])
+    spice.pcpool("USERS_WORDS", ["one", "two words"])
+    before = pool()
+    yield made
+    assert pool() == before
+    assert np.array_equal(spice.gdpool("USERS_NUMBERS", 0, 9), [1.0, 2.5])
+    assert list(spice.gcpool("USERS_WORDS", 0, 9)) == ["one", "two words"]
+    spice.pxform("J2000", "TUMBLER", SPIN.epoch.seconds + 5.0)  # is still there
+    spice.kclear()
+
+
+def pool():
+    """Loaded kernels in their order, and the names of all variables."""
+    count = spice.ktotal("ALL")
+    return [spice.kdata(k, "ALL")[0] for k in range(count)], set(spice.gnpool("*", 0, 1000))
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_what_the_user_has_loaded_stays(tmp_path, users_own, same):
+    other = ck.write(tmp_path / "other.bc", MOTION, 0.0, 600.0, name="OTHER", instrument=-5000)
+    made, name = (users_own, "TUMBLER") if same else (other, "OTHER")
+    kernel = ck.KernelAttitude(made.kernels, name)
+    kernel.at(SPIN.epoch.after(5.0))
+    kernel.close()
+    kernel.close()  # a second time does nothing
+    with ck.KernelAttitude(made.kernels, name) as kernel, pytest.raises(AttitudeError):
+        kernel.at("2030-01-01")
+    meta = tmp_path / "meta.tm"
+    meta.write_text(
+        f"KPL/MK\n\\begindata\nKERNELS_TO_LOAD = ( '{made.kernels[1]}', 'none.bc' )\n\\begintext\n"
+    )
+    for names, frame in [
+        ([*made.kernels, tmp_path / "none.tsc"], name),
+        ([meta], name),
+        (made.kernels, "NOWHERE"),
+    ]:
+        with pytest.raises(AttitudeError):
+            ck.KernelAttitude(names, frame)
+
+
+def test_the_ends_of_a_kernel_can_be_asked(tmp_path):
+    """Dates are no doubles of TDB: the nearest one may lie 1e-7 s outside of the coverage."""
+    for epoch in ("2026-01-01", "2026-01-01T00:00:00.1", "2026-03-04T05:06:07.89"):
+        spin = Spin(epoch=epoch, wxyz=(1, 2, 3, 4), angular_velocity=(0.001, 0.0175, 0.001))
+        motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+        made = ck.write(tmp_path / "a.bc", motion, 0.0, 600.0)
+        with ck.KernelAttitude(made.kernels, "TUMBLER") as kernel:
+            times = motion.at([0.0, 600.0]).time
+            assert apart(kernel.at(times).wxyz, motion.at([0.0, 600.0]).wxyz) < 2e-9
+            assert apart(kernel.at(epoch).wxyz, motion.at(0.0).wxyz) < 2e-9
+
+
+@pytest.mark.parametrize("kind", [1, 2, 3])
+@pytest.mark.parametrize("rates", [True, False])
+def test_kernels_of_others_are_read(tmp_path, kind, rates):
+    """Written by SPICE's own writers: type 1 (pointings), 2 (constant rates), 3 (linear)."""
+    if kind == 2 and not rates:
+        pytest.skip("type 2 always has angular velocities")
+    made = ck.write(tmp_path / "a.bc", MOTION, 0.0, 600.0)  # for its frame and clock kernels
+    ticks = np.arange(0.0, 601.0, 1.0) * 2.0**20
+    start = float(np.floor(SPIN.epoch.seconds * 2**23) / 2**23)  # of the clock, not after the epoch
+    et = start + ticks / 2.0**20
+    true = exact(et[1:])
+    quats = np.ascontiguousarray(quaternion.conjugate(true.wxyz))
+    spins = np.ascontiguousarray(true.angular_velocity_inertial)
+    path = tmp_path / "others.bc"
+    handle = spice.ckopn(str(path), "others", 0)
+    t = ticks[1:]
+    about = (handle, t[0], t[-1], -999000, "J2000")
+    if kind == 1:
+        spice.ckw01(*about, rates, "x", len(t), t, quats, spins)
+    elif kind == 2:
+        ends = np.append(t[1:], t[-1] + 2.0**20)
+        scale = np.full(len(t), 2.0**-20)
+        spice.ckw02(
+            handle, t[0], ends[-1], -999000, "J2000", "x", len(t), t, ends, quats, spins, scale
+        )
+    else:
+        spice.ckw03(*about, rates, "x", len(t), t, quats, spins, 1, t[:1])
+    spice.ckcls(handle)
+    with ck.KernelAttitude([path, *made.kernels[1:]], "TUMBLER") as kernel:
+        read = kernel.at(et[1:])
+        assert apart(read.wxyz, true.wxyz) < 1e-8  # 1e-7 s between the two clocks
+        assert kernel.has_rates_at(et[1:2]) == rates
+        if rates:
+            assert np.max(np.abs(read.angular_velocity - true.angular_velocity)) < 1e-8
+            return
+        with pytest.raises(AttitudeError, match="no angular velocities"):
+            _ = read.angular_velocity
+        from attitude.formats import aem
+
+        aem.write(tmp_path / "a.aem", kernel, t=et[1:50])
+        assert aem.read(tmp_path / "a.aem").angular_velocity is None

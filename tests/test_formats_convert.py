@@ -1,6 +1,7 @@
 """``attitude convert`` between any two formats."""
 
 import itertools
+import os
 
 import numpy as np
 import pytest
@@ -73,15 +74,104 @@ def test_the_exact_spin_file_holds_a_billion_revolutions(tmp_path, spin):
     assert np.array_equal(found.at(t).wxyz, MOTION.at(t).wxyz)
 
 
-def test_c_kernels(tmp_path, spin):
-    pytest.importorskip("spiceypy", reason="spiceypy is not installed")
-    run(spin, tmp_path / "a.bc", "--stop", "600", "--tolerance", "1e-10")
-    run(
-        *(tmp_path / "a.bc", tmp_path / "a.csv", "--start", "2026-01-01T00:01:00"),
-        *("--stop", "2026-01-01T00:09:00", "--step", "60 s"),
+def test_c_kernels(tmp_path, spin, capsys):
+    spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    # ten minutes of UTC are longer by 2e-7 s than 600 s of TDB
+    run(spin, tmp_path / "a.bc", "--stop", "601", "--tolerance", "1e-10")
+    at = "--start", "2026-01-01", "--stop", "2026-01-01T00:10:00", "--step", "10 s"
+    for ending in (*ENDINGS, "bc"):
+        if ending == "parquet":
+            pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+        run(tmp_path / "a.bc", tmp_path / f"b.{ending}", *at)
+        if ending != "bc":
+            found = which.read(tmp_path / f"b.{ending}")
+            assert len(found) == 61 and found.angular_velocity is not None
+            assert apart(found.wxyz, MOTION.at(found.history.time).wxyz) < 2e-10
+            run(tmp_path / f"b.{ending}", tmp_path / "c.bc", "--tolerance", "1e-6")
+    for ending in ("toml", "apm", "apm.xml"):
+        run(tmp_path / "a.bc", tmp_path / f"b.{ending}", "--fit", *at)
+    capsys.readouterr()
+    assert (
+        apart(spin_file.read(tmp_path / "b.toml").motion.at(300.0).wxyz, MOTION.at(300.0).wxyz)
+        < 1e-8
     )
-    found = which.read(tmp_path / "a.csv")
-    assert apart(found.wxyz, MOTION.at(found.history.time).wxyz) < 2e-10
+    for words in ((), ("--step", "1 s"), ("--body", "NOWHERE", *at), ("--kernels", "none.tf", *at)):
+        with pytest.raises(AttitudeError):
+            run(tmp_path / "a.bc", tmp_path / "d.csv", *words)
+    with pytest.raises(AttitudeError, match="no attitude of TUMBLER"):
+        run(tmp_path / "a.bc", tmp_path / "d.csv", *at[:3], "2026-01-02", *at[4:])
+    assert not (tmp_path / "d.csv").exists()
+    assert spice.ktotal("ALL") == 0  # whatever happened
+
+
+def test_kernels_of_the_user_stay_loaded(tmp_path, spin, capsys):
+    spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    run(spin, tmp_path / "a.bc", "--stop", "600")
+    for ending in ("bc", "tf", "tsc"):
+        spice.furnsh(str(tmp_path / f"a.{ending}"))
+    run(
+        tmp_path / "a.bc",
+        tmp_path / "a.csv",
+        "--start",
+        "2026-01-01",
+        "--stop",
+        "2026-01-01T00:01",
+        "--step",
+        "9",
+    )
+    assert spice.ktotal("ALL") == 3
+    spice.pxform("J2000", "TUMBLER", SPIN.epoch.seconds + 1.0)
+    spice.kclear()
+
+
+def test_motions_into_everything(tmp_path):
+    """From each kind of motion; DAMIT for a body that turns about its z axis."""
+    steady = FreeRotation(
+        MOTION.body, Spin(epoch=SPIN.epoch, wxyz=SPIN.wxyz, angular_velocity=(0, 0, 1e-2))
+    )
+    spin_file.write(tmp_path / "a.toml", steady)
+    motions = ("toml", "apm", "apm.xml", "spin")
+    for ending in motions[1:]:
+        run(tmp_path / "a.toml", tmp_path / f"a.{ending}")
+    for first, second in itertools.product(
+        motions, (*motions, "aem", "xml", "a", "ecsv", "fits", "csv")
+    ):
+        words = () if second in motions else ("--stop", "60", "--step", "10")
+        if second in ("apm", "apm.xml") and first == "spin":
+            continue  # DAMIT has no body: below
+        out = tmp_path / f"b.{second}"
+        run(tmp_path / f"a.{first}", out, *words)
+        found = which.read(out)
+        time = steady.at(np.arange(0.0, 61.0, 10.0)).time if not words else found.history.time
+        # JD0 of DAMIT is one double: 2e-5 s, at 0.01 rad/s
+        assert apart(found.at(time).wxyz, steady.at(time).wxyz) < (
+            1e-6 if "spin" in (first, second) else 1e-12
+        )
+    run(tmp_path / "a.spin", tmp_path / "c.apm")
+    from attitude.formats import apm
+
+    assert apm.read(tmp_path / "c.apm").body is None
+    with pytest.raises(AttitudeError, match="no inertia"):
+        run(tmp_path / "c.apm", tmp_path / "c.toml")
+
+
+def test_names_sources_and_comments_go_along(tmp_path):
+    said = {"name": "Tumbler", "source": "a paper", "note": "one\nand\ttwo"}
+    spin_file.write(tmp_path / "a.toml", MOTION, **said)
+    run(tmp_path / "a.toml", tmp_path / "b.toml")
+    found = spin_file.read(tmp_path / "b.toml")
+    assert {key: getattr(found, key) for key in said} == said
+    run(tmp_path / "a.toml", tmp_path / "b.apm")
+    run(tmp_path / "b.apm", tmp_path / "c.apm.xml")
+    run(tmp_path / "c.apm.xml", tmp_path / "c.aem", "--stop", "60", "--step", "10")
+    run(tmp_path / "c.aem", tmp_path / "c.xml")
+    meta = which.read(tmp_path / "c.xml").meta
+    assert meta["object_name"] == "Tumbler" and meta["comments"] == ("a paper", "one", "and two")
+    run(tmp_path / "c.xml", tmp_path / "c.ecsv")
+    assert which.read(tmp_path / "c.ecsv").meta["object_name"] == "Tumbler"
+    run(tmp_path / "c.apm.xml", tmp_path / "d.toml")
+    found = spin_file.read(tmp_path / "d.toml")
+    assert (found.name, found.note) == ("Tumbler", "a paper one and two")
 
 
 def test_types_versions_frames(tmp_path, spin):
@@ -106,14 +196,25 @@ def test_types_versions_frames(tmp_path, spin):
         (("out.csv", "--step", "1", "--stop", "9", "--version", "2.0"), "--version has no meaning"),
         (("out.toml", "--step", "10"), "--step has no meaning"),
         (("out.toml", "--fit"), "IN is a motion already"),
+        (("out.bc",), "--start and --stop"),
+        (("out.bc", "--stop", "9", "--step", "1"), "--step has no meaning"),
+        (("out.bc", "--stop", "9", "--tolerance", "0"), "tolerance is 0"),
+        (("out.bc", "--stop", "-9"), "stop is not after start"),
+        (("out.a", "--stop", "9", "--step", "1", "--frame", "RTN"), "do not know"),
+        (("out.aem", "--stop", "9", "--step", "1", "--frame", "LVLH"), "orbit="),
+        (("out.aem", "--stop", "9", "--step", "1", "--time-system", "UT1"), "not written in UT1"),
+        (("out.aem", "--stop", "9", "--step", "0"), "--step is zero"),
+        (("none/out.aem", "--stop", "9", "--step", "1"), "cannot be written: No such file"),
         (("out.spin",), r"\+z axis"),
         (("out.aem", "--step", "1", "--stop", "9", "--version", "3"), "version is '3'"),
     ],
 )
 def test_what_is_refused(tmp_path, spin, words, sentence):
+    if words[0] == "out.bc":
+        pytest.importorskip("spiceypy", reason="spiceypy is not installed")
     with pytest.raises(AttitudeError, match=sentence):
         run(spin, tmp_path / words[0], *words[1:])
-    assert not (tmp_path / words[0]).exists()
+    assert os.listdir(tmp_path) == ["in.toml"]
 
 
 def test_what_is_in_no_format(tmp_path):

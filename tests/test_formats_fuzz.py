@@ -2,6 +2,7 @@
 
 import time
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude.formats import aem, apm, damit, stk, tables, which
+from attitude.formats import aem, apm, damit, spin_file, stk, tables, which
 
 DATA = Path(__file__).parent / "data"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -44,6 +45,8 @@ def samples():
         keep("aem 2", "aem", aem.write, HISTORY)
         keep("aem 1", "aem", aem.write, [HISTORY[:5], HISTORY[6:]], version="1.0")
         keep("aem spin", "aem", aem.write, HISTORY, kind="SPIN/NUTATION")
+        keep("aem nutation", "aem", aem.write, HISTORY, kind="SPIN/NUTATION_MOM")
+        keep("toml", "toml", spin_file.write, MOTION, note="tumbler")
         keep("aem euler", "aem", aem.write, HISTORY, kind="EULER_ANGLE/DERIVATIVE")
         keep("aem xml", "xml", aem.write, HISTORY[:4], xml=True)
         keep("aem xml 1", "xml", aem.write, HISTORY[:3], xml=True, version="1.0", scalar_first=True)
@@ -53,11 +56,13 @@ def samples():
         keep("stk", "a", stk.write, HISTORY)
         keep("stk euler", "a", stk.write, HISTORY, section="AttitudeTimeEulerAngles")
         keep("csv", "csv", tables.write, HISTORY)
+        if find_spec("pyarrow"):
+            keep("parquet", "parquet", tables.write, HISTORY[:4])
         keep("ecsv", "ecsv", tables.write, HISTORY[:4])
         keep("fits", "fits", tables.write, HISTORY[:4])
         spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0, 0, 1e-3))
         keep("damit", "spin", damit.write, FreeRotation(Body(moments=(1, 2, 2.5)), spin))
-        for name in ("two-segments.aem", "st5-224.aem", "spinner-1.apm"):
+        for name in ("two-segments.aem", "ccsds/aem-g5.txt", "ccsds/apm-g3.txt", "spinner-1.apm"):
             found[name] = (DATA / name).read_bytes(), name[-3:]
     return found
 
@@ -65,7 +70,7 @@ def samples():
 NAMES = [
     *("aem 2", "aem 1", "aem spin", "aem euler", "aem xml", "aem xml 1", "apm", "apm xml"),
     *("apm xml 1", "stk", "stk euler", "csv", "ecsv", "fits", "damit", "two-segments.aem"),
-    *("st5-224.aem", "spinner-1.apm"),
+    *("ccsds/aem-g5.txt", "ccsds/apm-g3.txt", "spinner-1.apm", "toml", "aem nutation", "parquet"),
 ]
 
 
@@ -118,6 +123,8 @@ def _mutated(data, kind, first, second, byte, nasty):
 
 
 def hunted(tmp_path, name, mutation):
+    if name not in samples():
+        pytest.skip("pyarrow is not installed")
     data, ending = samples()[name]
     path = tmp_path / f"mutated.{ending}"
     path.write_bytes(mutation(data))

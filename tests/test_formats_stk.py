@@ -128,7 +128,48 @@ def test_what_cannot_be_written(tmp_path):
         (HISTORY, {"section": "AttitudeTimeDCM"}, "section is"),
         (HISTORY, {"frame": "ecliptic"}, "do not know"),
         (HISTORY, {"frame": "VVLH"}, "orbit="),
+        (HISTORY, {"order": 0}, "order is 0"),
+        (HISTORY, {"order": 40}, "order is 40"),
     ]:
         with pytest.raises(AttitudeError, match=sentence):
             stk.write(tmp_path / "x.a", source, **how)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_order_of_interpolation_has_its_records(tmp_path):
+    for count, order in ((60, 7), (3, 2), (1, 1)):
+        stk.write(tmp_path / "a.a", HISTORY[:count])
+        assert f"InterpolationOrder {order}\n" in (tmp_path / "a.a").read_text()
+    stk.write(tmp_path / "a.a", HISTORY, order=9)
+    assert stk.read(tmp_path / "a.a").degree == 9
+    with pytest.raises(AttitudeError, match="tolerance is"):
+        stk.read(tmp_path / "a.a", tolerance=float("nan"))
+
+
+def test_vvlh_is_that_of_the_orbit(tmp_path):
+    from attitude.paths.path import Path
+
+    class Circle(Path):
+        name, center, source = "circle", "earth", "made for this test"
+
+        def _state(self, instant, hi, lo):
+            angle = 1e-3 * (hi + lo + (instant.seconds - SPIN.epoch.seconds))
+            x, y, zero = np.cos(angle), np.sin(angle), 0.0 * angle
+            return 7e6 * np.stack([x, y, zero]), 7e3 * np.stack([-y, x, zero])
+
+    path = tmp_path / "a.a"
+    stk.write(path, HISTORY, frame="VVLH", orbit=Circle())
+    assert "CoordinateAxes VVLH" in path.read_text()
+    found = stk.read(path, orbit=Circle())
+    assert apart(found.wxyz, HISTORY.wxyz) < 1e-13
+    assert np.max(np.abs(found.angular_velocity - HISTORY.angular_velocity)) < 1e-14
+    # z to the center, x along the velocity: body axes that are VVLH's are the unit quaternion
+    at_start = np.array([[0.0, 0, -1], [1, 0, 0], [0, -1, 0]])
+    text = re.sub(
+        r"(?s)AttitudeTimeQ.*",
+        "AttitudeTimeDCM\n0 1 0 0 0 1 0 0 0 1\nEND Attitude\n",
+        path.read_text(),
+    )
+    path.write_text(re.sub(r"Points \d+", "Points 1", text))
+    early = stk.read(path, orbit=Circle()).history
+    assert np.allclose(early.matrix[0], at_start, atol=1e-3)  # 0.25 s before, 1e-3 rad/s

@@ -88,6 +88,20 @@ def test_a_qtable_there_and_back_and_other_spellings():
         del broken[lacking]
         with pytest.raises(AttitudeError, match="it has no"):
             tables.from_table(broken)
+    from astropy import units
+
+    unknown = units.Unit("</data> / s", parse_strict="silent")  # out of a mutated ECSV
+    for unit in (units.m, unknown):
+        broken = HISTORY.table()
+        rates = np.array(HISTORY.angular_velocity)
+        broken["angular_velocity"] = units.Quantity(rates, unit, subok=True)
+        with pytest.raises(AttitudeError, match=r"the table: .*angular_velocity"):
+            tables.from_table(broken)
+        broken = HISTORY.table(rates=False)
+        for k, name in enumerate(("omega_x", "omega_y", "omega_z")):
+            broken[name] = units.Quantity(rates[:, k], unit)
+        with pytest.raises(AttitudeError, match=r"the table: .*angular_velocity"):
+            tables.from_table(broken)
     broken = HISTORY.table()
     broken["wxyz"] = broken["wxyz"] * 2.0
     with pytest.raises(AttitudeError, match="off 1 by 1"):
@@ -108,6 +122,30 @@ def test_broken_files(tmp_path, ending):
             continue
         with pytest.raises(AttitudeError, match="a." + ending):
             tables.read(path)
+
+
+@pytest.mark.parametrize("ending", ["ecsv", "fits", "csv", "parquet"])
+def test_loose_quaternions_are_accepted_when_told(tmp_path, ending):
+    skip_without_pyarrow(ending)
+    path = tmp_path / f"a.{ending}"
+
+    class Loose:
+        """Attitudes that are 1 percent too long."""
+
+        epoch, spin = SPIN.epoch, SPIN
+
+        def at(self, t, low=None):
+            history = MOTION.at(t, low)
+            history.__dict__["wxyz"] = history.wxyz * 1.01
+            return history
+
+    tables.write(path, Loose(), t=np.arange(9.0))
+    with pytest.raises(AttitudeError, match=r"a\..*off 1 by 0\.01"):
+        tables.read(path)
+    found = tables.read(path, tolerance=0.02)
+    assert np.max(np.abs(found.wxyz - MOTION.at(np.arange(9.0)).wxyz)) < 3e-16
+    with pytest.raises(AttitudeError, match="tolerance is"):
+        tables.read(path, tolerance=-1)
 
 
 def test_broken_csv_is_told_by_line(tmp_path):

@@ -111,8 +111,10 @@ def test_the_pole_is_where_body_z_points_and_mrp_stay_inside_the_unit_ball():
     assert np.max(np.linalg.norm(forms.to_mrp(q), axis=1)) <= 1.0 + 1e-15
 
 
-@pytest.mark.parametrize("sequence", ["ZXZ", "ZYX", "XYZ", "YZY", "zyx"])
-def test_euler_rates_are_the_derivatives_of_the_angles(sequence):
+@pytest.mark.parametrize("letters", [str.upper, str.lower])
+@pytest.mark.parametrize("sequence", forms.EULER_SEQUENCES)
+def test_euler_rates_are_the_derivatives_of_the_angles(sequence, letters):
+    sequence = letters(sequence)
     random = np.random.default_rng(11)
     angles = random.uniform(0.3, 1.2, (50, 3))
     rates = random.normal(size=(50, 3))

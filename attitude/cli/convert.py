@@ -1,6 +1,7 @@
 """``attitude convert IN OUT``: between any two formats of attitudes and motions."""
 
 import os
+from contextlib import ExitStack
 
 from attitude.errors import AttitudeError
 
@@ -11,14 +12,16 @@ examples:
   attitude convert satellite.xml satellite.ecsv
   attitude convert satellite.aem satellite.toml --fit
   attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
+  attitude convert tumbler.bc tumbler.csv --start 2026-01-01 --stop 2026-01-02 --step "1 min"
 
 endings that OUT may have:
-  .toml  spin file, exact     .aem  CCSDS AEM        .a     STK attitude
-  .apm   CCSDS APM            .xml  CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
-  .spin  DAMIT                .ecsv .fits .csv .parquet     tables
+  .toml  spin file, exact     .aem      CCSDS AEM        .a     STK attitude
+  .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
+  .spin  DAMIT                .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
 
 The format of IN is told by what is in it. A table goes into a table as it is; with --step it is
-interpolated, and a motion is evaluated. A table becomes a motion with --fit.
+interpolated, and a motion is evaluated. A table becomes a motion with --fit. A C-kernel is asked
+at the epochs of --start, --stop and --step.
 """
 
 
@@ -44,6 +47,13 @@ def add_arguments(parser):
     parser.add_argument(
         "--body", metavar="FRAME", help="frame to read out of a C-kernel, or its name to write"
     )
+    parser.add_argument(
+        "--kernels",
+        nargs="+",
+        default=(),
+        metavar="FILE",
+        help="others that the C-kernel IN needs; x.tf and x.tsc beside it are found",
+    )
 
 
 def run(arguments):
@@ -52,64 +62,114 @@ def run(arguments):
     wanted = which.to_write(arguments.output)
     # The tolerance of lengths is for files of attitudes; of a C-kernel that is written, not.
     tolerance = None if wanted == "ck" else arguments.tolerance
-    source = which.read(arguments.input, tolerance=tolerance, body=arguments.body)
-    if arguments.fit:
-        source = _fitted(source)
+    reading = {"body": arguments.body, "kernels": arguments.kernels}
+    found = which.opened(arguments.input, tolerance=tolerance, **reading)
+    with ExitStack() as stack:
+        if hasattr(found.motion, "close"):
+            stack.enter_context(found.motion)  # SPICE's kernels are unloaded at the end
+        _convert(arguments, wanted, found)
+
+
+def _convert(arguments, wanted, found):
+    from attitude.formats import which
+
+    motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
     if wanted in which.OF_MOTIONS:
-        _write_motion(arguments, wanted, source)
+        _write_motion(arguments, wanted, motion, found.said)
     elif wanted == "ck":
-        _write_kernel(arguments, source)
+        _write_kernel(arguments, motion)
     else:
-        which.write(arguments.output, _records(arguments, source), **_settings(arguments, wanted))
-
-
-def _fitted(source):
-    from attitude.attitude_table import AttitudeTable
-    from attitude.fitting import fit
-
-    if not isinstance(source, AttitudeTable):
-        raise AttitudeError("--fit wants a table of attitudes; IN is a motion already.")
-    found = fit(source)
-    print(f"rms of the residuals: {found.rms:.3g} rad")
-    return found.motion
+        records = _records(arguments, motion)
+        if _is_motion(motion):
+            records.meta.update(_names(found.said))
+        which.write(arguments.output, records, **_settings(arguments, wanted))
 
 
 def _is_motion(source):
     return hasattr(source, "spin")
 
 
-def _write_motion(arguments, wanted, source):
+def _is_table(source):
+    return hasattr(source, "segments")
+
+
+def _fitted(arguments, source):
+    from attitude.fitting import fit
+
+    if _is_motion(source):
+        raise AttitudeError("--fit wants a table of attitudes; IN is a motion already.")
+    found = fit(source if _is_table(source) else _sampled(arguments, source))
+    print(f"rms of the residuals: {found.rms:.3g} rad")
+    return found.motion
+
+
+def _sampled(arguments, source):
+    """A table of what a C-kernel holds at the epochs that were asked for."""
+    from attitude.attitude_table import AttitudeTable
+
+    records = _records(arguments, source)
+    history = source.at(records.seconds, records.low)
+    return AttitudeTable.from_history(history, rates=records.has_rates)
+
+
+# Writing: what is taken of the options ------------------------------------------------------------
+
+
+def _write_motion(arguments, wanted, motion, said):
     from attitude.formats import which
 
-    _refuse(arguments, ("start", "stop", "step", "type"), f"a file like {arguments.output}")
-    if not _is_motion(source):
+    sampled = () if arguments.fit else ("start", "stop", "step")
+    _refuse(arguments, (*sampled, "type"), f"a file like {arguments.output}")
+    if not _is_motion(motion):
         raise AttitudeError(
-            f"{arguments.output} holds a motion, and {arguments.input} a table of attitudes; give "
+            f"{arguments.output} holds a motion, and {arguments.input} attitudes at epochs; give "
             "--fit to find the free rotation that comes closest."
         )
-    settings = {}
-    if wanted == "apm":
+    if wanted in ("apm", "apm-xml"):
         settings = {"frame": arguments.frame, "version": arguments.version or "2.0"}
         settings["time_system"] = arguments.time_system or "UTC"
-        settings["inertia"] = not source.body.relative
+        settings["inertia"] = not motion.body.relative
+        settings |= _names(said)
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
-    which.write_motion(arguments.output, source, **settings)
+        settings = _labels(said) if wanted == "spin" else {}
+    which.write_motion(arguments.output, motion, **settings)
+
+
+def _names(said):
+    """What messages and tables say of the object, of what IN says."""
+    names = {key: said[key] for key in ("object_name", "object_id", "center") if said.get(key)}
+    if said.get("name"):
+        names["object_name"] = said["name"]
+    lines = [line for key in ("source", "note") for line in (said.get(key) or "").splitlines()]
+    lines = [" ".join(line.split()) for line in lines if line.strip()]
+    comments = [*said.get("comments", ()), *lines]
+    return names | ({"comments": tuple(comments)} if comments else {})
+
+
+def _labels(said):
+    """The labels of a spin file, of what IN says."""
+    name = said.get("name") or said.get("object_name")
+    note = said.get("note") or " ".join(said.get("comments", ()))
+    labels = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
+    return {key: text for key, text in (labels | {"note": note}).items() if text}
 
 
 def _write_kernel(arguments, source):
     from attitude.formats import ck
 
-    _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
-    start, stop = _ends(arguments, source)
-    epochs = _epochs(source, start, stop, _difference(start, stop))
-    hi, lo = epochs.block(0, epochs.count)
-    ends = [source_epoch(source).after(float(hi[k]), float(lo[k])) for k in (0, -1)]
+    if not _is_motion(source) and not _is_table(source):
+        source = _sampled(arguments, source)
+        _refuse(arguments, ("version", "type", "frame", "time_system"), "a C-kernel")
+        ends = source.span
+    else:
+        _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
+        ends = [_moment(source, text) for text in _ends(arguments, source)]
     made = ck.write(
         arguments.output,
         source,
         *ends,
-        tolerance=arguments.tolerance or 1e-9,
+        tolerance=1e-9 if arguments.tolerance is None else arguments.tolerance,
         name=arguments.body or "TUMBLER",
     )
     print(
@@ -121,20 +181,19 @@ def _records(arguments, source):
     """What is written: the records of a table, or some of a motion."""
     from attitude.formats.records import Records
 
-    if not _is_motion(source) and hasattr(source, "segments") and arguments.step is None:
+    if _is_table(source) and arguments.step is None:
         _refuse(arguments, ("start", "stop"), "records as they are, without --step")
         return source
     if arguments.step is None:
-        raise AttitudeError(
-            f"{arguments.output} holds attitudes at epochs; give --step and --stop."
-        )
+        options = "--step and --stop" if _is_motion(source) else "--start, --stop and --step"
+        raise AttitudeError(f"{arguments.output} is made of attitudes at epochs; give {options}.")
     start, stop = _ends(arguments, source)
     epochs = _epochs(source, start, stop, arguments.step)
     hi, lo = epochs.block(0, epochs.count)
-    return Records(source, source_epoch(source), hi, lo)
+    return Records(source, _epoch_of(source), hi, lo)
 
 
-def source_epoch(source):
+def _epoch_of(source):
     """The epoch from which plain seconds of a source count."""
     return source.spin.epoch if _is_motion(source) else source.epoch
 
@@ -142,7 +201,7 @@ def source_epoch(source):
 def _ends(arguments, source):
     """--start and --stop as texts, by default the span of a table."""
     start, stop = arguments.start, arguments.stop
-    if hasattr(source, "segments"):
+    if _is_table(source):
         epoch = source.epoch
         seconds = [
             repr((end.seconds - epoch.seconds) + (end.low - epoch.low)) for end in source.span
@@ -156,20 +215,12 @@ def _ends(arguments, source):
 def _epochs(source, start, stop, step):
     from attitude.cli.grid import grid
 
-    return grid(source_epoch(source), start, stop, step)
+    return grid(_epoch_of(source), start, stop, step)
 
 
-def _difference(start, stop):
-    """A step from the first to the last of two ends, where both are times after the epoch."""
-    from attitude.cli.grid import duration
-
-    try:
-        return repr(float(duration(stop, "--stop") - duration(start, "--start")))
-    except AttitudeError as err:
-        raise AttitudeError(
-            "for a C-kernel give --start and --stop as times after the epoch of IN, such as "
-            '"0" and "2 d".'
-        ) from err
+def _moment(source, text):
+    """The Instant of a date, or of a time after the epoch of IN."""
+    return _epochs(source, text, text, "1").start
 
 
 def _settings(arguments, wanted):

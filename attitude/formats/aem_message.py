@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from attitude.attitude_table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.formats import attitude_types, axes, ccsds_epochs
-from attitude.formats.segment import TOLERANCE, Rows
+from attitude.formats.segment import TOLERANCE, Rows, known_tolerance
 
 VERSIONS = ("1.0", "2.0")
 HEADER = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
@@ -41,6 +41,9 @@ class Options:
     tolerance: float = TOLERANCE
     frame: str | None = None
     orbit: object = None
+
+    def __post_init__(self):
+        known_tolerance(self.tolerance)
 
 
 @dataclass

@@ -1,43 +1,29 @@
-"""Attitude Ephemeris Messages in XML: CCSDS 505.0-B-1 for version 1.0, 505.0-B-3 for 2.0."""
+"""Attitude Ephemeris Messages in XML.
 
+The elements are those of CCSDS 505.0-B-1 and 505.0-B-2 (section 4.8) for version 1.0, and of CCSDS
+504.0-B-2, section 7, with CCSDS 505.0-B-3, for version 2.0.
+"""
+
+import re
 from xml.sax.saxutils import escape
 
 import numpy as np
 
+from attitude.formats import aem_elements as elements
 from attitude.formats import attitude_types
 from attitude.formats.aem_message import HEADER, VERSIONS, Message, Segment
-from attitude.formats.xml_events import Events
+from attitude.formats.lines import NoNumber, numbers
+from attitude.formats.xml_events import MESSAGES, OUTSIDE, Events
+from attitude.formats.xml_records import pattern_of
 
 _BATCH = 4096
+_BEGIN, _END = b"<attitudeState>", b"</attitudeState>"
+# Longer ones, in bytes, do not wait for their end; more layouts in a file are not worth a pattern.
+_LONGEST_RECORD, _MOST_PATTERNS = 1 << 16, 50
 _SCHEMA = {
     "1.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-2.0.0-master-2.0.xsd",
     "2.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-4.0.0-master-4.0.xsd",
 }
-_UNITS = ("deg", "deg/s", "s", "1/s")
-# The elements that hold a record, by version and type.
-_ELEMENTS = {
-    "2.0": {
-        "QUATERNION": "quaternionEphemeris",
-        "QUATERNION/DERIVATIVE": "quaternionDerivative",
-        "QUATERNION/ANGVEL": "quaternionAngVel",
-        "EULER_ANGLE": "eulerAngle",
-        "EULER_ANGLE/DERIVATIVE": "eulerAngleDerivative",
-        "EULER_ANGLE/ANGVEL": "eulerAngleAngVel",
-        "SPIN": "spin",
-        "SPIN/NUTATION": "spinNutation",
-        "SPIN/NUTATION_MOM": "spinNutationMom",
-    },
-    "1.0": {
-        "QUATERNION": "quaternionState",
-        "QUATERNION/DERIVATIVE": "quaternionDerivative",
-        "QUATERNION/ANGVEL": "quaternionEulerRate",
-        "EULER_ANGLE": "eulerAngle",
-        "EULER_ANGLE/ANGVEL": "eulerAngleRate",
-        "SPIN": "spin",
-        "SPIN/NUTATION": "spinNutation",
-    },
-}
-_RECORDS = {element for names in _ELEMENTS.values() for element in names.values()}
 
 
 def read(path, options):
@@ -50,18 +36,77 @@ def read(path, options):
 
 
 class _Reader(Events):
+    """Collects the message; records that are written like the one before go by a pattern."""
+
     def __init__(self, path, options):
         super().__init__(path)
         self._options = options
         self.message = self._segment = self._record = None
         self._place = []
         self._attributes = {}
+        self._held, self._pattern = b"", None
+        self._outside = []
+        self._patterns, self._ended_at = {}, 0
         self.done = False
+
+    def take(self, piece, last=False):
+        buffer, at = self._held + piece, 0
+        self._held = b""
+        while True:
+            if self._pattern is not None:
+                at = self._take_alike(buffer, at)
+            end = buffer.find(_END, at) + len(_END)
+            if end < len(_END):
+                break
+            start = buffer.rfind(_BEGIN, at, end)
+            self.feed(buffer[at:end])
+            self._pattern = self._pattern_of(buffer[start:end]) if start >= 0 else None
+            at = end
+        # The beginning of a record waits for its end, but not for ever.
+        start = buffer.find(b"<", at) if self._pattern is not None else buffer.find(_BEGIN, at)
+        if start < 0:
+            start = len(buffer)
+        elif last or len(buffer) - start > _LONGEST_RECORD:
+            start, self._pattern = len(buffer), None
+        self.feed(buffer[at:start], last)
+        self._held = buffer[start:]
+
+    def _pattern_of(self, record):
+        """The pattern of the record that was fed last, if the parser has just finished it."""
+        if self._ended_at + len(_END) != self.fed:
+            return None
+        source = pattern_of(record, 1 + len(self._order))
+        if source is not None and source not in self._patterns:
+            if len(self._patterns) >= _MOST_PATTERNS:
+                return None
+            self._patterns[source] = re.compile(source)
+        return self._patterns.get(source)
+
+    def _take_alike(self, buffer, at):
+        """Take records off the buffer; returns where the first that is not alike begins."""
+        match, tokens, lines, line = self._pattern.match, [], [], self.line
+        while found := match(buffer, at):
+            tokens += found.groups()
+            line += buffer.count(b"\n", at, found.end())
+            lines.append(line)
+            at = found.end()
+        if lines:
+            self._take()
+            self.skipped += line - self.line
+            epoch, names = self._epoch_at, self._names()
+            try:
+                values = numbers(tokens, 1 + len(names), self._order)
+            except NoNumber as err:
+                raise self.fault(
+                    f"{names[err.column]} is {err.shown}, which is no number.", lines[err.line]
+                ) from err
+            self._segment.rows.add(tokens[epoch :: 1 + len(names)], values, lines, self.fault)
+        return at
 
     def begin(self, tag, attributes):
         if self._record is not None:
             pass
-        elif self.message is None and tag != "ndm":
+        elif tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
             self._open(tag, attributes)
         elif tag == "segment":
             self._segment = Segment(self.message, self.fault)
@@ -84,6 +129,8 @@ class _Reader(Events):
             self._in_record(tag, text, above)
         elif above == "header":
             self._in_header(tag, text)
+        elif above == "ndm" and tag == "COMMENT":
+            self._outside.append(text)
         elif above == "metadata":
             self._in_metadata(tag, text)
         elif tag == "metadata" and self._segment is not None:
@@ -108,7 +155,9 @@ class _Reader(Events):
                 f"its outermost element is <{tag[:40]}> of version {version!r}; an AEM is <aem "
                 f'id="CCSDS_AEM_VERS" version="{" or ".join(VERSIONS)}">.'
             )
-        self.message = Message(self.path, version, self._options)
+        if self.message is not None:
+            raise self.fault("it holds several messages; write each into a file of its own.")
+        self.message = Message(self.path, version, self._options, comments=self._outside)
 
     def _in_header(self, tag, text):
         if tag == "COMMENT":
@@ -137,17 +186,13 @@ class _Reader(Events):
         elif tag == "attitudeState":
             self._finish_record()
         elif tag == "EPOCH":
-            self._epoch = text.encode("ascii", "replace")
+            if self._epoch is not None:
+                raise self.fault("the record has two epochs.")
+            self._epoch, self._epoch_at = text.encode("ascii", "replace"), len(self._record)
         elif text:
             self._put(self._name(tag, above), text)
-        elif tag not in _RECORDS and not self._known_group(tag):
+        elif tag not in elements.RECORDS and tag not in elements.GROUPS:
             raise self.fault(f"<{tag}> is empty or not known among the records.")
-
-    def _known_group(self, tag):
-        return tag in (
-            *("quaternion", "quaternionDot", "quaternionRate", "angVel"),
-            *("rotationAngles", "rotationRates"),
-        )
 
     def _name(self, tag, above):
         """The name of the column that an element holds."""
@@ -159,14 +204,14 @@ class _Reader(Events):
         return tag
 
     def _put(self, name, text):
-        unit = self._attributes.get("units", "deg")
-        if unit not in _UNITS:
-            raise self.fault(f"{name} is given in {unit!r}; units are {', '.join(_UNITS)}.")
         if name not in self._columns or name in self._record:
             raise self.fault(
                 f"{name} does not belong into a record of "
                 f"{self._segment.values['ATTITUDE_TYPE']}, or not twice."
             )
+        given, unit = self._attributes.get("units"), elements.unit(name)
+        if given and given != unit:
+            raise self.fault(f"{name} is given in {given!r}; it must be in {unit or 'no unit'}.")
         try:
             self._record[name] = float(text)
         except ValueError as err:
@@ -184,25 +229,29 @@ class _Reader(Events):
             if self._epoch is None:
                 lacking.insert(0, "EPOCH")
             raise self.fault(f"the record lacks {', '.join(lacking)}.")
-        if self._segment.how.scalar_first:
-            names = _scalar_first(names)
+        names = self._names()
         self._rows.append([self._record[name] for name in names])
         self._tokens.append(self._epoch)
         self._lines.append(self.line)
+        # Where its texts stand in it, for those that follow and are written alike.
+        places = {name: k + (k >= self._epoch_at) for k, name in enumerate(self._record)}
+        self._order, self._ended_at = [places[name] for name in names], self.place
         self._record = None
         if len(self._rows) == _BATCH:
             self._take()
+
+    def _names(self):
+        """The columns in the order in which rows have them."""
+        return (
+            elements.scalar_first(self._columns)
+            if self._segment.how.scalar_first
+            else self._columns
+        )
 
     def _take(self):
         if self._rows:
             self._segment.rows.add(self._tokens, np.array(self._rows), self._lines, self.fault)
             self._rows, self._tokens, self._lines = [], [], []
-
-
-def _scalar_first(columns):
-    """The columns as version 1 has them in KVN with QUATERNION_TYPE = FIRST."""
-    groups = [columns[k : k + 4] for k in range(0, len(columns), 4)]
-    return [n for g in groups for n in (g[3:] + g[:3] if g[3:4] and g[3].startswith("QC") else g)]
 
 
 # Writing ------------------------------------------------------------------------------------------
@@ -242,7 +291,7 @@ def _leaves(file, indent, pairs):
 def _as_in_template(segment):
     """Which of the segment's columns follow each other in the elements."""
     columns = attitude_types.COLUMNS[segment.kind]
-    given = _scalar_first(columns) if segment.scalar_first else list(columns)
+    given = elements.scalar_first(columns) if segment.scalar_first else list(columns)
     return [given.index(name) for name in columns]
 
 
@@ -253,7 +302,7 @@ def _template(segment, version):
     for group, names in _groups(kind, columns, version):
         inner = [_leaf(name, version, k + 1, segment.sequence) for k, name in enumerate(names)]
         lines += [f"<{group}>", *inner, f"</{group}>"] if group else inner
-    element = _ELEMENTS[version][kind]
+    element = elements.ELEMENTS[version][kind]
     lines = [f"<{element}>", *lines, f"</{element}>"]
     return (
         "".join(["        <attitudeState>\n", *(f"          {line}\n" for line in lines)])
@@ -287,13 +336,5 @@ def _leaf(name, version, number, sequence):
         return f'<rotation{number} angle="{label}" units="deg">%r</rotation{number}>'
     if version == "1.0" and name.startswith("ANGVEL"):
         return f'<rotation{number} rate="{name[-1]}_RATE" units="deg/s">%r</rotation{number}>'
-    unit = _unit(name)
+    unit = elements.unit(name)
     return f'<{name} units="{unit}">%r</{name}>' if unit else f"<{name}>%r</{name}>"
-
-
-def _unit(name):
-    if name.startswith("Q"):
-        return "1/s" if name.endswith("_DOT") else None
-    if name == "NUTATION_PER":
-        return "s"
-    return "deg/s" if name.endswith(("_DOT", "_VEL")) or name.startswith("ANGVEL") else "deg"

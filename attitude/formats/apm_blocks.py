@@ -4,7 +4,7 @@ Version 1 has other names for the keywords of version 2, and no marks around its
 """
 
 from attitude.formats import kvn
-from attitude.formats.xml_events import Events
+from attitude.formats.xml_events import MESSAGES, OUTSIDE, Events
 
 VERSIONS = ("1.0", "2.0")
 HEADER = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
@@ -185,16 +185,20 @@ class XmlReader(Events):
     def __init__(self, path):
         super().__init__(path)
         self.message, self._block, self._place, self._attributes = None, None, [], {}
+        self._outside = []
 
     def begin(self, tag, attributes):
-        if self.message is None and tag != "ndm":
+        if tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
             version = attributes.get("version")
             if tag != "apm" or version not in VERSIONS:
                 raise self.fault(
                     f"its outermost element is <{tag[:40]}> of version {version!r}; an APM is "
                     f'<apm id="CCSDS_APM_VERS" version="{" or ".join(VERSIONS)}">.'
                 )
+            if self.message is not None:
+                raise self.fault("it holds several messages; write each into a file of its own.")
             self.message = Collected(version, self.fault)
+            self.message.comments.extend(self._outside)
         elif self._place[-1:] == ["data"] and tag in _XML_BLOCKS:
             self._block = Block(_XML_BLOCKS[tag], self.line)
             self.message.blocks.append(self._block)
@@ -203,6 +207,9 @@ class XmlReader(Events):
 
     def end(self, tag, text):
         self._place.pop()
+        if self.message is None:
+            self._outside += [text] if tag == "COMMENT" else []
+            return
         if tag in _OUTER or tag in _GROUPS:
             return
         if self._place[-1:] == ["data"] and tag in _XML_BLOCKS:

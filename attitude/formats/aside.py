@@ -8,8 +8,8 @@ from attitude.errors import AttitudeError
 
 
 @contextmanager
-def written_whole(path, name="output"):
-    """A text file (UTF-8) that takes the place of `path` only when the block ends well.
+def written_whole(path, name="output", *, binary=False):
+    """A file that takes the place of `path` only when the block ends well.
 
     What is written goes aside, into the same folder, and is renamed at the end; after an error or
     an interrupt nothing is left, and a file that was there before is as it was.  Devices and pipes
@@ -20,6 +20,8 @@ def written_whole(path, name="output"):
     path : str or path
     name : str
         How the path is called in the error message.
+    binary : bool
+        Whether bytes are written, and not text in UTF-8.
 
     Raises
     ------
@@ -33,7 +35,8 @@ def written_whole(path, name="output"):
     folder, last = os.path.split(target)
     aside = target if direct else os.path.join(folder, f".{last}.{os.getpid()}.part")
     try:
-        file = open(aside, "w", encoding="utf-8", newline="")  # noqa: SIM115
+        ways = ("wb",) if binary else ("w", -1, "utf-8", "strict", "")
+        file = open(aside, *ways)  # noqa: SIM115
     except OSError as err:
         raise _cannot(path, name, err) from err
     done = False
@@ -73,9 +76,15 @@ def made_whole(path, name="output"):
     target = os.path.realpath(path)
     if os.path.isdir(target):
         raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
+    if os.path.exists(target) and not os.path.isfile(target):
+        raise AttitudeError(
+            f"{name} {os.fspath(path)!r} is a device or a pipe; give the name of a file."
+        )
     folder, last = os.path.split(target)
     stem, extension = os.path.splitext(last)
     aside = os.path.join(folder, f".{stem}.{os.getpid()}.part{extension}")
+    with suppress(OSError):
+        os.unlink(aside)
     try:
         yield aside
         if os.path.exists(target):

@@ -14,10 +14,12 @@ names.
 The spin types give the pole of body z and the angle about it, as `representations.from_pole`, of
 the body relative to the external axes, whatever the direction.  SPIN knows no rate across body z:
 records whose pole moves have no angular velocity.  With nutation, angular velocity = nutation rate
-about the axis of the cone + SPIN_ANGLE_VEL about body z; NUTATION_PHASE as in Orekit: the axis is
-(sin n cos p, -sin n sin p, cos n) in the body.
+about the axis of the cone + SPIN_ANGLE_VEL about body z; by NUTATION_PHASE p and NUTATION n that
+axis is (sin n cos p, -sin n sin p, cos n) in the body.
 
-Source: CCSDS 504.0-B-1 (2008) and 504.0-B-2 (2024), tables 4-4, annexes on conventions.
+Source: version 2, CCSDS 504.0-B-2 (2024): table 4-4 (columns), 4.2.4.6 (units), annex F (F2
+quaternions, F3 Euler angles, F4 angular velocity, F5 spin).  Version 1, CCSDS 504.0-B-1 (2008):
+4.2.5; what it leaves open is as in version 2, or as Orekit reads it.
 """
 
 from dataclasses import dataclass

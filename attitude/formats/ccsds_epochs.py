@@ -39,6 +39,16 @@ def known(time_system, name="TIME_SYSTEM"):
     return TIME_SYSTEMS[given]
 
 
+def writable(time_system):
+    """The same for a time system that epochs are to be written in."""
+    scale = known(time_system)
+    if scale.upper() not in WRITTEN:
+        raise AttitudeError(
+            f"epochs are not written in {time_system}; give one of {', '.join(WRITTEN)}."
+        )
+    return scale
+
+
 def parsed(tokens, scale):
     """TDB seconds since J2000 of epochs as bytes: arrays hi, lo (N,).
 

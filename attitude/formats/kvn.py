@@ -2,6 +2,8 @@
 
 import re
 
+from attitude.errors import AttitudeError
+
 # KEYWORD = value [unit]
 _PAIR = re.compile(r"\s*([A-Za-z0-9_]+)\s*=\s*(.*?)\s*")
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
@@ -32,6 +34,14 @@ def without_unit(value):
     """The value and its unit, "" where none is given: ``1.5 [deg]``."""
     found = _UNIT.fullmatch(value)
     return (found.group(1), found.group(2).strip()) if found else (value, "")
+
+
+def refuse_line_breaks(text):
+    """Names and comments stand in one line each."""
+    if not isinstance(text, str) or not text.isprintable() or len(text) > 4000:
+        raise AttitudeError(
+            f"{str(text)[:60]!r} cannot be a name or a comment in a message; give one line of text."
+        )
 
 
 def shown(text):

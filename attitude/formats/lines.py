@@ -33,7 +33,7 @@ class Lines:
 
     def fault(self, sentence, line=None):
         """An AttitudeError that begins with the name of the file and the number of the line."""
-        return AttitudeError(f"{self.path}, line {line or self.number}: {sentence}")
+        return AttitudeError(f"{self.path}, line {line or self.number or 1}: {sentence}")
 
     def text(self, line):
         """A line of keywords as text."""

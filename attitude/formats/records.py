@@ -27,9 +27,7 @@ class Records:
         self.motion, self.epoch, self.seconds, self.low = motion, epoch, seconds, low
         self._history = history
         self.meta = dict(getattr(motion, "meta", {}))
-        table = isinstance(motion, AttitudeTable)
-        self.has_rates = not table or motion.angular_velocity is not None
-        self.table = motion if table else None
+        self.table = motion if isinstance(motion, AttitudeTable) else None
         if len(seconds) == 0:
             raise AttitudeError("there are no epochs to write; give one or more.")
         if not np.all(np.isfinite(seconds)):
@@ -41,6 +39,12 @@ class Records:
                 f"epoch {k + 1} is not later than the one before it; files of attitudes hold "
                 "increasing epochs, each once."
             )
+        if self.table is not None:
+            self.has_rates = self.table.angular_velocity is not None
+        elif hasattr(motion, "has_rates_at"):  # a C-kernel, which may hold attitudes alone
+            self.has_rates = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
+        else:
+            self.has_rates = True
 
     def __len__(self):
         return len(self.seconds)

@@ -12,6 +12,17 @@ from attitude.formats import attitude_types, ccsds_epochs
 TOLERANCE = 1e-3
 
 
+def known_tolerance(tolerance):
+    """A tolerance of the length of quaternions that a reader was given."""
+    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    if not (number and tolerance >= 0.0):
+        raise AttitudeError(
+            f"tolerance is {tolerance!r}; give how far from 1 the length of a quaternion may be, 0 "
+            "or more."
+        )
+    return tolerance
+
+
 class Rows:
     """The records of one segment while they are read: epochs, columns and their lines."""
 

@@ -15,7 +15,7 @@ import re
 
 import numpy as np
 
-from attitude import quaternion, tdb
+from attitude import interpolation, quaternion, tdb
 from attitude import representations as forms
 from attitude.epochs import Instant
 from attitude.errors import AttitudeError
@@ -24,7 +24,7 @@ from attitude.formats import records as sources
 from attitude.formats.aside import written_whole
 from attitude.formats.attitude_types import Convention
 from attitude.formats.lines import NoNumber, numbers, opened
-from attitude.formats.segment import TOLERANCE, Rows, columns_of
+from attitude.formats.segment import TOLERANCE, Rows, columns_of, known_tolerance
 
 # Section -> CCSDS attitude type of its columns, and whether the scalar stands first.
 _SECTIONS = {
@@ -53,6 +53,7 @@ _BATCH = 16384
 
 def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None):
     """A file as an AttitudeTable; see `aem.read` for the arguments and errors."""
+    known_tolerance(tolerance)
     with opened(path) as lines:
         _read_banner(lines)
         keywords, where, section = _read_keywords(lines)
@@ -233,9 +234,10 @@ class _Reader:
             raise self._lines.fault(
                 f"{keyword} is {text[:40]!r}; give a whole number.", self._where[keyword]
             )
-        if keyword == "InterpolationOrder" and not 1 <= int(text) <= 31:
+        most = interpolation.MOST_DEGREE
+        if keyword == "InterpolationOrder" and not 1 <= int(text) <= most:
             raise self._lines.fault(
-                f"{keyword} is {text}; it must be 1 to 31.", self._where[keyword]
+                f"{keyword} is {text}; it must be 1 to {most}.", self._where[keyword]
             )
         return int(text)
 
@@ -267,7 +269,7 @@ def write(
     frame : str
         "ICRF", "J2000" (EME2000), "Fixed", "TEMEOfDate" or "VVLH" (with orbit=).
     order : int, optional
-        InterpolationOrder, 7 by default.
+        InterpolationOrder, that of a table or else 7 by default, less where records are few.
     """
     parts = sources.segments(source, t)
     if len(parts) != 1:
@@ -286,7 +288,13 @@ def write(
     sequence = quaternion.known_sequence(sequence).upper()
     how = Convention(scalar_first=scalar_first, sequence=sequence)
     start, shift = _whole_second(part)
-    order = order or (part.table.degree if part.table is not None else 7)
+    if order is None:
+        order = part.table.degree if part.table is not None else interpolation.USUAL_DEGREE
+        order = max(min(order, len(part) - 1), 1)
+    elif not (isinstance(order, int) and 1 <= order <= interpolation.MOST_DEGREE):
+        raise AttitudeError(
+            f"order is {order!r}; give a whole number from 1 to {interpolation.MOST_DEGREE}."
+        )
     head = {
         "NumberOfAttitudePoints": len(part),
         "BlockingFactor": 20,

@@ -10,18 +10,21 @@ Reading takes these, and tables with similar columns: any Time column or ``jd1``
 ``utc`` for the epochs, either spelling of the others.
 """
 
+import io
 import os
 import warnings
 
 import numpy as np
 
 from attitude import epochs, tdb
+from attitude import representations as forms
 from attitude.attitude_table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.formats import ccsds_epochs
 from attitude.formats import records as sources
-from attitude.formats.aside import made_whole, written_whole
+from attitude.formats.aside import written_whole
 from attitude.formats.lines import NoNumber, numbers, opened
+from attitude.formats.segment import TOLERANCE, Rows, known_tolerance
 
 KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
 _ATTITUDE = ("w", "x", "y", "z")
@@ -56,8 +59,12 @@ def qtable(source, *, t=None, rates=True):
     return table
 
 
-def from_table(table, origin="the table"):
-    """An AttitudeTable of an astropy table; see the top of the file for its columns."""
+def from_table(table, origin="the table", *, tolerance=TOLERANCE):
+    """An AttitudeTable of an astropy table; see the top of the file for its columns.
+
+    `tolerance` is how far from 1 the length of a quaternion may be, as of `aem.read`.
+    """
+    known_tolerance(tolerance)
     time = _times(table, origin)
     wxyz = _columns(table, "wxyz", _ATTITUDE, origin, unit=None)
     if wxyz is None:
@@ -66,11 +73,17 @@ def from_table(table, origin="the table"):
     meta = {str(key).lower(): value for key, value in table.meta.items()}
     starts = meta.get("segment", [0])
     method, degree = meta.get("method"), meta.get("degree")
+    try:
+        wxyz = forms.unit(wxyz, tolerance=tolerance)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
     return _segmented(time, wxyz, rates, starts, method, degree, meta, origin)
 
 
-def read(path):
+def read(path, *, tolerance=TOLERANCE):
     """A file of any of these kinds as an AttitudeTable; its ending tells the kind.
+
+    `tolerance` is how far from 1 the length of a quaternion may be, as of `aem.read`.
 
     Raises
     ------
@@ -78,30 +91,29 @@ def read(path):
         With the file, and for CSV the line, for what is wrong.
     """
     kind = kind_of(path)
+    known_tolerance(tolerance)
     if kind == "csv":
-        return _read_csv(path)
+        return _read_csv(path, tolerance)
     if kind == "parquet":
-        return _read_parquet(path)
+        return _read_parquet(path, tolerance)
     from astropy.table import QTable
 
     origin = os.fspath(path)
     try:
-        with open(path, "rb"):
-            pass
-        with warnings.catch_warnings():
+        # Opened here, so that no broken file stays open in astropy.
+        with open(path, "rb") as file, warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            given = (
-                {"format": "ascii.ecsv"}
-                if kind == "ecsv"
-                else {"format": "fits", "astropy_native": True}
-            )
-            table = QTable.read(origin, **given)
+            if kind == "ecsv":
+                lines = file.read().decode("utf-8-sig").replace("\r\n", "\n").split("\n")
+                table = QTable.read(lines, format="ascii.ecsv")
+            else:
+                table = QTable.read(file, format="fits", astropy_native=True)
     except OSError as err:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
     except Exception as err:  # what astropy raises for broken files is of any kind
         reason = " ".join(str(err).split())[:200] or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
-    return from_table(table, origin)
+    return from_table(table, origin, tolerance=tolerance)
 
 
 def write(path, source, *, t=None, rates=True):
@@ -116,14 +128,18 @@ def write(path, source, *, t=None, rates=True):
         _write_parquet(path, source, t, rates)
     else:
         table = qtable(source, t=t, rates=rates)
-        with made_whole(path, "the table") as aside:
-            if kind == "ecsv":
-                table.write(aside, format="ascii.ecsv", serialize_method="jd1_jd2", overwrite=True)
-            else:
-                with warnings.catch_warnings():
-                    warnings.simplefilter("ignore")  # lower-case keywords become upper-case
-                    table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
-                    table.write(aside, format="fits", overwrite=True)
+        # astropy does not see that a disk is full: it writes into memory.
+        if kind == "ecsv":
+            content = io.StringIO()
+            table.write(content, format="ascii.ecsv", serialize_method="jd1_jd2")
+        else:
+            content = io.BytesIO()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # lower-case keywords become upper-case
+                table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
+                table.write(content, format="fits")
+        with written_whole(path, "the table", binary=kind == "fits") as file:
+            file.write(content.getvalue())
 
 
 def kind_of(path):
@@ -171,16 +187,19 @@ def _times(table, origin):
 def _columns(table, name, names, origin, unit):
     from attitude import gates
 
-    if name in table.colnames:
-        given = table[name]
-    elif set(names) <= set(table.colnames):
-        given = np.stack([_plain(table[each], unit) for each in names], axis=-1)
-    else:
-        return None
     try:
+        if name in table.colnames:
+            given = table[name]
+        elif set(names) <= set(table.colnames):
+            given = np.stack([_plain(table[each], unit) for each in names], axis=-1)
+        else:
+            return None
         return gates.real(given, name, shape=(len(table), len(names)), unit=unit)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
+    except (ValueError, TypeError) as err:  # astropy, of units that are none
+        reason = " ".join(str(err).split())[:200]
+        raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from err
 
 
 def _plain(column, unit):
@@ -246,9 +265,8 @@ def _write_csv(path, source, t, rates):
             file.write("".join([pattern % row for row in zip(dates, *columns, strict=True)]))
 
 
-def _read_csv(path):
+def _read_csv(path, tolerance):
     from attitude.formats.axes import named
-    from attitude.formats.segment import Rows
 
     with opened(path) as lines:
         names = _csv_names(lines)
@@ -277,7 +295,8 @@ def _read_csv(path):
         from attitude.formats.attitude_types import Convention
 
         how = Convention(scalar_first=True, in_radians=True)
-        return rows.table(kind, how, named("ICRF"), lines.fault, meta={"format": "CSV"})
+        told = {"tolerance": tolerance, "meta": {"format": "CSV"}}
+        return rows.table(kind, how, named("ICRF"), lines.fault, **told)
 
 
 def _csv_names(lines):
@@ -337,8 +356,8 @@ def _write_parquet(path, source, t, rates):
         metadata={"attitude": json.dumps(said), "wxyz": "body to ICRF, scalar first"},
     )
     with (
-        made_whole(path, "the table") as aside,
-        pyarrow.parquet.ParquetWriter(aside, schema) as writer,
+        written_whole(path, "the table", binary=True) as file,
+        pyarrow.parquet.ParquetWriter(file, schema) as writer,
     ):
         for part in parts:
             for history in part.pieces():
@@ -351,7 +370,7 @@ def _write_parquet(path, source, t, rates):
                 writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
-def _read_parquet(path):
+def _read_parquet(path, tolerance):
     import json
 
     pyarrow = _pyarrow()
@@ -372,4 +391,4 @@ def _read_parquet(path):
         found = Table(columns, meta=said if isinstance(said, dict) else {})
     except (ValueError, TypeError, pyarrow.ArrowException) as err:
         raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
-    return from_table(found, origin)
+    return from_table(found, origin, tolerance=tolerance)

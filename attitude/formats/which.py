@@ -1,6 +1,7 @@
 """Which format a file has, by what is in it or by its ending; reading and writing any of them."""
 
 import os
+from typing import NamedTuple
 
 from attitude.errors import AttitudeError
 from attitude.formats.lines import unreadable
@@ -10,6 +11,7 @@ ENDINGS = {
     ".aem": "aem",
     ".xml": "aem-xml",
     ".apm": "apm",
+    ".apm.xml": "apm-xml",
     ".a": "stk",
     ".toml": "spin",
     ".spin": "damit",
@@ -21,12 +23,12 @@ ENDINGS = {
     ".parquet": "table",
 }
 # Formats that hold a motion, and not attitudes at epochs.
-OF_MOTIONS = ("apm", "spin", "damit")
+OF_MOTIONS = ("apm", "apm-xml", "spin", "damit")
 _SNIFFED = 4096
 
 
 def of_file(path):
-    """The format of a file that is there: one of the values of ENDINGS, or "apm-xml".
+    """The format of a file that is there: one of the values of ENDINGS.
 
     Raises
     ------
@@ -49,9 +51,8 @@ def of_file(path):
             return found
     if text.startswith(b"<"):
         return "apm-xml" if b"<apm" in text else "aem-xml"
-    ending = os.path.splitext(os.fspath(path))[1].lower()
-    if ending in ENDINGS:
-        return ENDINGS[ending]
+    if _ending(path) in ENDINGS:
+        return ENDINGS[_ending(path)]
     if len(text.split(b"\n")[0].split()) == 3:
         return "damit"
     raise AttitudeError(
@@ -62,7 +63,7 @@ def of_file(path):
 
 def to_write(path):
     """The format that the ending of a file asks for."""
-    ending = os.path.splitext(os.fspath(path))[1].lower()
+    ending = _ending(path)
     if ending not in ENDINGS:
         raise AttitudeError(
             f"{os.fspath(path)!r} ends in {ending!r}, which tells no format; endings are "
@@ -71,8 +72,31 @@ def to_write(path):
     return ENDINGS[ending]
 
 
-def read(path, *, tolerance=None, frame=None, orbit=None, body=None, kernels=()):
-    """A file in any format, as something with ``.at(t)``.
+def _ending(path):
+    name = os.path.basename(os.fspath(path)).lower()
+    return ".apm.xml" if name.endswith(".apm.xml") else os.path.splitext(name)[1]
+
+
+class Source(NamedTuple):
+    """What was read, with ``.at(t)``, and what else its file says: names, comments, notes."""
+
+    motion: object
+    said: dict
+
+
+def read(path, **how):
+    """A file in any format, as something with ``.at(t)``; see `opened` for the arguments.
+
+    Returns
+    -------
+    AttitudeTable, FreeRotation or KernelAttitude
+        The last of these is to be closed.
+    """
+    return opened(path, **how).motion
+
+
+def opened(path, *, tolerance=None, frame=None, orbit=None, body=None, kernels=()):
+    """A file in any format, as a `Source`.
 
     Parameters
     ----------
@@ -82,40 +106,46 @@ def read(path, *, tolerance=None, frame=None, orbit=None, body=None, kernels=())
         The frame to be read out of a C-kernel.
     kernels : paths
         Others that a C-kernel needs; x.tf and x.tsc beside it are found.
-
-    Returns
-    -------
-    AttitudeTable, FreeRotation or KernelAttitude
     """
     kind = of_file(path)
-    ways = {"frame": frame, "orbit": orbit}
-    if tolerance is not None:
-        ways["tolerance"] = tolerance
+    lengths = {} if tolerance is None else {"tolerance": tolerance}
+    ways = {"frame": frame, "orbit": orbit, **lengths}
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        return aem.read(path, **ways)
+        return _table(aem.read(path, **ways))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
-        return apm.read(path, **ways).motion
+        found = apm.read(path, **ways)
+        names = ("object_name", "object_id", "center", "comments")
+        return Source(found.motion, {name: found.meta[name] for name in names})
     if kind == "stk":
         from attitude.formats import stk
 
-        return stk.read(path, **ways)
+        return _table(stk.read(path, **ways))
     if kind == "spin":
         from attitude.formats import spin_file
 
-        return spin_file.read(path).motion
+        found = spin_file.read(path)
+        return Source(
+            found.motion, {name: getattr(found, name) for name in ("name", "source", "note")}
+        )
     if kind == "damit":
         from attitude.formats import damit
 
-        return damit.read(path).motion()
+        found = damit.read(path)
+        return Source(found.motion(), {"scattering": found.scattering})
     if kind == "ck":
-        return _kernel(path, body, kernels)
+        return Source(_kernel(path, body, kernels), {})
     from attitude.formats import tables
 
-    return tables.read(path)
+    return _table(tables.read(path, **lengths))
+
+
+def _table(table):
+    names = ("object_name", "object_id", "center", "comments")
+    return Source(table, {name: table.meta[name] for name in names if table.meta.get(name)})
 
 
 def _kernel(path, body, kernels):
@@ -156,10 +186,10 @@ def write_motion(path, motion, **settings):
         from attitude.formats import spin_file
 
         spin_file.write(path, motion, **settings)
-    elif kind == "apm":
+    elif kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
-        apm.write(path, motion, **settings)
+        apm.write(path, motion, xml=kind == "apm-xml", **settings)
     elif kind == "damit":
         from attitude.formats import damit
 

@@ -10,19 +10,26 @@ from xml.parsers import expat
 from attitude.errors import AttitudeError
 from attitude.formats.lines import unreadable
 
-_PIECE = 1 << 16
+_PIECE = 1 << 20
 _DEEPEST = 32
 _LONGEST = 20_000
+
+
+# Messages that CCSDS 505.0-B-3 knows, and what may stand around one.
+MESSAGES = ("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm")
+OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
 
 
 class Events:
     """Calls what a subclass does with elements: `begin(tag, attributes)`, `end(tag, text)`.
 
-    `line` is that of the file where the parser stands.
+    `line` is that of the file where the parser stands.  A subclass may keep pieces of the file from
+    the parser (`take`), if it counts their lines (`skipped`).
     """
 
     def __init__(self, path):
         self.path = os.fspath(path)
+        self.fed = self.skipped = 0
         self._depth = 0
         self._text, self._length = [], 0
         self._error = None
@@ -39,7 +46,12 @@ class Events:
 
     @property
     def line(self):
-        return self._parser.CurrentLineNumber
+        return self._parser.CurrentLineNumber + self.skipped
+
+    @property
+    def place(self):
+        """Of all the bytes that the parser was fed, that at which the present tag begins."""
+        return self._parser.CurrentByteIndex
 
     def fault(self, sentence, line=None):
         return AttitudeError(f"{self.path}, line {line or self.line}: {sentence}")
@@ -48,11 +60,12 @@ class Events:
         try:
             with open(self.path, "rb") as file:
                 while piece := file.read(_PIECE):
-                    self._parser.Parse(piece, False)
-            self._parser.Parse(b"", True)
+                    self.take(piece)
+            self.take(b"", last=True)
         except expat.ExpatError as err:
             raise self.fault(
-                f"it is not well-formed XML ({expat.ErrorString(err.code)}).", err.lineno
+                f"it is not well-formed XML ({expat.ErrorString(err.code)}).",
+                err.lineno + self.skipped,
             ) from err
         except (LookupError, ValueError) as err:
             if isinstance(err, AttitudeError):
@@ -60,6 +73,15 @@ class Events:
             raise self.fault(f"its encoding cannot be read ({err}); give UTF-8.") from err
         except OSError as err:
             raise unreadable(self.path, err) from err
+
+    def take(self, piece, last=False):
+        """What the file holds, piece by piece; the last one is empty."""
+        self.feed(piece, last)
+
+    def feed(self, piece, last=False):
+        """Give a piece to the parser."""
+        self.fed += len(piece)
+        self._parser.Parse(piece, last)
 
     def _start(self, tag, attributes):
         self._depth += 1
