@@ -1,6 +1,6 @@
 """What does an attitude cost, and how wrong is it?  This project beside what one would use instead.
 
-    python benchmarks/runtime_vs_error.py            # about 15 minutes
+    python benchmarks/runtime_vs_error.py            # about 25 minutes
     python benchmarks/runtime_vs_error.py --quick    # below 2 minutes
 
 Every method propagates the same states to the same epochs, set-up included; errors are against the
