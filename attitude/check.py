@@ -64,7 +64,7 @@ def check():
 
     Notes
     -----
-    Below 10 s, most of it compilation when the disk cache is cold.
+    Below 1 s, and about 10 s where the disk cache is cold, nearly all of it compilation.
     """
     start = time.perf_counter()
     worst, epochs = {}, 0
