@@ -302,7 +302,7 @@ def test_facets_of_very_different_sizes():
 
 @given(st.integers(0, 10**6), st.floats(0.0, 180.0))
 def test_no_facet_that_is_lit_and_seen_is_passed_over(seed, alpha):
-    from attitude.light_curve.clusters import cell_scale, clusters_of
+    from attitude.light_curve.clusters import SIZE, cell_scale, clusters_of
 
     clusters = clusters_of(FACETS)
     sun, observer, _ = pairs(20, alpha, alpha, seed)
@@ -314,8 +314,29 @@ def test_no_facet_that_is_lit_and_seen_is_passed_over(seed, alpha):
             i, j, k = (v * cell_scale(clusters.cells) + clusters.cells / 2).astype(int)
             words = words & clusters.sky[(i * clusters.cells + j) * clusters.cells + k]
         bits = np.unpackbits(words.view(np.uint8), bitorder="little")[: clusters.count]
-        kept = np.repeat(bits, 16)[np.argsort(clusters.order)[-len(FACETS) :]]
+        kept = np.repeat(bits, SIZE)[np.argsort(clusters.order)[-len(FACETS) :]]
         assert np.all(kept[shown])
+
+
+@pytest.mark.parametrize("shape", [box((1, 2, 3)), FACETS], ids=["box", "ellipsoid"])
+def test_a_cluster_keeps_the_normals_and_areas_of_its_facets(shape):
+    from attitude.light_curve.clusters import clusters_of
+
+    clusters = clusters_of(shape)
+    assert np.array_equal(np.sort(clusters.order[clusters.order >= 0]), np.arange(len(shape)))
+    for rows, (way, own), order in zip(
+        clusters.rows(), clusters.axes, clusters.order.reshape(clusters.count, -1), strict=True
+    ):
+        used = order >= 0
+        one, two, height, area = rows[:, used]
+        normals = shape.normals[order[used]]
+        laid_out = np.concatenate([normals, normals[:, :2], -normals], axis=1)
+        assert np.min(height) > 0.2  # or slopes would lose digits
+        assert laid_out[:, own] == pytest.approx(height, abs=1e-16)
+        assert laid_out[:, way] == pytest.approx(one * height, abs=1e-15)
+        assert laid_out[:, way + np.uint64(1)] == pytest.approx(two * height, abs=1e-15)
+        assert area * clusters.area == pytest.approx(shape.areas[order[used]], rel=1e-14)
+        assert not rows[3, ~used].any()
 
 
 def test_nothing_heavy_is_imported_before_it_is_used():

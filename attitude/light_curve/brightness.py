@@ -6,9 +6,9 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.light_curve.blocks import in_blocks
-from attitude.light_curve.clusters import ROWS, SIZE, aligned, clusters_of
-from attitude.light_curve.directions import components, paired, phase_angle
-from attitude.light_curve.visibility import Visibility
+from attitude.light_curve.clusters import aligned, clusters_of
+from attitude.light_curve.directions import components, paired
+from attitude.light_curve.visibility import POINTS, Visibility
 from attitude.scattering import LommelSeeliger
 from attitude.scattering import law as known_law
 from attitude.shape import Ellipsoid, Mesh
@@ -88,11 +88,14 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
     has_phase = not isinstance(shape, Ellipsoid) and hasattr(law, "weights")
     vary = has_phase and np.any(law.phase(np.array([0.0, 1.0, 2.0])) != 1.0)
 
+    if vary:
+        from attitude.solution.separation import separation
+
     def work(begin, end):
         parts = components(sun, observer, begin, end)
         kernel(*parts, flat[begin:end])
         if vary:
-            flat[begin:end] *= law.phase(phase_angle(*parts))
+            flat[begin:end] *= law.phase(separation(*parts))
 
     in_blocks(work, flat.size, BLOCK, threads, progress)
     return out if out.ndim else out[()]
@@ -161,21 +164,13 @@ def _fused_kernel(mesh, law, table):
     from attitude.light_curve import sums
 
     clusters = clusters_of(mesh)
-    seeliger, lambert = law.weights
-    blocks = clusters.blocks.reshape(-1, ROWS, SIZE).copy()
-    blocks[:, 3] *= lambert * clusters.area
+    blocks = clusters.rows()
+    height, area = blocks[:, 2], blocks[:, 3] * clusters.area
     if table is not None:
-        blocks, seeliger = aligned(blocks), seeliger * clusters.area
-        rest = blocks, clusters.sky, clusters.cells, seeliger, table.masks, table.resolution
-        return lambda *arrays: sums.shadowed(*rest, *arrays)
-    if seeliger == 0.0:
-        rest = aligned(blocks), clusters.sky, clusters.cells
-        return lambda *arrays: sums.fused_lambert(*rest, *arrays)
-    # Normals are stretched so that the weight of 1 / (mu0 + mu) is in them: a product less.
-    stretch = seeliger * clusters.area
-    blocks[:, :3] *= stretch
-    blocks[:, 3] /= stretch**2
-    rest = aligned(blocks), clusters.sky, clusters.cells
+        area /= POINTS
+    seeliger, lambert = law.weights
+    blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
+    rest = aligned(blocks), *_looked_up(clusters, table)
     return lambda *arrays: sums.fused(*rest, *arrays)
 
 
@@ -185,16 +180,17 @@ def _facet_kernel(mesh, law, table):
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, 0, number[clusters.order])
-    if table is None:
-        masks, resolution = np.full((1, len(which)), 255, dtype=np.uint8), 0
-    else:
-        masks, resolution = table.masks, table.resolution
+    rest = clusters.blocks, *_looked_up(clusters, table), rows, which
     area = clusters.area
 
     def kernel(*arrays):
-        sums.by_facet(
-            clusters.blocks, clusters.sky, clusters.cells, rows, which, masks, resolution, *arrays
-        )
+        sums.by_facet(*rest, *arrays)
         arrays[-1][:] *= area
 
     return kernel
+
+
+def _looked_up(clusters, table):
+    """What a kernel asks for each direction: which clusters show, and which points are free."""
+    free = (None, 0) if table is None else (table.masks.view(np.uint64), table.resolution)
+    return clusters.axes, clusters.sky, clusters.cells, *free

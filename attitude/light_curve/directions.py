@@ -42,6 +42,8 @@ def components(sun, observer, begin, end):
         # The sum of squares of |v|^2 - 1: NaN, or any single vector beyond the bound, shows in it.
         if not stray(*own) <= _UNIT**2:
             _refuse_the_first(own, name, begin)
+        for part in own:
+            part.flags.writeable = False  # one type for the kernels, and compiled once
         parts.extend(own)
     return parts
 
@@ -56,10 +58,3 @@ def _refuse_the_first(own, name, begin):
             f"{name} at epoch {begin + bad} is {[float(v[bad]) for v in own]}; give finite "
             "vectors of length 1."
         )
-
-
-def phase_angle(sx, sy, sz, ox, oy, oz):
-    """The angle between two directions, exact at 0 and pi: 2 atan2(|s - o|, |s + o|)."""
-    near = (sx - ox) ** 2 + (sy - oy) ** 2 + (sz - oz) ** 2
-    far = (sx + ox) ** 2 + (sy + oy) ** 2 + (sz + oz) ** 2
-    return 2.0 * np.arctan2(np.sqrt(near), np.sqrt(far))

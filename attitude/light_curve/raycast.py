@@ -3,7 +3,7 @@
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.light_curve.directions import paired, phase_angle
+from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import points_of
 from attitude.scattering import law as known_law
 
@@ -32,6 +32,8 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
     Two rays a facet, point and epoch that is lit and turned to the observer: some 1e6 a second.
     A share of the facet counts when its point sees both Sun and observer.
     """
+    from attitude.solution.separation import separation
+
     law = known_law(law)
     if not hasattr(law, "weights"):
         raise AttitudeError(f"law is {law!r}; rays are cast for the fused laws only.")
@@ -42,7 +44,7 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
         places = np.einsum("pk,fki->fpi", np.asarray(points, dtype=float), mesh.corners)
     blocked = _caster(mesh)
     a, b = law.weights
-    phase = law.phase(phase_angle(*sun.T, *observer.T))
+    phase = law.phase(separation(*components(sun, observer, 0, len(sun))))
     out = np.zeros(len(sun))
     # Away from the facet itself by far less than any facet, and more than embree's floats resolve.
     lift = 1e-4 * np.sqrt(np.min(mesh.areas)) * mesh.normals

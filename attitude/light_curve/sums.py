@@ -1,7 +1,8 @@
-"""The sums over facets, compiled: one epoch after the other, sixteen facets at a time.
+"""The sums over facets, compiled: one epoch after the other, eight facets at a time.
 
 Only `brightness` calls them.  Directions come by component, so that an array in component-major
-memory is read in place.  Facets are those of `clusters`; masks those of `visibility`.
+memory is read in place.  Facets are those of `clusters`, whose rows the caller has weighted; masks
+are those of `visibility`, or None where nothing casts a shadow.
 """
 
 import math
@@ -10,24 +11,22 @@ import numpy as np
 
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
+from attitude.light_curve.lanes import at_least, bits_set_in_bytes, lanes, spread, summed_up
 from attitude.scattering.codes import WIDTH
 from attitude.scattering.compiled import element, of_phase
 from attitude.scattering.machine import bits_set, lowest_bit, merged, summed
 
-# In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: areas are in
-# units of the whole, so a body that shows nothing sums to less than _NOTHING.
+# In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: a body that
+# shows nothing sums to less than _NOTHING.
 _TINY = 1e-100
 _NOTHING = 1e-90
 
 # Unsigned indices: numba would otherwise allow for negative ones in every access.
+_0, _1, _EYE = np.uint64(0), np.uint64(1), np.uint64(8)
 _BLOCK = np.uint64(ROWS * SIZE)
 _PLACES = np.uint64(SIZE)
-_1 = np.uint64(SIZE)
-_2 = np.uint64(2 * SIZE)
-_3 = np.uint64(3 * SIZE)
+_ROW_1, _ROW_2, _ROW_3 = (np.uint64(k * SIZE) for k in (1, 2, 3))
 _WORD = np.uint64(WORD)
-_ONE = np.uint64(1)
-_NONE = np.uint64(0)
 
 cell_scale = merged(_cell_scale)
 
@@ -47,13 +46,17 @@ def _looked_up(cells, x, y, z):
 
 
 @merged
-def _added(part):
-    """The sum of the sixteen, in halves: one after the other they would wait for each other."""
-    for j in range(8):
-        part[j] += part[j + 8]
-    for j in range(4):
-        part[j] += part[j + 4]
-    return (part[0] + part[2]) + (part[1] + part[3])
+def _laid_out(ways, first, x, y, z):
+    """A direction for clusters of every axis: see `Clusters.axes`."""
+    ways[first], ways[first + 1], ways[first + 2] = x, y, z
+    ways[first + 3], ways[first + 4] = x, y
+    ways[first + 5], ways[first + 6], ways[first + 7] = -x, -y, -z
+
+
+@merged
+def _cosines(x, y, ways, way, own):
+    """Those between normals of slopes x and y and a direction, over the normals' heights."""
+    return x * spread(ways[way]) + y * spread(ways[way + _1]) + spread(ways[own])
 
 
 @summed
@@ -67,114 +70,85 @@ def stray(x, y, z):
 
 
 @summed
-def fused(blocks, sky, cells, sx, sy, sz, ox, oy, oz, out):
-    """Sum of mu0 mu [1 / (mu0 + mu) + w] dA; w dA^-1 is in the fourth row of `blocks`."""
-    part = np.empty(SIZE)
+def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, out):
+    """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
+
+    g and h are in the third and fourth row of `blocks`.  With masks, one word for the eight facets
+    of a cluster, each facet counts as often as it has points both lit and seen.
+    """
+    ways = np.empty(16)
+    tiny, none = spread(_TINY), spread(0.0)
     for t in range(out.size):
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-        for j in range(SIZE):
-            part[j] = 0.0
+        if masks is not None:
+            free_sun = np.uint64(cell(a, b, c, resolution))
+            free_eye = np.uint64(cell(d, e, f, resolution))
+        _laid_out(ways, 0, a, b, c)
+        _laid_out(ways, 8, d, e, f)
+        part = none
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
-            while word != _NONE:
-                i = (lowest_bit(word) + w * _WORD) * _BLOCK
-                word &= word - _ONE
-                for j in range(_PLACES):
-                    x, y, z = blocks[i + j], blocks[i + _1 + j], blocks[i + _2 + j]
-                    p = max(x * a + y * b + z * c, _TINY)
-                    q = max(x * d + y * e + z * f, 0.0)
-                    part[j] += p * q * (1.0 / (p + q) + blocks[i + _3 + j])
-        total = _added(part)
+            while word != _0:
+                n = lowest_bit(word) + w * _WORD
+                word &= word - _1
+                i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
+                x, y = lanes(blocks, i), lanes(blocks, i + _ROW_1)
+                g, h = lanes(blocks, i + _ROW_2), lanes(blocks, i + _ROW_3)
+                p = at_least(_cosines(x, y, ways, way, own), tiny)
+                q = at_least(_cosines(x, y, ways, way + _EYE, own + _EYE), none)
+                product = p * q
+                if masks is not None:
+                    product = product * bits_set_in_bytes(masks[free_sun, n] & masks[free_eye, n])
+                part = part + product * (g / (p + q) + h)
+        total = summed_up(part)
         out[t] = total if total > _NOTHING else 0.0
 
 
 @summed
-def fused_lambert(blocks, sky, cells, sx, sy, sz, ox, oy, oz, out):
-    """Sum of mu0 mu w dA; w dA^-1 is in the fourth row of `blocks`."""
-    part = np.empty(SIZE)
-    for t in range(out.size):
-        a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-        lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-        for j in range(SIZE):
-            part[j] = 0.0
-        for w in range(np.uint64(sky.shape[1])):
-            word = sky[lit, w] & sky[seen, w]
-            while word != _NONE:
-                i = (lowest_bit(word) + w * _WORD) * _BLOCK
-                word &= word - _ONE
-                for j in range(_PLACES):
-                    x, y, z = blocks[i + j], blocks[i + _1 + j], blocks[i + _2 + j]
-                    p = max(x * a + y * b + z * c, 0.0)
-                    q = max(x * d + y * e + z * f, 0.0)
-                    part[j] += p * q * blocks[i + _3 + j]
-        total = _added(part)
-        out[t] = total
-
-
-@summed
-def shadowed(blocks, sky, cells, weight, masks, resolution, sx, sy, sz, ox, oy, oz, out):
-    """As `fused` times `weight` for 1 / (mu0 + mu), each facet by its share both lit and seen."""
-    part = np.empty(SIZE)
-    for t in range(out.size):
-        a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-        free_sun = np.uint64(cell(a, b, c, resolution))
-        free_eye = np.uint64(cell(d, e, f, resolution))
-        lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-        for j in range(SIZE):
-            part[j] = 0.0
-        for w in range(np.uint64(sky.shape[1])):
-            word = sky[lit, w] & sky[seen, w]
-            while word != _NONE:
-                i = (lowest_bit(word) + w * _WORD) * _BLOCK
-                word &= word - _ONE
-                k = i // np.uint64(ROWS)
-                for j in range(_PLACES):
-                    x, y, z = blocks[i + j], blocks[i + _1 + j], blocks[i + _2 + j]
-                    p = max(x * a + y * b + z * c, _TINY)
-                    q = max(x * d + y * e + z * f, 0.0)
-                    share = np.float64(bits_set(masks[free_sun, k + j] & masks[free_eye, k + j]))
-                    part[j] += p * q * share * (weight / (p + q) + blocks[i + _3 + j])
-        total = _added(part)
-        out[t] = total * 0.125 if total > _NOTHING else 0.0
-
-
-@summed
-def by_facet(blocks, sky, cells, rows, which, masks, resolution, sx, sy, sz, ox, oy, oz, out):
+def by_facet(blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out):
     """Sum of mu0 mu (r / mu0) dA for laws that are evaluated facet by facet.
 
-    Here a branch pays: a law costs many times the test.  resolution 0: no shadows.
+    Here a branch pays: a law costs many times the test.
     """
     now = np.empty((rows.shape[0], WIDTH))
+    ways = np.empty(16)
+    share = 1.0
     for t in range(out.size):
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         cos_alpha = a * d + b * e + c * f
         for m in range(rows.shape[0]):
             of_phase(rows[m], cos_alpha, now[m])
-        free_sun = np.uint64(cell(a, b, c, resolution) if resolution > 0 else 0)
-        free_eye = np.uint64(cell(d, e, f, resolution) if resolution > 0 else 0)
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
+        if masks is not None:
+            free_sun = np.uint64(cell(a, b, c, resolution))
+            free_eye = np.uint64(cell(d, e, f, resolution))
+        _laid_out(ways, 0, a, b, c)
+        _laid_out(ways, 8, d, e, f)
         total = 0.0
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
-            while word != _NONE:
-                i = (lowest_bit(word) + w * _WORD) * _BLOCK
-                word &= word - _ONE
-                k = i // np.uint64(ROWS)
+            while word != _0:
+                n = lowest_bit(word) + w * _WORD
+                word &= word - _1
+                i, way, own, k = n * _BLOCK, axes[n, 0], axes[n, 1], n * _PLACES
+                a, b, c = ways[way], ways[way + _1], ways[own]
+                way, own = way + _EYE, own + _EYE
+                d, e, f = ways[way], ways[way + _1], ways[own]
+                if masks is not None:
+                    free = masks[free_sun, n] & masks[free_eye, n]
                 for j in range(_PLACES):
-                    x, y, z = blocks[i + j], blocks[i + _1 + j], blocks[i + _2 + j]
-                    p = x * a + y * b + z * c
-                    q = x * d + y * e + z * f
+                    x, y = blocks[i + j], blocks[i + _ROW_1 + j]
+                    p, q = x * a + y * b + c, x * d + y * e + f
                     if p > 0.0 and q > 0.0:
-                        share = np.float64(
-                            bits_set(masks[free_sun, k + j] & masks[free_eye, k + j])
-                        )
-                        if share > 0.0:
-                            inverse = blocks[i + _3 + j]
-                            n = which[k + j]
-                            r = element(rows[n], now[n], p * inverse, q * inverse)
-                            total += share * p * q * inverse * r
-        out[t] = total * 0.125
+                        height, area = blocks[i + _ROW_2 + j], blocks[i + _ROW_3 + j]
+                        if masks is not None:
+                            share = 0.125 * bits_set(np.uint8(free >> (j * _PLACES)))
+                        if share > 0.0 and area > 0.0:
+                            m = which[k + j]
+                            p, q = p * height, q * height
+                            total += share * area * p * q * element(rows[m], now[m], p, q)
+        out[t] = total
 
 
 @merged

@@ -1,7 +1,4 @@
-"""The compiled loops of a scene: lengths and directions, angles, emission epochs.
-
-All arrays are component-major; a direction (3, 1) is the same for all epochs.
-"""
+"""The compiled loops of a scene: lengths and directions, emission epochs."""
 
 import math
 
@@ -19,22 +16,6 @@ def normalised(vectors, sign, begin, unit, length):
         unit[0, begin + k] = sign * x / size
         unit[1, begin + k] = sign * y / size
         unit[2, begin + k] = sign * z / size
-
-
-@compiled
-def halves(a, b, near, far):
-    """|a - b| and |a + b| of unit vectors, of which the angle is 2 atan2(near, far).
-
-    Exact at 0 and pi, where an arc cosine loses half of its digits.
-    """
-    step_a = 0 if a.shape[1] == 1 else 1
-    step_b = 0 if b.shape[1] == 1 else 1
-    for k in range(near.size):
-        i, j = k * step_a, k * step_b
-        x, y, z = a[0, i] - b[0, j], a[1, i] - b[1, j], a[2, i] - b[2, j]
-        near[k] = math.sqrt(x * x + y * y + z * z)
-        x, y, z = a[0, i] + b[0, j], a[1, i] + b[1, j], a[2, i] + b[2, j]
-        far[k] = math.sqrt(x * x + y * y + z * z)
 
 
 @compiled

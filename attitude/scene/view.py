@@ -202,14 +202,10 @@ class View(Pointing, Sky, Brightness, Frozen):
     @quantity("rad")
     def phase_angle(self):
         """Angle at the body between Sun and observer, 0 to pi."""
-        from attitude.scene import kernels
+        from attitude.solution.separation import separation
 
-        sun, observer = self.sun_line.unit, self.observer_line.unit
-        near, far = np.empty((2, max(sun.shape[1], observer.shape[1])))
-        kernels.halves(read_only(sun), read_only(observer), near, far)
-        np.arctan2(near, far, out=near)
-        near *= 2.0
-        return self._numbers(near)
+        sun, observer = read_only(self.sun_line.unit), read_only(self.observer_line.unit)
+        return self._numbers(separation(*sun, *observer))
 
     @quantity("rad", ("longitude", "latitude"))
     def phase_angle_bisector(self):
