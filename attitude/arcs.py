@@ -302,8 +302,8 @@ class Arcs(Frozen):
             with np.errstate(invalid="ignore"):
                 pair = tdb.two_sum(t, np.ascontiguousarray(low).reshape(-1))
             t, t_low = frozen(pair[0]), frozen(pair[1])
-        wxyz = np.empty((4, t.size))
-        omega = np.empty((3, t.size)) if rates else None
+        wxyz = np.empty((1, 4, t.size))
+        omega = np.empty((1, 3, t.size)) if rates else None
         beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
         if beyond >= 0:
             self._refuse(float(t[beyond]))

@@ -13,6 +13,7 @@ from attitude import gates, tdb
 from attitude.errors import AttitudeError
 from attitude.solution import codes
 from attitude.solution.layout import CONSTANTS
+from attitude.solution.uncollected import uncollected
 
 # Bodies whose constants are in memory at a time: they stay in the second-level cache.
 _BLOCK = 256
@@ -193,8 +194,12 @@ def evaluate(constants, t, t_low, wxyz, rates):
 
 @cache
 def _compiled():
-    from attitude.solution.motion import evaluate_all, prepare_all
+    with uncollected():
+        from attitude.solution.motion import evaluate_all, prepare_all
 
+        # The first call of anything compiled makes numba read its registries: here, for no body.
+        pairs = np.zeros((0, 3, 2))
+        prepare_all(pairs, np.zeros((0, 4)), pairs, _IDENTITY, np.zeros(0, CONSTANTS))
     return prepare_all, evaluate_all
 
 

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from attitude.solution.kernel import evaluate
+from attitude.solution.kernel import hyperbolic, reach, trigonometric, uniform
 from attitude.solution.machine import compiled, inlined
-from attitude.solution.turns import LONGEST
 from attitude.solution.twofloat import two_sum
 
 
@@ -19,36 +18,48 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
         starts     (N, 2) when the arcs start, pairs of seconds, ascending; the first reaches back
         t, t_low   (T,) pairs of seconds
     Filled
-        wxyz       (4, T)
-        rates      (3, T) rad/s over the given body axes, or None
+        wxyz       (1, 4, T)
+        rates      (1, 3, T) rad/s over the given body axes, or None
     Returned
-        -1, or the first epoch beyond the reach of its arc, where nothing is filled any more
+        -1, or the first epoch beyond the reach of its arc; it and those after it are not filled
     """
     count, arc = len(t), 0
-    local, local_low = np.empty(count), np.empty(count)
+    local, local_low = np.empty((1, count)), np.empty((1, count))
     begin = 0
     while begin < count:
         arc = _arc(starts, t[begin], t_low[begin], arc)
         first, first_low = starts[arc, 0], starts[arc, 1]
-        c = constants[arc]
-        reach = LONGEST / max(abs(c.precession[0]), abs(c.nutation[0]))
-        # as many as follow on the same arc: there the kernel runs at its full speed
+        # as many as follow on the same arc: there the kernels run at their full speed
         end = begin
         while end < count and (end == begin or _within(starts, arc, t[end], t_low[end])):
-            if abs(t[end] - first) > reach or abs(t[end]) == math.inf:
-                return end
             high, low = two_sum(t[end], -first)
-            local[end], local_low[end] = two_sum(high, low + (t_low[end] - first_low))
+            if abs(high) == math.inf:
+                low = 0.0
+            local[0, end], local_low[0, end] = two_sum(high, low + (t_low[end] - first_low))
             end += 1
-        evaluate(
-            c,
-            local[begin:end],
-            local_low[begin:end],
-            wxyz[:, begin:end],
-            None if rates is None else rates[:, begin:end],
+        failed = _on_one(
+            constants[arc : arc + 1],
+            local[:, begin:end],
+            local_low[:, begin:end],
+            wxyz[:, :, begin:end],
+            None if rates is None else rates[:, :, begin:end],
         )
+        if failed:
+            while abs(local[0, begin]) <= reach(constants[arc]):
+                begin += 1
+            return begin
         begin = end
     return -1
+
+
+@inlined
+def _on_one(c, t, t_low, wxyz, rates):
+    """Fill what one arc has; whether any epoch is beyond its reach."""
+    return (
+        uniform(c, t, t_low, wxyz, rates) >= 0
+        or trigonometric(c, t, t_low, wxyz, rates) >= 0
+        or hyperbolic(c, t, t_low, wxyz, rates) >= 0
+    )
 
 
 @inlined

@@ -1,6 +1,5 @@
 """Machine code on disk that is never older than the sources it was made from."""
 
-import gc
 import hashlib
 from functools import cache
 from pathlib import Path
@@ -8,27 +7,15 @@ from pathlib import Path
 import numba
 from numba.core import event
 
+from attitude.solution import uncollected
+
 
 class _Uncollected(event.Listener):
-    """Keeps the garbage collector from a compilation, of which it takes a tenth and finds nothing.
-
-    Numba compiles under a lock, one function within another.
-    """
-
-    def __init__(self):
-        self._depth = 0
-        self._was_enabled = False
-
     def on_start(self, event):
-        if self._depth == 0:
-            self._was_enabled = gc.isenabled()
-            gc.disable()
-        self._depth += 1
+        uncollected.begin()
 
     def on_end(self, event):
-        self._depth -= 1
-        if self._depth == 0 and self._was_enabled:
-            gc.enable()
+        uncollected.end()
 
 
 event.register("numba:compile", _Uncollected())

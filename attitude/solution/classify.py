@@ -72,10 +72,10 @@ def _fault(moments, wxyz, omega):
             return codes.BAD_RATE
         least, most, total = -larger(-least, -moment), larger(most, moment), total + moment
     size = 0.0
-    for part in wxyz:
-        if not abs(part) < math.inf:
+    for k in range(4):
+        if not abs(wxyz[k]) < math.inf:
             return codes.BAD_ATTITUDE
-        size = larger(size, abs(part))
+        size = larger(size, abs(wxyz[k]))
     if size == 0.0:
         return codes.BAD_ATTITUDE
     if most == 0.0:
@@ -166,7 +166,7 @@ def _order(c):
 def _exact_middle_invariant(c):
     """d (d - b) wd^2 + a (a - b) wa^2, every product exact: 16 parts if the inputs are doubles."""
     total = np.empty(512)
-    count = 0
+    count = np.int64(0)  # as a literal it would be a type, and compiled for, of its own
     middle = c.moments[c.order[1]]
     for k in (2, 0):
         moment, rate = c.moments[c.order[k]], c.omega[c.order[k]]

@@ -6,6 +6,8 @@ transformation.
 
 import math
 
+import numpy as np
+
 from attitude.solution.machine import inlined
 from attitude.solution.twofloat import (
     HALF_PI,
@@ -47,7 +49,7 @@ def complete_and_phase(kc, p, a, cosine, sine):
     root = sqrt(p)
     p = root
     b = div(ONE, root)
-    quadrant = 0
+    quadrant = np.int64(0)  # as a literal it would be a type, and compiled for, of its own
     halvings = 1.0
     c, s = cosine, sine
     for _ in range(_MOST_STEPS):

@@ -1,4 +1,14 @@
-"""The loops over epochs.
+"""The loops over bodies and epochs, one for each form of the solution.
+
+Given
+    constants  (B,) records (solution.layout); those of another form are passed over
+    t          (1 or B, T) seconds since the epoch of the state
+    t_low      the same shape, what is added to t; or None
+Filled
+    wxyz       (B, 4, T) body to inertial
+    rates      (B, 3, T) rad/s over the given body axes, or None
+Returned
+    -1, or a body that was asked for an epoch beyond its reach; it and those after it are not filled
 
 Each copies what it needs from the record into locals (reading it inside the loop costs four times
 the arithmetic) and writes component by component into rows: then it vectorises.
@@ -7,7 +17,7 @@ the arithmetic) and writes component by component into rows: then it vectorises.
 import math
 
 from attitude.solution import codes
-from attitude.solution.machine import fma, inlined, merged
+from attitude.solution.machine import door, fma, inlined, larger
 from attitude.solution.series import (
     four,
     hyperbolic_arguments,
@@ -17,28 +27,28 @@ from attitude.solution.series import (
     trigonometric_rates,
     turned,
 )
-from attitude.solution.turns import phase, sincos
+from attitude.solution.turns import LONGEST, phase, sincos
 from attitude.solution.twofloat import two_sum
 
+# The largest double, in s, and the slowest motion that reaches it, in turns per second.
+_FARTHEST = 1.7976931348623157e308
+_SLOWEST = LONGEST / _FARTHEST
 
-@merged
-def evaluate(c, t, t_low, wxyz, rates):
-    """Attitudes and, unless rates is None, angular velocities of one body at each epoch.
 
-    Given
-        c       its record (solution.layout)
-        t       (T,) seconds since the epoch of the state
-        t_low   (T,) what is added to t, or None
-    Filled
-        wxyz    (4, T) body to inertial
-        rates   (3, T) rad/s over the given body axes, or None
-    """
-    if c.form == codes.UNIFORM:
-        uniform(c, t, t_low, wxyz, rates)
-    elif c.form == codes.TRIGONOMETRIC:
-        trigonometric(c, t, t_low, wxyz, rates)
-    else:
-        hyperbolic(c, t, t_low, wxyz, rates)
+@inlined
+def reach(c):
+    """The farthest epoch, s, at which two doubles resolve the phases; infinity never is."""
+    fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
+    return LONGEST / fastest if fastest > _SLOWEST else _FARTHEST
+
+
+@inlined
+def _any_beyond(t, most):
+    # No early exit: as a reduction this vectorises and costs less than reading t once more.
+    found = 0
+    for i in range(len(t)):
+        found |= abs(t[i]) > most
+    return found != 0
 
 
 @inlined
@@ -84,65 +94,88 @@ def _store_rates(axes, w, rates, i):
         rates[k, i] = fma(axes[k][0], w[0], fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
-@merged
-def uniform(c, t, t_low, wxyz, rates):
-    gh, gl = c.precession[0], c.precession[1]
-    a, b = four(c.frame[0]), four(c.frame[1])
-    omega = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
-    for i in range(len(t)):
-        low = 0.0 if t_low is None else t_low[i]
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t[i], low, 1.0)
-        sine, cosine = sincos(s, lo)
-        for k in range(4):
-            wxyz[k, i] = fma(a[k], cosine, b[k] * sine)
+@door
+def uniform(constants, t, t_low, wxyz, rates):
+    for b in range(len(constants)):
+        c, k = constants[b], b if len(t) > 1 else 0
+        if c.form != codes.UNIFORM:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        times, q = t[k], wxyz[b]
+        gh, gl = c.precession[0], c.precession[1]
+        start, turn = four(c.frame[0]), four(c.frame[1])
+        omega = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
+        for i in range(len(times)):
+            low = 0.0 if t_low is None else t_low[k, i]
+            s, lo, _ = phase(gh, gl, 0.0, 0.0, times[i], low, 1.0)
+            sine, cosine = sincos(s, lo)
+            for j in range(4):
+                q[j, i] = fma(start[j], cosine, turn[j] * sine)
+            if rates is not None:
+                # The sine is NaN where the epoch is.
+                for j in range(3):
+                    rates[b, j, i] = fma(0.0, sine, omega[j])
+    return -1
+
+
+@door
+def trigonometric(constants, t, t_low, wxyz, rates):
+    for b in range(len(constants)):
+        c, k = constants[b], b if len(t) > 1 else 0
+        if c.form != codes.TRIGONOMETRIC:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        times, q = t[k], wxyz[b]
+        gh, gl = c.precession[0], c.precession[1]
+        fh, fl = c.nutation[0], c.nutation[1]
+        xh, xl = c.nutation0[0], c.nutation0[1]
+        alpha = four(c.alpha[0]), four(c.alpha[1])
+        beta = four(c.beta[0]), four(c.beta[1])
+        frame = _frame(c)
         if rates is not None:
-            # The sine is NaN where the epoch is.
-            for k in range(3):
-                rates[k, i] = fma(0.0, sine, omega[k])
+            series, axes, omega = _rate_series(c), _axes(c), rates[b]
+        for i in range(len(times)):
+            low = 0.0 if t_low is None else t_low[k, i]
+            s, lo, _ = phase(fh, fl, xh, xl, times[i], low, 1.0)
+            sn, cn = sincos(s, lo)
+            pair = trigonometric_pair(alpha, beta, sn, cn)
+            s, lo, _ = phase(gh, gl, 0.0, 0.0, times[i], low, 1.0)
+            sine, cosine = sincos(s, lo)
+            _store_attitude(frame, turned(pair, sine, cosine), q, i)
+            if rates is not None:
+                _store_rates(axes, trigonometric_rates(series, sn, cn), omega, i)
+    return -1
 
 
-@merged
-def trigonometric(c, t, t_low, wxyz, rates):
-    gh, gl = c.precession[0], c.precession[1]
-    fh, fl = c.nutation[0], c.nutation[1]
-    xh, xl = c.nutation0[0], c.nutation0[1]
-    alpha = four(c.alpha[0]), four(c.alpha[1])
-    beta = four(c.beta[0]), four(c.beta[1])
-    frame = _frame(c)
-    if rates is not None:
-        series, axes = _rate_series(c), _axes(c)
-    for i in range(len(t)):
-        low = 0.0 if t_low is None else t_low[i]
-        s, lo, _ = phase(fh, fl, xh, xl, t[i], low, 1.0)
-        sine, cosine = sincos(s, lo)
-        pair = trigonometric_pair(alpha, beta, sine, cosine)
+@door
+def hyperbolic(constants, t, t_low, wxyz, rates):
+    for b in range(len(constants)):
+        c, k = constants[b], b if len(t) > 1 else 0
+        if c.form != codes.HYPERBOLIC:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        times, q = t[k], wxyz[b]
+        gh, gl = c.precession[0], c.precession[1]
+        fh, fl = c.nutation[0], c.nutation[1]
+        xh, xl = c.nutation0[0], c.nutation0[1]
+        winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
+        alpha = four(c.alpha[0]), four(c.alpha[1])
+        frame = _frame(c)
         if rates is not None:
-            _store_rates(axes, trigonometric_rates(series, sine, cosine), rates, i)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t[i], low, 1.0)
-        sine, cosine = sincos(s, lo)
-        _store_attitude(frame, turned(pair, sine, cosine), wxyz, i)
-
-
-@merged
-def hyperbolic(c, t, t_low, wxyz, rates):
-    gh, gl = c.precession[0], c.precession[1]
-    fh, fl = c.nutation[0], c.nutation[1]
-    xh, xl = c.nutation0[0], c.nutation0[1]
-    winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
-    alpha = four(c.alpha[0]), four(c.alpha[1])
-    frame = _frame(c)
-    if rates is not None:
-        series, axes = _rate_series(c), _axes(c)
-    for i in range(len(t)):
-        low = 0.0 if t_low is None else t_low[i]
-        s, lo, half_turns = phase(fh, fl, xh, xl, t[i], low, winds)
-        dx = s + lo
-        arguments = hyperbolic_arguments(dx, decay, nome)
-        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
-        if rates is not None:
-            w = hyperbolic_rates(series, dx, half_turns, arguments)
-            _store_rates(axes, w, rates, i)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t[i], low, 1.0)
-        s, more = two_sum(s, -tilt * dx)
-        sine, cosine = sincos(s, lo + more)
-        _store_attitude(frame, turned(pair, sine, cosine), wxyz, i)
+            series, axes, omega = _rate_series(c), _axes(c), rates[b]
+        for i in range(len(times)):
+            low = 0.0 if t_low is None else t_low[k, i]
+            s, lo, half_turns = phase(fh, fl, xh, xl, times[i], low, winds)
+            dx = s + lo
+            arguments = hyperbolic_arguments(dx, decay, nome)
+            pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+            s, lo, _ = phase(gh, gl, 0.0, 0.0, times[i], low, 1.0)
+            s, more = two_sum(s, -tilt * dx)
+            sine, cosine = sincos(s, lo + more)
+            _store_attitude(frame, turned(pair, sine, cosine), q, i)
+            if rates is not None:
+                _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), omega, i)
+    return -1

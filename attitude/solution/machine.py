@@ -12,7 +12,8 @@ from numba.extending import intrinsic
 
 from attitude.solution.cache import kept_on_disk
 
-_OPTIONS = {"nogil": True, "error_model": "numpy"}
+# Nothing is called through C.
+_OPTIONS = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def compiled(function):
@@ -22,11 +23,16 @@ def compiled(function):
 
 # Called from compiled code only: part of the caller's cache entry, so it needs none of its own,
 # and no door from Python either (that halves the time to compile).
-inlined = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)
+inlined = numba.njit(no_cpython_wrapper=True, **_OPTIONS)
 
-# Loops over epochs become part of their caller.  Left apart, the process that compiles them would
-# run the copy that was made before its own callees were known, and which is not vectorised.
-merged = numba.njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)
+
+def door(function):
+    """Compile for calls from Python, and into the caller where compiled code calls it.
+
+    Left apart from a compiled caller, the process that compiles the two would run a copy of the
+    loop that was made before its own callees were known, and which is not vectorised.
+    """
+    return kept_on_disk(function, {**_OPTIONS, "forceinline": True})
 
 
 @inlined

@@ -10,13 +10,8 @@ from attitude.solution.attach import attach_all
 from attitude.solution.classify import classify_all, refine_all
 from attitude.solution.coefficients import hyperbolic_all, trigonometric_all
 from attitude.solution.constants import solve_all
-from attitude.solution.machine import compiled, inlined, larger, merged
 from attitude.solution.rate_series import hyperbolic_rates_all, trigonometric_rates_all
-from attitude.solution.turns import LONGEST
 from attitude.solution.uniform import uniform_all
-
-_FARTHEST = 1.7976931348623157e308  # s, the largest double
-_SLOWEST = LONGEST / _FARTHEST  # turns per second
 
 
 def prepare_all(moments, wxyz, omega, principal, constants, differences=None, rates=True):
@@ -58,17 +53,9 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
 
 
 def evaluate_all(constants, t, t_low, wxyz, rates):
-    """Attitudes, and angular velocities unless rates is None, of B motions.
+    """Attitudes, and angular velocities unless rates is None, of B motions: see `kernel`.
 
-    Given
-        constants  (B,) from prepare_all
-        t          (1 or B, T) seconds since the epoch
-        t_low      the same shape, added to t; or None
-    Filled
-        wxyz       (B, 4, T)
-        rates      (B, 3, T) rad/s over the given body axes, or None
-    Returned
-        -1, or a body that was asked for an epoch beyond its reach; then not all are filled
+    Returned is -1, or a body that was asked for an epoch beyond its reach; then not all are filled.
     """
     for form in set(constants["form"].tolist()):
         body = _OF_FORM[form](constants, t, t_low, wxyz, rates)
@@ -77,53 +64,8 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
     return -1
 
 
-@compiled
-def _uniform_all(constants, t, t_low, wxyz, rates):
-    return _each(kernel.uniform, codes.UNIFORM, constants, t, t_low, wxyz, rates)
-
-
-@compiled
-def _trigonometric_all(constants, t, t_low, wxyz, rates):
-    return _each(kernel.trigonometric, codes.TRIGONOMETRIC, constants, t, t_low, wxyz, rates)
-
-
-@compiled
-def _hyperbolic_all(constants, t, t_low, wxyz, rates):
-    return _each(kernel.hyperbolic, codes.HYPERBOLIC, constants, t, t_low, wxyz, rates)
-
-
 _OF_FORM = {
-    codes.UNIFORM: _uniform_all,
-    codes.TRIGONOMETRIC: _trigonometric_all,
-    codes.HYPERBOLIC: _hyperbolic_all,
+    codes.UNIFORM: kernel.uniform,
+    codes.TRIGONOMETRIC: kernel.trigonometric,
+    codes.HYPERBOLIC: kernel.hyperbolic,
 }
-
-
-@merged
-def _each(evaluate, form, constants, t, t_low, wxyz, rates):
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.form != form:
-            continue
-        k = b if len(t) > 1 else 0
-        # infinity is beyond the reach of a body at rest too
-        fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
-        if _beyond(t[k], LONGEST / fastest if fastest > _SLOWEST else _FARTHEST):
-            return b
-        evaluate(
-            c,
-            t[k],
-            None if t_low is None else t_low[k],
-            wxyz[b],
-            None if rates is None else rates[b],
-        )
-    return -1
-
-
-@inlined
-def _beyond(t, reach):
-    # No early exit: as a reduction this vectorises and costs less than reading t once more.
-    beyond = 0
-    for i in range(len(t)):
-        beyond |= abs(t[i]) > reach
-    return beyond != 0
