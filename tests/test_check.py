@@ -1,10 +1,15 @@
 """The self-test: it passes here, it can fail, and its stored answers are those of the oracle."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from attitude import check, cli
+from attitude.solution import ahead
 from tests.oracle import Oracle, rotation_error
 
 
@@ -64,3 +69,37 @@ def test_a_wrong_installation_fails(monkeypatch, capsys, fault):
     monkeypatch.setattr(check, "propagate", broken)
     assert cli.main(["check"]) == 1
     assert "FAILED" in capsys.readouterr().out
+
+
+_TWO_HALVES = """
+from numba.core import event
+from attitude import check
+from attitude.solution import ahead
+
+class Count(event.Listener):
+    names = []
+    def on_start(self, happening):
+        self.names.append(happening.data["dispatcher"].py_func.__name__)
+    def on_end(self, happening):
+        pass
+
+event.register("numba:compile", Count())
+ahead._cores = lambda: 2
+ahead.compile_ahead()
+assert "classify_all" in Count.names and "hyperbolic" not in Count.names, Count.names
+Count.names.clear()
+assert check.check().passed
+assert not Count.names, Count.names
+"""
+
+
+def test_two_processes_compile_all_that_the_check_needs(tmp_path):
+    """Half of it in the first, the rest in the other, and nothing afterwards."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", _TWO_HALVES], env=environment, check=True)
+
+
+def test_a_single_core_compiles_at_the_first_use(monkeypatch):
+    monkeypatch.setattr(ahead, "_cores", lambda: 1)
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("another process"))
+    ahead.compile_ahead()

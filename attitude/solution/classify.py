@@ -21,6 +21,8 @@ _LARGEST_RATIO = 1e45
 _ROUNDING = 1e-14
 # D2 that keeps less than this of the sum of its terms is formed again, exactly.
 _CANCELLED = 0.0625
+# Parts of D2: two moments of 2, a difference of 4, a squared rate of 4, a product of 8.
+_MOST_PARTS = 2 * 2 * 4 * 4 * 8
 
 
 @compiled
@@ -52,13 +54,18 @@ def classify_all(moments, wxyz, omega, constants):
     return faults, uniform, cancelled
 
 
-@compiled
 def refine_all(constants):
     """D2 of the states whose terms cancel, exactly: products as expansions, rounded once."""
+    # Room made in compiled code would cost another tenth of a second of compilation.
+    _refine_all(constants, np.empty(_MOST_PARTS))
+
+
+@compiled
+def _refine_all(constants, expansion):
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.cancelled == 1:
-            put(c.d2, _exact_middle_invariant(c))
+            put(c.d2, _exact_middle_invariant(c, expansion))
 
 
 @inlined
@@ -163,9 +170,8 @@ def _order(c):
 
 
 @inlined
-def _exact_middle_invariant(c):
+def _exact_middle_invariant(c, total):
     """d (d - b) wd^2 + a (a - b) wa^2, every product exact: 16 parts if the inputs are doubles."""
-    total = np.empty(512)
     count = np.int64(0)  # as a literal it would be a type, and compiled for, of its own
     middle = c.moments[c.order[1]]
     for k in (2, 0):

@@ -58,13 +58,13 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
     Returned is -1, or a body that was asked for an epoch beyond its reach; then not all are filled.
     """
     for form in set(constants["form"].tolist()):
-        body = _OF_FORM[form](constants, t, t_low, wxyz, rates)
+        body = OF_FORM[form](constants, t, t_low, wxyz, rates)
         if body >= 0:
             return body
     return -1
 
 
-_OF_FORM = {
+OF_FORM = {
     codes.UNIFORM: kernel.uniform,
     codes.TRIGONOMETRIC: kernel.trigonometric,
     codes.HYPERBOLIC: kernel.hyperbolic,
