@@ -6,13 +6,15 @@ import os
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
+from attitude import AttitudeError, Body, FreeRotation, Spin, paths, quaternion
 from attitude.cli import convert
-from attitude.formats import spin_file, which
+from attitude.formats import aem, ccsds_epochs, spin_file, which
+from tests.kernels import DATA, kernel
 
-SPIN = Spin(epoch="2026-01-01T00:00:00", wxyz=(1, 2, 3, 4), angular_velocity=(0.001, 0.002, 0.015))
+STATE = {"wxyz": (1, 2, 3, 4), "angular_velocity": (0.001, 0.002, 0.015)}
+SPIN = Spin(epoch="2026-01-01T00:00:00", **STATE)
 MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
-ENDINGS = ("aem", "xml", "a", "ecsv", "fits", "csv", "parquet")
+ENDINGS = ("aem", "xml", "a", "ecsv", "fits", "csv")
 
 
 def apart(p, q):
@@ -36,12 +38,14 @@ def spin(tmp_path):
     return path
 
 
-def test_every_table_into_every_other(tmp_path, spin):
-    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+@pytest.mark.parametrize("endings", [ENDINGS, ("parquet", "aem", "csv")])
+def test_every_table_into_every_other(tmp_path, spin, endings):
+    if "parquet" in endings:
+        pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     true = MOTION.at(np.arange(0.0, 601.0, 10.0)).wxyz
-    for ending in ENDINGS:
+    for ending in endings:
         run(spin, tmp_path / f"a.{ending}", "--stop", "600", "--step", "10 s")
-    for first, second in itertools.product(ENDINGS, ENDINGS):
+    for first, second in itertools.product(endings, endings):
         out = tmp_path / f"b.{second}"
         run(tmp_path / f"a.{first}", out)
         assert apart(which.read(out).wxyz, true) < 2e-13  # UTC of 1e-12 s at 0.015 rad/s
@@ -80,8 +84,6 @@ def test_c_kernels(tmp_path, spin, capsys):
     run(spin, tmp_path / "a.bc", "--stop", "601", "--tolerance", "1e-10")
     at = "--start", "2026-01-01", "--stop", "2026-01-01T00:10:00", "--step", "10 s"
     for ending in (*ENDINGS, "bc"):
-        if ending == "parquet":
-            pytest.importorskip("pyarrow", reason="pyarrow is not installed")
         run(tmp_path / "a.bc", tmp_path / f"b.{ending}", *at)
         if ending != "bc":
             found = which.read(tmp_path / f"b.{ending}")
@@ -198,8 +200,6 @@ def test_types_versions_frames(tmp_path, spin):
         (("out.toml", "--fit"), "IN is a motion already"),
         (("out.bc",), "--start and --stop"),
         (("out.bc", "--stop", "9", "--step", "1"), "--step has no meaning"),
-        (("out.bc", "--stop", "9", "--tolerance", "0"), "tolerance is 0"),
-        (("out.bc", "--stop", "-9"), "stop is not after start"),
         (("out.a", "--stop", "9", "--step", "1", "--frame", "RTN"), "do not know"),
         (("out.aem", "--stop", "9", "--step", "1", "--frame", "LVLH"), "orbit="),
         (("out.aem", "--stop", "9", "--step", "1", "--time-system", "UT1"), "not written in UT1"),
@@ -210,11 +210,132 @@ def test_types_versions_frames(tmp_path, spin):
     ],
 )
 def test_what_is_refused(tmp_path, spin, words, sentence):
-    if words[0] == "out.bc":
-        pytest.importorskip("spiceypy", reason="spiceypy is not installed")
     with pytest.raises(AttitudeError, match=sentence):
         run(spin, tmp_path / words[0], *words[1:])
     assert os.listdir(tmp_path) == ["in.toml"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--stop", "9", "--tolerance", "0"), "tolerance is 0"),
+        (("--stop", "-9"), "stop is not after start"),
+    ],
+)
+def test_what_a_c_kernel_refuses(tmp_path, spin, words, sentence):
+    pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    with pytest.raises(AttitudeError, match=sentence):
+        run(spin, tmp_path / "out.bc", *words)
+    assert os.listdir(tmp_path) == ["in.toml"]
+
+
+# ---- relative to an orbit ------------------------------------------------------------------------
+
+ENVISAT = DATA / "envisat-2013.tle"
+PASS = FreeRotation(MOTION.body, Spin(epoch="2013-10-23T05:00:00", **STATE))
+T = np.arange(0.0, 601.0, 10.0)
+
+
+ELLIPSE = paths.kepler(
+    **{"semi_major_axis": 7.5e6, "eccentricity": 0.05, "inclination": 1.7, "node": 0.3},
+    **{"pericenter_argument": 2.0, "mean_anomaly": 0.5, "epoch": PASS.spin.epoch},
+    **{"center": "earth", "frame": "icrf"},
+)
+
+
+def oem_of(path, start, seconds):
+    """An OEM of a path about the Earth, whose records begin and end at the epochs given."""
+    dates = ccsds_epochs.texts(start, seconds, None, "utc")
+    states = np.concatenate(path.state(start, seconds), axis=1) / 1e3
+    rows = zip(dates, states.tolist(), strict=True)
+    said = {"OBJECT_NAME": "TUMBLER", "OBJECT_ID": "2002-009A", "CENTER_NAME": "EARTH"}
+    said |= {"REF_FRAME": "ICRF", "TIME_SYSTEM": "UTC"}
+    said |= {"START_TIME": dates[0], "STOP_TIME": dates[-1]}
+    lines = ["CCSDS_OEM_VERS = 2.0", "CREATION_DATE = 2026-01-01T00:00:00", "ORIGINATOR = TEST"]
+    lines += ["META_START", *(f"{key} = {value}" for key, value in said.items()), "META_STOP"]
+    lines += [" ".join([date, *map(repr, row)]) for date, row in rows]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def relative(tmp_path):
+    """The true history, and the name of an AEM that holds it relative to RTN."""
+    history = PASS.at(T)
+    aem.write(tmp_path / "rtn.aem", history, frame="RTN", orbit=paths.tle(ENVISAT))
+    return history, tmp_path / "rtn.aem"
+
+
+def test_axes_of_the_orbit_of_a_tle(tmp_path, relative):
+    true, given = relative
+    run(given, tmp_path / "a.csv", "--orbit", ENVISAT)
+    found = which.read(tmp_path / "a.csv")
+    assert apart(found.wxyz, true.wxyz) < 1e-14
+    assert np.max(np.abs(found.angular_velocity - true.angular_velocity)) < 1e-14
+    # Out again, into the same axes and into others, with --orbit-of by number.
+    for out, *words in (("b.aem",), ("c.aem", "--frame", "LVLH"), ("d.a", "--frame", "VVLH")):
+        run(given, tmp_path / out, "--orbit", ENVISAT, "--orbit-of", "27386", *words)
+        found = which.read(tmp_path / out, orbit=paths.tle(ENVISAT))
+        assert apart(found.wxyz, true.wxyz) < 1e-11  # STK's seconds: 1e-10 s at 0.015 rad/s
+
+
+def test_axes_of_the_orbit_of_an_oem_that_spans_just_the_attitudes(tmp_path):
+    """The rates of the axes at both ends come from one side; epochs differ by their reading."""
+    true = PASS.at(T)
+    aem.write(tmp_path / "rtn.aem", true, frame="RTN", orbit=ELLIPSE)
+    (tmp_path / "orbit.oem").write_text(oem_of(ELLIPSE, true.epoch, T))
+    run(tmp_path / "rtn.aem", tmp_path / "a.csv", "--orbit", tmp_path / "orbit.oem")
+    found = which.read(tmp_path / "a.csv")
+    assert apart(found.wxyz, true.wxyz) < 1e-14
+    off = np.max(np.abs(found.angular_velocity - true.angular_velocity), axis=1)
+    assert np.all(off[1:-1] < 1e-14)  # rad/s
+    assert np.all(off[[0, -1]] < 6e-11)  # a third of (1 s)^2 d2w/dt2
+    (tmp_path / "late.oem").write_text(oem_of(ELLIPSE, true.epoch, T + 30.0))
+    with pytest.raises(AttitudeError, match="TUMBLER is known from"):
+        run(tmp_path / "rtn.aem", tmp_path / "b.csv", "--orbit", tmp_path / "late.oem")
+
+
+def test_axes_of_the_orbit_of_an_spk(tmp_path):
+    kernel_file = kernel("de421")
+    moon = paths.spk(kernel_file, "moon")
+    aem.write(tmp_path / "lvlh.aem", PASS.at(T), frame="LVLH_INERTIAL", orbit=moon)
+    for name in ("moon", "301"):
+        run(tmp_path / "lvlh.aem", tmp_path / "a.csv", "--orbit", kernel_file, "--orbit-of", name)
+        assert apart(which.read(tmp_path / "a.csv").wxyz, PASS.at(T).wxyz) < 1e-14
+    for words, sentence in (
+        ((), "may hold many bodies; give the one"),
+        (("--orbit-of", "-123456"), "-123456"),
+        (("--orbit-of", "3"), "relative to the barycenter of the solar system"),
+    ):
+        with pytest.raises(AttitudeError, match=sentence):
+            run(tmp_path / "lvlh.aem", tmp_path / "b.csv", "--orbit", kernel_file, *words)
+    assert not (tmp_path / "b.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ((), r"give orbit=.*on the command line --orbit"),
+        (("--orbit-of", "27386"), "give the file with --orbit"),
+        (("--orbit", "none.oem"), "none.oem' cannot be read: No such file"),
+        (("--orbit", ENVISAT, "--orbit-of", "HUBBLE"), "0 satellites called 'HUBBLE'"),
+        (("--orbit", DATA / "apophis-2029-encounter.oem"), "APOPHIS is known from"),
+        (
+            ("--orbit", DATA / "apophis-2029-encounter.oem", "--orbit-of", "APOPHIS"),
+            "no meaning for an OEM",
+        ),
+        (("--orbit", "in.toml"), "in no format that is known; give an OEM"),
+    ],
+)
+def test_orbits_that_are_refused(tmp_path, relative, spin, monkeypatch, words, sentence):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AttitudeError, match=sentence):
+        run(relative[1], "out.csv", *words)
+    assert sorted(os.listdir(tmp_path)) == ["in.toml", "rtn.aem"]
+
+
+def test_an_orbit_where_nothing_refers_to_one(tmp_path, spin):
+    with pytest.raises(AttitudeError, match="--orbit is for AEM, APM and STK files"):
+        run(spin, tmp_path / "out.csv", "--stop", "9", "--step", "1", "--orbit", ENVISAT)
 
 
 def test_what_is_in_no_format(tmp_path):

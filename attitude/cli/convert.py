@@ -3,6 +3,7 @@
 import os
 from contextlib import ExitStack
 
+from attitude.cli import orbit
 from attitude.errors import AttitudeError
 
 HELP = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
@@ -12,6 +13,7 @@ examples:
   attitude convert satellite.xml satellite.ecsv
   attitude convert satellite.aem satellite.toml --fit
   attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
+  attitude convert relative-to-lvlh.aem inertial.aem --frame ICRF --orbit satellite.oem
   attitude convert tumbler.bc tumbler.csv --start 2026-01-01 --stop 2026-01-02 --step "1 min"
 
 endings that OUT may have:
@@ -23,6 +25,8 @@ The format of IN is told by what is in it. A table goes into a table as it is; w
 interpolated, and a motion is evaluated. A table becomes a motion with --fit. A C-kernel is asked
 at the epochs of --start, --stop and --step.
 """
+# Formats whose attitudes may be relative to axes of an orbit.
+_WITH_AXES = ("aem", "aem-xml", "apm", "apm-xml", "stk")
 
 
 def add_arguments(parser):
@@ -43,6 +47,7 @@ def add_arguments(parser):
     parser.add_argument(
         "--time-system", metavar="NAME", help="of CCSDS messages: UTC, TAI, TDB, .."
     )
+    orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
         "--body", metavar="FRAME", help="frame to read out of a C-kernel, or its name to write"
@@ -62,15 +67,21 @@ def run(arguments):
     wanted = which.to_write(arguments.output)
     # The tolerance of lengths is for files of attitudes; of a C-kernel that is written, not.
     tolerance = None if wanted == "ck" else arguments.tolerance
-    reading = {"body": arguments.body, "kernels": arguments.kernels}
+    path = orbit.path_of(arguments)
+    if path is not None and {wanted, which.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
+        raise AttitudeError(
+            "--orbit is for AEM, APM and STK files, whose attitudes may be relative to axes of the "
+            "orbit; leave it out."
+        )
+    reading = {"body": arguments.body, "kernels": arguments.kernels, "orbit": path}
     found = which.opened(arguments.input, tolerance=tolerance, **reading)
     with ExitStack() as stack:
         if hasattr(found.motion, "close"):
             stack.enter_context(found.motion)  # SPICE's kernels are unloaded at the end
-        _convert(arguments, wanted, found)
+        _convert(arguments, wanted, found, path)
 
 
-def _convert(arguments, wanted, found):
+def _convert(arguments, wanted, found, path):
     from attitude.formats import which
 
     motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
@@ -82,7 +93,7 @@ def _convert(arguments, wanted, found):
         records = _records(arguments, motion)
         if _is_motion(motion):
             records.meta.update(_names(found.said))
-        which.write(arguments.output, records, **_settings(arguments, wanted))
+        which.write(arguments.output, records, **_settings(arguments, wanted, path))
 
 
 def _is_motion(source):
@@ -223,15 +234,16 @@ def _moment(source, text):
     return _epochs(source, text, text, "1").start
 
 
-def _settings(arguments, wanted):
+def _settings(arguments, wanted, path):
     """What the writer is told."""
     settings = {}
     if wanted in ("aem", "aem-xml"):
         settings = {"version": arguments.version or "2.0", "kind": arguments.type}
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
+        settings["orbit"] = path
     elif wanted == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
-        settings = {"section": arguments.type, "frame": arguments.frame or "ICRF"}
+        settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
     else:
         _refuse(arguments, ("version", "time_system", "frame", "type"), "a table")
     return settings

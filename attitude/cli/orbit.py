@@ -1,0 +1,81 @@
+"""``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit."""
+
+import re
+
+from attitude.errors import AttitudeError
+
+_SNIFFED = 4096
+
+
+def add_arguments(parser):
+    parser.add_argument(
+        "--orbit",
+        metavar="FILE",
+        help="OEM, TLE, OMM or SPK: the path of the body about the center that it names, where "
+        "attitudes of IN or OUT are relative to axes of the orbit (LVLH, RTN)",
+    )
+    parser.add_argument(
+        "--orbit-of",
+        metavar="NAME",
+        help="whose orbit: the target of an SPK (name or NAIF number), or which satellite of "
+        "several in a TLE or OMM (name or catalogue number)",
+    )
+
+
+def path_of(arguments):
+    """The path that the options ask for; None without them.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that is none of these or cannot be read, and for a body that it lacks.
+    """
+    file, name = arguments.orbit, arguments.orbit_of
+    if file is None:
+        if name is not None:
+            raise AttitudeError("--orbit-of tells whose orbit to take; give the file with --orbit.")
+        return None
+    from attitude import paths
+
+    kind = _kind(file)
+    if kind == "oem":
+        if name is not None:
+            raise AttitudeError("--orbit-of has no meaning for an OEM, which is of one body.")
+        found = paths.oem(file)
+    elif kind == "spk":
+        if name is None:
+            raise AttitudeError(
+                f"--orbit {file!r} is an SPK, which may hold many bodies; give the one that turns "
+                "with --orbit-of, by its name or NAIF number."
+            )
+        found = paths.spk(file, int(name) if re.fullmatch(r"-?[0-9]+", name) else name)
+    else:
+        found = getattr(paths, kind)(file, name=name)
+    if found.center == "ssb":
+        raise AttitudeError(
+            f"--orbit {file!r} gives {found.name} relative to the barycenter of the solar system; "
+            "give a file whose center is the body that the orbit goes about."
+        )
+    return found
+
+
+def _kind(file):
+    from attitude.formats.lines import unreadable
+
+    try:
+        with open(file, "rb") as stream:
+            start = stream.read(_SNIFFED).lstrip(b"\xef\xbb\xbf \t\r\n")
+    except OSError as err:
+        raise unreadable(file, err) from err
+    for mark, kind in (
+        (rb"DAF/SPK|NAIF/DAF", "spk"),
+        (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),
+        (rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b", "omm"),
+        (rb"(.*\n)?1 .*\n2 ", "tle"),
+    ):
+        if re.match(mark, start, re.DOTALL):
+            return kind
+    raise AttitudeError(
+        f"--orbit {file!r} is in no format that is known; give an OEM in keyword = value notation, "
+        "two-line elements, an OMM or an SPK."
+    )
