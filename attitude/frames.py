@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from attitude.errors import AttitudeError
+from attitude.quaternion import multiply
 
 FRAMES = ("icrf", "gcrf", "eme2000", "ecliptic")
 
@@ -92,25 +93,13 @@ def _turned(axis, angle):
     return wxyz, matrix
 
 
-def _product(p, q):
-    (a, b, c, d), (e, f, g, h) = p, q
-    return np.array(
-        [
-            a * e - b * f - c * g - d * h,
-            a * f + b * e + c * h - d * g,
-            a * g - b * h + c * e + d * f,
-            a * h + b * g - c * f + d * e,
-        ]
-    )
-
-
 def _frames():
     level = _turned(0, 0.0)
     # ICRF to EME2000 is R1(-eta) R2(xi) R3(alpha), which turn the axes; read as rotations of
     # vectors, its inverse is the product of the same angles in reverse order.
     bias = [_turned(2, _ALPHA), _turned(1, _XI), _turned(0, -_ETA)]
     eme2000 = (
-        _product(_product(bias[0][0], bias[1][0]), bias[2][0]),
+        multiply(multiply(bias[0][0], bias[1][0]), bias[2][0]),
         bias[0][1] @ bias[1][1] @ bias[2][1],
     )
     found = {"icrf": level, "gcrf": level, "eme2000": eme2000, "ecliptic": _turned(0, _OBLIQUITY)}

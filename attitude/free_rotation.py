@@ -304,8 +304,8 @@ class FreeRotation(Frozen):
         omega = np.empty((1, 3, t.size)) if rates else None
         propagation.evaluate(self._constants, t, t_low, wxyz, omega)
         return (
-            np.moveaxis(wxyz.reshape(4, *shape), 0, -1),
-            np.moveaxis(omega.reshape(3, *shape), 0, -1) if rates else None,
+            wxyz[0].T.reshape(*shape, 4),
+            omega[0].T.reshape(*shape, 3) if rates else None,
         )
 
 

@@ -20,8 +20,6 @@ import numpy as np
 from attitude import gates, quaternion
 from attitude.errors import AttitudeError
 
-# How far a matrix may be from a rotation (entries of R^T R - 1) to be taken for a rounded one.
-_NOT_A_ROTATION = 1e-6
 EULER_SEQUENCES = (
     *("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"),
     *("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"),
@@ -114,14 +112,7 @@ def from_matrix(matrix, name="matrix"):
     from scipy.spatial.transform import Rotation
 
     given = gates.real(matrix, name, shape=(..., 3, 3))
-    off = np.max(np.abs(np.swapaxes(given, -1, -2) @ given - np.eye(3)), initial=0.0)
-    if off > _NOT_A_ROTATION:
-        raise AttitudeError(
-            f"{name} is not a rotation: its columns are orthonormal only to {off:.2g} (up to "
-            f"{_NOT_A_ROTATION:.0e} is taken for rounding). Give orthonormal columns."
-        )
-    if given.size and np.min(np.linalg.det(given)) < 0.0:
-        raise AttitudeError(f"{name} holds a reflection (determinant -1); give rotations.")
+    quaternion.refuse_other_matrices(given, name)
     flat = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(canonical=True)
     return from_xyzw(flat).reshape(*given.shape[:-2], 4)
 

@@ -11,6 +11,7 @@ from astropy.time import Time
 from scipy.spatial.transform import Rotation
 
 from attitude import AttitudeError, AttitudeHistory, Body, FreeRotation, Spin
+from attitude.history import _MANY
 
 MOTION = FreeRotation(
     Body(moments=(10, 20, 26)),
@@ -43,6 +44,25 @@ def test_matrix_takes_body_to_inertial_and_dcm_back(history):
     each = np.random.default_rng(1).normal(size=(40, 3))
     back = history.inertial_to_body(history.body_to_inertial(each))
     assert np.max(np.abs(back - each)) < 3e-15
+
+
+def test_long_histories_turn_vectors_as_short_ones_do():
+    """In blocks, and from many epochs on compiled: each row as it is turned by itself."""
+    long = MOTION.at(0.25 * np.arange(_MANY + 5))
+    each = np.random.default_rng(3).normal(size=(len(long), 3))
+    short = long[:10_000]  # more than a block, less than many
+    for v in ((0.3, -0.2, 0.9), each):
+        for name in ("body_to_inertial", "inertial_to_body"):
+            found = getattr(long, name)(v)
+            assert found.shape == (len(long), 3)
+            part = getattr(short, name)(np.asarray(v)[: len(short)] if v is each else v)
+            assert np.max(np.abs(found[: len(short)] - part)) <= 5e-16  # an ulp
+            for k in (0, 8191, 8192, 9999, len(long) - 1):
+                one = getattr(long[k], name)(each[k] if v is each else v)
+                assert np.max(np.abs(found[k] - one)) <= 1e-15  # one of each of three sums
+    assert not np.shares_memory(long.body_to_inertial(each), each)
+    nothing = long.body_to_inertial((np.nan, 0.0, 0.0))
+    assert np.all(np.isnan(nothing))
 
 
 def test_the_paper_composes_a_from_three_angles(history):
