@@ -149,9 +149,10 @@ def _in_unit(quantity, name, unit):
         raise AttitudeError(f"{name} is in {quantity.unit}; it must be a pure number.")
     if quantity.unit == units.dimensionless_unscaled:
         return quantity.value
+    wanted = units.Unit(unit)
     try:
-        return quantity.to_value(unit)
-    except units.UnitConversionError as err:
+        return quantity.to_value(wanted)
+    except ValueError as err:  # of another kind; or from a file, of a name that astropy kept
         raise AttitudeError(
             f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
         ) from err

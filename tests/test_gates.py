@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 from astropy import units as u
-from astropy.table import QTable
+from astropy.table import Column, QTable
 
 from attitude import AttitudeError, gates
+
+UNKNOWN = u.Unit("furlongs", parse_strict="silent")
 
 
 @pytest.mark.parametrize(
@@ -56,6 +58,12 @@ def test_a_gate_never_changes_a_value():
         (np.array(["2026"], dtype="datetime64[s]"), {}, "give real numbers"),
         (1 * u.kg, {"unit": "m"}, "x is in kg; give it in m or a unit that converts to it"),
         (1 * u.kg, {}, "x is in kg; it must be a pure number"),
+        (1 * u.mag, {"unit": "m"}, "x is in mag; give it in m or a unit"),
+        (1 * u.ABmag, {"unit": "rad"}, r"x is in mag\(AB\); give it in rad or a unit"),
+        # As astropy keeps a unit of a file that it does not know.
+        (u.Quantity(1, UNKNOWN), {"unit": "m"}, "x is in furlongs; give it in m or a unit"),
+        (u.Quantity(1, UNKNOWN), {}, "x is in furlongs; it must be a pure number"),
+        (Column([1.0], unit=UNKNOWN), {"unit": "m"}, "x is in furlongs; give it in m"),
         (math.nan, {}, "x holds nan; every number in it must be finite"),
         ([1, -math.inf], {}, "x holds -inf"),
         ([1, 2], {"shape": (3,)}, r"x has shape \(2,\); give \(3\)"),
