@@ -112,6 +112,16 @@ def classify(moments, omega):
     return Mode(int(found[0])) if lead == () else found.reshape(lead)
 
 
+def _number_of(name):
+    """The property of a field (S,) of the rows: a float for one state."""
+    return property(lambda self: self._number(name))
+
+
+def _range_of(name):
+    """The property of a field (S, 2) of the rows: the least and the greatest value."""
+    return property(lambda self: self._rows[name])
+
+
 class Regime(Frozen):
     """Periods, ranges and times of the motions of states of shape S; made by `regimes`.
 
@@ -172,7 +182,7 @@ class Regime(Frozen):
     def __setattr__(self, name, value):
         raise AttributeError("a Regime does not change; make a new one.")
 
-    def _get(self, name):
+    def _number(self, name):
         value = self._rows[name]
         return value.item() if value.ndim == 0 else value
 
@@ -188,78 +198,43 @@ class Regime(Frozen):
 
     @property
     def mode(self):
-        found = self._get("mode")
+        found = self._number("mode")
         return Mode(found) if self.shape == () else found
 
-    @property
-    def circulates(self):
-        return self._get("circulates")
+    circulates = _number_of("circulates")
+    energy_ratio = _number_of("energy_ratio")
+    dynamic_inertia = _number_of("dynamic_inertia")
+    m = _number_of("m")
+    one_minus_m = _number_of("mc")
+    libration = _number_of("libration")
+    spin_rate = _number_of("speed")
+    spin_rate_along = _number_of("speed_along")
+    flip_time = _number_of("flip")
+    dwell_time = _number_of("dwell")
 
-    @property
-    def energy_ratio(self):
-        return self._get("energy_ratio")
+    P_psi = property(lambda self: _period(self._rows["psi_rate"]))
+    P_phi_L = property(lambda self: _period(self._rows["phi_rate_long"]))
+    P_phi_S = property(lambda self: _period(self._rows["phi_rate_short"]))
 
-    @property
-    def dynamic_inertia(self):
-        return self._get("dynamic_inertia")
-
-    @property
-    def m(self):
-        return self._get("m")
-
-    @property
-    def one_minus_m(self):
-        return self._get("mc")
-
-    @property
-    def P_psi(self):
-        return _period(self._rows["psi_rate"])
-
-    @property
-    def P_phi_L(self):
-        return _period(self._rows["phi_rate_long"])
-
-    @property
-    def P_phi_S(self):
-        return _period(self._rows["phi_rate_short"])
+    nutation_L = _range_of("nutation_long")
+    nutation_S = _range_of("nutation_short")
+    precession_rate_L = _range_of("precession_long")
+    precession_rate_S = _range_of("precession_short")
 
     def P_phi(self, convention):
         """Mean period of phi in either labelling, s."""
-        return self.P_phi_L if known_convention(convention) == "L" else self.P_phi_S
-
-    @property
-    def nutation_L(self):
-        return self._rows["nutation_long"]
-
-    @property
-    def nutation_S(self):
-        return self._rows["nutation_short"]
+        return self._labelled("P_phi", convention)
 
     def nutation(self, convention):
         """Least and greatest angle (S, 2) between the axis of a labelling and the momentum, rad."""
-        return self.nutation_L if known_convention(convention) == "L" else self.nutation_S
-
-    @property
-    def precession_rate_L(self):
-        return self._rows["precession_long"]
-
-    @property
-    def precession_rate_S(self):
-        return self._rows["precession_short"]
+        return self._labelled("nutation", convention)
 
     def precession_rate(self, convention):
         """Least and greatest d phi/dt (S, 2) in either labelling, rad/s."""
-        if known_convention(convention) == "L":
-            return self.precession_rate_L
-        return self.precession_rate_S
+        return self._labelled("precession_rate", convention)
 
-    @property
-    def libration(self):
-        return self._get("libration")
-
-    @property
-    def spin_rate(self):
-        return self._get("speed")
+    def _labelled(self, name, convention):
+        return getattr(self, f"{name}_{known_convention(convention)}")
 
     @property
     def spin_rate_range(self):
@@ -274,18 +249,6 @@ class Regime(Frozen):
             mean_speeds(self._rows.reshape(-1), mean)
             self._set("_mean", frozen(mean.reshape(self.shape)))
         return self._mean.item() if self.shape == () else self._mean
-
-    @property
-    def spin_rate_along(self):
-        return self._get("speed_along")
-
-    @property
-    def flip_time(self):
-        return self._get("flip")
-
-    @property
-    def dwell_time(self):
-        return self._get("dwell")
 
     def __repr__(self):
         if self.shape == ():

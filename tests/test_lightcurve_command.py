@@ -336,7 +336,7 @@ def test_what_is_wrong_is_a_sentence_and_nothing_is_written(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--output", "x.dat"), "ends in .csv, .ecsv, or .txt"),
+        (("--output", "x.dat"), "ends in .csv or .ecsv or .txt"),
         (("--figure", "x.gif"), "ends in .png or .svg"),
         (("--figure", "no/x.png"), "cannot be written"),
         (("--output", "no/x.csv"), "cannot be written"),

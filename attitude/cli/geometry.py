@@ -1,7 +1,8 @@
 """``attitude geometry MISSION.toml``: what is seen of a body, from where and when, as a table."""
 
-import sys
+from itertools import chain
 
+from attitude.cli import output
 from attitude.errors import AttitudeError
 
 HELP = "write what a mission file asks for: phase angle, directions, distances, ..."
@@ -16,19 +17,15 @@ in SI units or radians. "attitude geometry --list" tells the columns.
 """
 # Rows that are made and written at a time: long tables need no more memory than short ones.
 _BLOCK = 65536
-_TIMES = ("start", "stop", "step")
+TIMES = ("start", "stop", "step")
 
 
 def add_arguments(parser):
     parser.add_argument("file", metavar="MISSION.toml", nargs="?", help="mission file")
-    for name in _TIMES:
+    for name in TIMES:
         parser.add_argument(f"--{name}", metavar="TIME", help=f"instead of the {name} in the file")
     parser.add_argument("--list", action="store_true", help="tell the columns there are, and stop")
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="x.csv or x.ecsv (default: CSV to standard output); appears whole or not at all",
-    )
+    output.add_argument(parser)
 
 
 def run(arguments):
@@ -37,19 +34,14 @@ def run(arguments):
         return
     if arguments.file is None:
         raise AttitudeError('give a mission file; see "attitude geometry --help".')
-    from attitude.cli.propagate import _kind
     from attitude.formats import mission as missions
-    from attitude.formats.aside import written_whole
 
-    kind = _kind(arguments.output)
+    kind = output.kind_of(arguments.output)
     mission = missions.read(arguments.file)
     blocks = _blocks(mission, arguments)
     first = next(blocks)  # what cannot be computed is said before anything is written
-    if arguments.output is None:
-        _write(sys.stdout, kind, mission, first, blocks)
-    else:
-        with written_whole(arguments.output, "--output") as file:
-            _write(file, kind, mission, first, blocks)
+    with output.opened(arguments.output) as file:
+        write(file, kind, mission, first, blocks)
 
 
 def _list():
@@ -62,27 +54,36 @@ def _list():
 
 
 def _blocks(mission, arguments):
-    """Dates and columns of some rows at a time: (texts of UTC, lists of numbers)."""
-    from attitude.formats import ccsds_epochs
+    """Columns of some rows at a time: texts of UTC, then lists of numbers."""
+    for view, digits in views(mission, arguments, _BLOCK):
+        yield [*dates(view, digits), *numbers(mission, view)]
 
-    given = {name: getattr(arguments, name) for name in _TIMES}
+
+def views(mission, arguments, size, told=None):
+    """(View, decimals of a second) of some epochs at a time, those of the command line first.
+
+    `told`, if given, is called with the number of epochs that are done, and that of all.
+    """
+    given = {name: getattr(arguments, name) for name in TIMES}
     if "epochs" in mission.times and not any(given.values()):
-        view = mission.scene.at(mission.times["epochs"])
-        yield _dates(ccsds_epochs, view, 9), _numbers(mission, view)
+        yield mission.scene.at(mission.times["epochs"]), 9
         return
     times = {
         name: value if value is not None else mission.times.get(name)
         for name, value in given.items()
     }
     grid = _grid(mission, times, {name for name, value in given.items() if value is not None})
-    for begin in range(0, grid.count, _BLOCK):
-        hi, lo = grid.block(begin, _BLOCK)
-        view = mission.scene.since(grid.epoch, hi, lo)
-        yield _dates(ccsds_epochs, view, grid.digits), _numbers(mission, view)
+    for begin in range(0, grid.count, size):
+        yield mission.scene.since(grid.epoch, *grid.block(begin, size)), grid.digits
+        if told is not None:
+            told(min(begin + size, grid.count), grid.count)
 
 
-def _dates(ccsds_epochs, view, digits):
+def dates(view, digits):
+    """The first two columns of a view: texts of UTC, and a list of TDB seconds."""
     import numpy as np
+
+    from attitude.formats import ccsds_epochs
 
     hi, lo = view.seconds, np.zeros(view.shape) if view.low is None else view.low
     return ccsds_epochs.texts(view.epoch, hi, lo, "utc", digits), hi.tolist()
@@ -104,12 +105,12 @@ def _grid(mission, times, given):
         return grid.grid(epoch, *times.values())
     except AttitudeError as err:
         sentence = str(err)
-        for name in set(_TIMES) - given:
+        for name in set(TIMES) - given:
             sentence = sentence.replace(f"--{name}", f"[times] {name}")
         raise AttitudeError(sentence) from err
 
 
-def _numbers(mission, view):
+def numbers(mission, view):
     """The columns of a view as lists, in the order and units of the mission."""
     lists = []
     for each in mission.columns:
@@ -123,14 +124,13 @@ def _numbers(mission, view):
     return lists
 
 
-def _write(file, kind, mission, first, blocks):
+def write(file, kind, mission, first, blocks):
+    """Write the table of the columns of a mission, whose first block is made already."""
+    from attitude.formats import csv_rows
+
     file.write(_header(kind, mission))
-    block = first
-    while block is not None:
-        (dates, seconds), lists = block
-        pattern = "%s" + ",%r" * (1 + len(lists)) + "\n"
-        file.write("".join([pattern % row for row in zip(dates, seconds, *lists, strict=True)]))
-        block = next(blocks, None)
+    for block in chain([first], blocks):
+        file.write(csv_rows.text(*block))
 
 
 def _labels(mission):
@@ -151,24 +151,17 @@ def _header(kind, mission):
     if kind == "csv":
         names = [f"{name} [{unit}]" if unit else name for name, unit, _ in labels]
         return ",".join(["utc", "tdb_seconds", *names]) + "\n"
-    import io
-
-    from astropy.table import QTable
-    from astropy.time import Time
     from astropy.units import Quantity
 
+    from attitude.cli import table
     from attitude.formats import measured
 
-    # astropy writes the head of a table of one row; the rows are ours, as they come.
-    table = QTable({"utc": Time(["2000-01-01T00:00:00"], format="isot", scale="utc", precision=9)})
-    table["tdb_seconds"] = Quantity([0.0], "s")
+    row = table.first_row("2000-01-01T00:00:00")
     for name, unit, about in labels:
         is_flag = name.startswith("in_")
-        table[name] = (
+        row[name] = (
             Quantity([1.0], measured.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
         )
-        table[name].info.description = about
-    table.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}
-    text = io.StringIO()
-    table.write(text, format="ascii.ecsv", delimiter=",")
-    return "".join(text.getvalue().splitlines(keepends=True)[:-1])
+        row[name].info.description = about
+    row.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}
+    return table.head(row)

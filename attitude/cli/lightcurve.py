@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain
 
-from attitude.cli import geometry
+from attitude.cli import geometry, output
 from attitude.errors import AttitudeError
 
 HELP = "write and draw the light curve that a mission file asks for"
@@ -21,7 +21,6 @@ the fraction of the Sun's disc that other bodies leave free, elevation over a gr
 columns of the file.  As x.txt the curve has DAMIT's format: brightness at unit distances, against
 the dates at which the light left.  With --figure alone no table is written.
 """
-_PICTURES = ("png", "svg", "pdf", "jpg")
 # Distances from here on are told in au, m.
 _FAR = 1e9
 # Epochs at a time: long curves need no more memory than short ones, but for what a figure keeps.
@@ -32,7 +31,7 @@ _DAMIT = ("reduced", "hi", "lo", "to_sun", "to_observer")
 
 def add_arguments(parser):
     parser.add_argument("file", metavar="MISSION.toml", help="mission file with a section [shape]")
-    for name in ("start", "stop", "step"):
+    for name in geometry.TIMES:
         parser.add_argument(f"--{name}", metavar="TIME", help=f"instead of the {name} in the file")
     parser.add_argument(
         "--output",
@@ -40,16 +39,18 @@ def add_arguments(parser):
         help="x.csv, x.ecsv, or x.txt as DAMIT has it (default: CSV to standard output); appears "
         "whole or not at all",
     )
+    kinds = ", ".join(output.PICTURES)
     parser.add_argument(
-        "--figure", metavar="FILE", help=f"picture, its kind by its ending: {', '.join(_PICTURES)}"
+        "--figure", metavar="FILE", help=f"picture, its kind by its ending: {kinds}"
     )
 
 
 def run(arguments):
     from attitude.formats import mission as missions
-    from attitude.formats.aside import made_whole, written_whole
+    from attitude.formats.aside import made_whole
 
-    kind, picture = _kind(arguments.output), _picture(arguments.figure)
+    kind = output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
+    picture = _picture(arguments.figure)
     mission = missions.read(arguments.file)
     if mission.magnitude is None:
         raise AttitudeError(
@@ -58,19 +59,17 @@ def run(arguments):
         )
     if kind == "txt":
         _require_paths(mission.scene, arguments.output)
-    views = _views(mission, arguments)
+    views = geometry.views(mission, arguments, _BLOCK, _told)
     first = next(views)  # what cannot be computed is said before anything is written
     mission = replace(mission, columns=_columns(mission, first[0]))
     curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
     # Left in reverse: an error with the figure leaves no table either.
     with ExitStack() as stack:
         drawn = picture and stack.enter_context(made_whole(picture, "--figure"))
-        if kind in ("csv", "ecsv") and arguments.output is not None:
-            curve.write(stack.enter_context(written_whole(arguments.output, "--output")))
-        elif kind == "csv" and picture is None:
-            curve.write(sys.stdout)
-        else:
+        if kind == "txt" or (picture and arguments.output is None):
             curve.run()
+        else:
+            curve.write(stack.enter_context(output.opened(arguments.output)))
         if drawn:
             curve.draw(drawn)
         if kind == "txt":
@@ -89,7 +88,7 @@ class _Curve:
     def write(self, file):
         """Make all blocks and write them as they come."""
         blocks = self._blocks()
-        geometry._write(file, self._kind, self._mission, next(blocks), blocks)
+        geometry.write(file, self._kind, self._mission, next(blocks), blocks)
 
     def run(self):
         """Make all blocks, for what is kept of them."""
@@ -123,14 +122,12 @@ class _Curve:
         damit.write_damit_light_curves(path, curve)
 
     def _blocks(self):
-        from attitude.formats import ccsds_epochs
-
         rest = replace(self._mission, columns=self._mission.columns[1:])
         for view, digits in self._views:
             magnitude = self._mission.magnitude.of(view)
             self._keep(view, magnitude)
-            columns = [magnitude.tolist(), *geometry._numbers(rest, view)]
-            yield geometry._dates(ccsds_epochs, view, digits), columns
+            columns = [magnitude.tolist(), *geometry.numbers(rest, view)]
+            yield [*geometry.dates(view, digits), *columns]
 
     def _keep(self, view, magnitude):
         kept = {}
@@ -165,22 +162,6 @@ class _Curve:
 
         parts = [part[name] for part in self._parts]
         return parts[0] if name == "epoch" else np.concatenate(parts)
-
-
-def _views(mission, arguments):
-    """(View, decimals of a second) of some epochs at a time."""
-    given = {name: getattr(arguments, name) for name in geometry._TIMES}
-    if "epochs" in mission.times and not any(given.values()):
-        yield mission.scene.at(mission.times["epochs"]), 9
-        return
-    times = {
-        name: value if value is not None else mission.times.get(name)
-        for name, value in given.items()
-    }
-    grid = geometry._grid(mission, times, {name for name, value in given.items() if value})
-    for begin in range(0, grid.count, _BLOCK):
-        yield mission.scene.since(grid.epoch, *grid.block(begin, _BLOCK)), grid.digits
-        _told(min(begin + _BLOCK, grid.count), grid.count)
 
 
 def _told(done, count):
@@ -223,26 +204,13 @@ def _has_horizon(scene):
     return hasattr(scene.observer, "zenith")
 
 
-def _kind(output):
-    if output is None:
-        return "csv"
-    ending = output.rpartition(".")[2].lower() if "." in output else ""
-    if ending not in ("csv", "ecsv", "txt"):
-        raise AttitudeError(
-            f"--output is {output!r}; give a file name that ends in .csv, .ecsv, or .txt (DAMIT)."
-        )
-    return ending
-
-
 def _picture(figure):
     """The file name of a figure, of a kind that can be drawn here."""
     if figure is None:
         return None
-    ending = figure.rpartition(".")[2].lower() if "." in figure else ""
-    if ending not in _PICTURES:
-        kinds = " or ".join(f".{each}" for each in _PICTURES)
-        raise AttitudeError(f"--figure is {figure!r}; give a file name that ends in {kinds}.")
     from attitude import plots
+
+    output.kind_of(figure, output.PICTURES, "--figure")
 
     plots.new_figure((1.0, 1.0))  # without matplotlib nothing is begun
     return figure

@@ -2,7 +2,7 @@
 
 import os
 
-from attitude.cli import target
+from attitude.cli import output, target
 from attitude.errors import AttitudeError
 
 HELP = "draw a motion: polhode, body axes on the sky, rates and angles against time"
@@ -11,7 +11,6 @@ example:
   attitude plot toutatis --output toutatis.png
   attitude plot "99942 Apophis (2014)" --phi0 "0 deg" --psi0 "0 deg" --epoch 2012-12-23
 """
-_ENDINGS = ("png", "svg", "pdf", "jpg")
 
 
 def add_arguments(parser):
@@ -22,10 +21,11 @@ def add_arguments(parser):
     parser.add_argument(
         "--sky", default="ecliptic", metavar="FRAME", help="coordinates of the sky (ecliptic)"
     )
+    kinds = ", ".join(output.PICTURES)
     parser.add_argument(
         "--output",
         metavar="FILE",
-        help=f"picture, its kind by its ending: {', '.join(_ENDINGS)} (default: the name, .png)",
+        help=f"picture, its kind by its ending: {kinds} (default: the name, .png)",
     )
 
 
@@ -34,25 +34,19 @@ def run(arguments):
     from attitude.formats import measured
 
     found = target.opened(arguments)
-    output = arguments.output or _file_name(found.name, arguments.target)
-    ending = output.rpartition(".")[2].lower() if "." in output else ""
-    if ending not in _ENDINGS:
-        raise AttitudeError(
-            f"--output is {output!r}; give a file name that ends in "
-            + " or ".join(f".{each}" for each in _ENDINGS)
-            + "."
-        )
+    name = arguments.output or _file_name(found.name, arguments.target)
+    output.kind_of(name, output.PICTURES)
     span = None
     if arguments.span is not None:
         span = measured.in_unit(arguments.span, "--span", "s")
     figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.name)
     try:
-        figure.savefig(output, dpi=150)
+        figure.savefig(name, dpi=150)
     except OSError as err:
         raise AttitudeError(
-            f"{output}: cannot be written ({err.strerror or err}); give another --output."
+            f"{name}: cannot be written ({err.strerror or err}); give another --output."
         ) from err
-    print(output)
+    print(name)
 
 
 def _file_name(name, given):

@@ -1,8 +1,6 @@
 """``attitude propagate FILE.toml``: attitudes at equally spaced epochs as a table."""
 
-import sys
-
-from attitude.errors import AttitudeError
+from attitude.cli import output
 
 HELP = "write a table of attitudes at equally spaced epochs"
 EPILOG = """\
@@ -38,41 +36,19 @@ def add_arguments(parser):
     parser.add_argument(
         "--rates", action="store_true", help="write the angular velocity over the body axes too"
     )
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="x.csv or x.ecsv (default: CSV to standard output); appears whole or not at all",
-    )
+    output.add_argument(parser)
 
 
 def run(arguments):
+    from attitude.cli import table
     from attitude.cli.grid import grid
     from attitude.formats import spin_file
-    from attitude.formats.aside import written_whole
 
-    kind = _kind(arguments.output)
+    kind = output.kind_of(arguments.output)
     motion = spin_file.read(arguments.file).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     motion.at(epochs.block(epochs.count - 1, 1)[0])  # out of reach: said before a row is written
-    if arguments.output is None:
-        _write(sys.stdout, kind, epochs, motion, arguments.rates)
-    else:
-        with written_whole(arguments.output, "--output") as file:
-            _write(file, kind, epochs, motion, arguments.rates)
-
-
-def _write(file, kind, epochs, motion, rates):
-    from attitude.cli import table
-
-    file.write(table.header(kind, motion, rates=rates))
-    for first in range(0, epochs.count, _BLOCK):
-        file.write(table.rows(epochs, motion, first, _BLOCK, rates=rates))
-
-
-def _kind(output):
-    if output is None:
-        return "csv"
-    ending = output.rpartition(".")[2].lower() if "." in output else ""
-    if ending not in ("csv", "ecsv"):
-        raise AttitudeError(f"--output is {output!r}; give a file name that ends in .csv or .ecsv.")
-    return ending
+    with output.opened(arguments.output) as file:
+        file.write(table.header(kind, motion, rates=arguments.rates))
+        for first in range(0, epochs.count, _BLOCK):
+            file.write(table.rows(epochs, motion, first, _BLOCK, rates=arguments.rates))

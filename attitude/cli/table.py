@@ -2,10 +2,7 @@
 
 import io
 
-from attitude.formats import ccsds_epochs
-
-_ATTITUDE = ("w", "x", "y", "z")
-_RATES = ("omega_x", "omega_y", "omega_z")
+from attitude.formats import ccsds_epochs, csv_rows
 
 
 def header(kind, motion, *, rates):
@@ -18,29 +15,39 @@ def header(kind, motion, *, rates):
     motion : FreeRotation
     rates : bool
     """
-    names = ["utc", "tdb_seconds", *_ATTITUDE, *(_RATES if rates else ())]
     if kind == "csv":
-        return ",".join(names) + "\n"
+        return ",".join(csv_rows.names(rates=rates)) + "\n"
+    from astropy.units import Quantity
+
+    iso = motion.spin.epoch.utc_iso
+    table = first_row(iso)
+    table["tdb_seconds"].info.description = "TDB seconds since the epoch"
+    for name in csv_rows.ATTITUDE:
+        table[name] = [1.0]
+        table[name].info.description = "attitude from body axes to ICRF, scalar first"
+    for name in csv_rows.RATES if rates else ():
+        table[name] = Quantity([0.0], "rad/s")
+        table[name].info.description = "angular velocity over the body axes"
+    table.meta = {"frame": "ICRF", "epoch": f"{iso} UTC", "wxyz": "body to ICRF, scalar first"}
+    return head(table)
+
+
+def first_row(utc):
+    """A QTable of one row, with the columns that all tables here begin with."""
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
 
-    # astropy writes the head of a table of one row; the rows are ours, as they come.
-    iso = motion.spin.epoch.utc_iso
-    table = QTable({"utc": Time([iso], format="isot", scale="utc", precision=9)})
+    table = QTable({"utc": Time([utc], format="isot", scale="utc", precision=9)})
     table["tdb_seconds"] = Quantity([0.0], "s")
-    table["tdb_seconds"].info.description = "TDB seconds since the epoch"
-    for name in _ATTITUDE:
-        table[name] = [1.0]
-        table[name].info.description = "attitude from body axes to ICRF, scalar first"
-    for name in _RATES if rates else ():
-        table[name] = Quantity([0.0], "rad/s")
-        table[name].info.description = "angular velocity over the body axes"
-    table.meta = {"frame": "ICRF", "epoch": f"{iso} UTC", "wxyz": "body to ICRF, scalar first"}
+    return table
+
+
+def head(table):
+    """What astropy writes above the row of a table; the rows are ours, as they come."""
     text = io.StringIO()
     table.write(text, format="ascii.ecsv", delimiter=",")
-    lines = text.getvalue().splitlines(keepends=True)
-    return "".join(lines[:-1])
+    return "".join(text.getvalue().splitlines(keepends=True)[:-1])
 
 
 def rows(grid, motion, first, count, *, rates):
@@ -51,8 +58,4 @@ def rows(grid, motion, first, count, *, rates):
     hi, lo = grid.block(first, count)
     history = motion.at(hi, low=lo)
     dates = ccsds_epochs.texts(grid.epoch, hi, lo, "utc", grid.digits)
-    columns = [hi.tolist(), *history.wxyz.T.tolist()]
-    if rates:
-        columns += history.angular_velocity.T.tolist()
-    pattern = "%s" + ",%r" * len(columns) + "\n"
-    return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
+    return csv_rows.of_history(dates, hi, history, rates=rates)

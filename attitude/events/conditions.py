@@ -6,9 +6,9 @@ of its first two derivatives from the pace of the motion and the drift of the di
 
 import numpy as np
 
-from attitude import epochs, gates
+from attitude import gates
 from attitude.errors import AttitudeError
-from attitude.events.directions import Aberrated, _unit, direction_of, source_of
+from attitude.events.directions import Aberrated, _unit, direction_of, source_of, values_at
 
 # The nominal radius of the Sun over the astronomical unit, 959.2 arcsec (IAU 2015 B3, 2012 B2).
 _SUN = 6.957e8
@@ -30,10 +30,7 @@ class Condition:
         return self.source.epoch
 
     def __call__(self, t, low=None):
-        hi, lo = epochs.seconds_since(self.epoch, t, low)
-        flat = np.ascontiguousarray(hi).reshape(-1)
-        rest = np.zeros(flat.size) if lo is None else np.ascontiguousarray(lo).reshape(-1)
-        return self.states(self.signs(self.source.at(flat, rest))).reshape(hi.shape)
+        return values_at(self.source, lambda moment: self.states(self.signs(moment)), t, low)
 
     def signs(self, moment):
         return [channel.value(moment) >= 0.0 for channel in self.channels]

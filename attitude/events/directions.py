@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from attitude import gates, quaternion
+from attitude import epochs, gates, quaternion
 from attitude.errors import AttitudeError
 
 # Sampled less than a radian of its turning and the body's apart, a direction's differences are
@@ -207,6 +207,14 @@ def source_of(given):
         f"{type(given).__name__} is given as the motion; give a FreeRotation, anything else with "
         ".at(t) that returns an AttitudeHistory, or a Scene."
     )
+
+
+def values_at(source, value, t, low=None):
+    """What a function of a Moment gives at epochs t of any shape (as of ``motion.at``)."""
+    hi, lo = epochs.seconds_since(source.epoch, t, low)
+    flat = np.ascontiguousarray(hi).reshape(-1)
+    rest = np.zeros(flat.size) if lo is None else np.ascontiguousarray(lo).reshape(-1)
+    return value(source.at(flat, rest)).reshape(hi.shape)
 
 
 class Moment:

@@ -148,13 +148,18 @@ def span(epoch, start, stop):
     return ends
 
 
-def _of_function(start, stop, f, step, epoch, tolerance):
+def plain_step(step):
+    """The spacing in s at which a plain function is sampled; it must be given."""
     if step is None:
         raise AttitudeError(
             "a plain function does not say how fast it changes; give step=, the spacing in s at "
             "which it is sampled."
         )
-    step = gates.positive(step, "step", unit="s")
+    return gates.positive(step, "step", unit="s")
+
+
+def _of_function(start, stop, f, step, epoch, tolerance):
+    step = plain_step(step)
     tolerance = (
         1e-9 * step if tolerance is None else gates.positive(tolerance, "tolerance", unit="s")
     )

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from attitude import epochs, gates
+from attitude import gates
 from attitude.errors import AttitudeError
 from attitude.events.conditions import _axis_or_long, chord_squared, dot, turning
-from attitude.events.directions import Fixed, direction_of, source_of
-from attitude.events.discrete import plain_span, span
+from attitude.events.directions import Fixed, direction_of, source_of, values_at
+from attitude.events.discrete import plain_span, plain_step, span
 from attitude.events.pace import Sampled, pieces
 from attitude.events.peaks import peaks
 from attitude.events.record import Events
@@ -33,10 +33,7 @@ class Quantity:
         return self.source.epoch
 
     def __call__(self, t, low=None):
-        hi, lo = epochs.seconds_since(self.epoch, t, low)
-        flat = np.ascontiguousarray(hi).reshape(-1)
-        rest = np.zeros(flat.size) if lo is None else np.ascontiguousarray(lo).reshape(-1)
-        return self._value(self.source.at(flat, rest)).reshape(hi.shape)
+        return values_at(self.source, self._value, t, low)
 
 
 def separation(motion, axis, direction):
@@ -130,12 +127,7 @@ def _extrema(start, stop, f, step, epoch, sign):
             raise AttitudeError(
                 f"f is {f!r}; give events.separation(...) or a function of seconds."
             )
-        if step is None:
-            raise AttitudeError(
-                "a plain function does not say how fast it changes; give step=, the spacing in s "
-                "at which it is sampled."
-            )
-        step = gates.positive(step, "step", unit="s")
+        step = plain_step(step)
         begin, end, epoch = plain_span(start, stop, epoch)
         return _joined(
             epoch, peaks(lambda t, low: f(t + low), (begin, 0.0), (end, 0.0), step, sign)

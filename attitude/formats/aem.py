@@ -15,8 +15,6 @@ Conventions: see `attitude_types`.  What is lost: nothing of the quaternions (wr
 digits), half a picosecond of the epochs; the motion itself, of which this is a table.
 """
 
-import datetime
-
 from attitude import quaternion
 from attitude.errors import AttitudeError
 from attitude.formats import aem_kvn, aem_xml, ccsds_epochs, kvn
@@ -54,14 +52,9 @@ def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None):
     """
     options = Options(tolerance, frame, orbit)
     with opened(path) as lines:
-        for line in lines:
-            text = line.lstrip(b"\xef\xbb\xbf \t")
-            if text.startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
-                break
-            if text:
-                return aem_kvn.read(lines, line, options)
-        else:
-            raise lines.fault("the file is empty.")
+        first = kvn.first(lines)
+        if first is not None:
+            return aem_kvn.read(lines, first, options)
     return aem_xml.read(path, options)
 
 
@@ -145,8 +138,7 @@ def write(
     }
     written = [Written(part, settings) for part in parts]
     header = {
-        "CREATION_DATE": creation_date
-        or datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S"),
+        "CREATION_DATE": creation_date or ccsds_epochs.now(),
         "ORIGINATOR": originator,
     }
     comments = list(given.get("comments", ()) if comments is None else comments)

@@ -9,13 +9,7 @@ _BATCH = 16384
 
 def read(lines, first, options):
     """The AttitudeTable of an AEM in KVN, of whose lines the first is read; see `aem.read`."""
-    keyword, value = kvn.pair(lines, first)
-    if keyword != "CCSDS_AEM_VERS" or value not in VERSIONS:
-        raise lines.fault(
-            f"it begins with {kvn.shown(lines.text(first))}; an AEM begins with CCSDS_AEM_VERS = "
-            f"{' or '.join(VERSIONS)}."
-        )
-    message = Message(lines.path, value, options)
+    message = Message(lines.path, kvn.version(lines, first, "AEM", VERSIONS), options)
     _read_header(lines, message)
     while True:
         segment = Segment(message, lines.fault)

@@ -41,7 +41,7 @@ class _Reader(Events):
     def __init__(self, path, options):
         super().__init__(path)
         self._options = options
-        self.message = self._segment = self._record = None
+        self._segment = self._record = None
         self._place = []
         self._attributes = {}
         self._held, self._pattern = b"", None
@@ -107,7 +107,8 @@ class _Reader(Events):
         if self._record is not None:
             pass
         elif tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
-            self._open(tag, attributes)
+            version = self.version(tag, attributes, "aem", VERSIONS)
+            self.message = Message(self.path, version, self._options, comments=self._outside)
         elif tag == "segment":
             self._segment = Segment(self.message, self.fault)
             self._rows, self._tokens, self._lines = [], [], []
@@ -147,17 +148,6 @@ class _Reader(Events):
             if not self.message.tables:
                 raise self.fault("the message has no <segment>.")
             self.done = True
-
-    def _open(self, tag, attributes):
-        version = attributes.get("version")
-        if tag != "aem" or version not in VERSIONS:
-            raise self.fault(
-                f"its outermost element is <{tag[:40]}> of version {version!r}; an AEM is <aem "
-                f'id="CCSDS_AEM_VERS" version="{" or ".join(VERSIONS)}">.'
-            )
-        if self.message is not None:
-            raise self.fault("it holds several messages; write each into a file of its own.")
-        self.message = Message(self.path, version, self._options, comments=self._outside)
 
     def _in_header(self, tag, text):
         if tag == "COMMENT":

@@ -9,7 +9,6 @@ Where a message tells the attitude in several ways, the first of quaternion, Eul
 counts, and for the rates the first of ANGVEL, derivatives of the quaternion, of the angles, spin.
 """
 
-import datetime
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +18,7 @@ from attitude.body import Body
 from attitude.epochs import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import apm_written, axes, ccsds_epochs, kvn
-from attitude.formats.apm_blocks import VERSIONS, XmlReader, read_kvn
+from attitude.formats.apm_blocks import VERSIONS, read_kvn, read_xml
 from attitude.formats.apm_state import Interpreted
 from attitude.formats.aside import written_whole
 from attitude.formats.lines import opened
@@ -93,29 +92,11 @@ def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None, products=None):
     Others, and errors, as of `aem.read`.
     """
     known_tolerance(tolerance)
-    message = None
     with opened(path) as lines:
-        for line in lines:
-            text = line.lstrip(b"\xef\xbb\xbf \t")
-            if text.startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
-                break
-            if text:
-                keyword, value = kvn.pair(lines, line)
-                if keyword != "CCSDS_APM_VERS" or value not in VERSIONS:
-                    raise lines.fault(
-                        f"it begins with {kvn.shown(lines.text(line))}; an APM begins with "
-                        f"CCSDS_APM_VERS = {' or '.join(VERSIONS)}."
-                    )
-                message = read_kvn(lines, value)
-                break
-        else:
-            raise lines.fault("the file is empty.")
+        first = kvn.first(lines)
+        message = None if first is None else read_kvn(lines, first)
     if message is None:
-        reader = XmlReader(path)
-        reader.run()
-        message = reader.message
-        if message is None:
-            raise reader.fault("there is no <apm> message in it.")
+        message = read_xml(path)
     return Parameters(*Interpreted(message, tolerance, frame, orbit, products).result())
 
 
@@ -177,10 +158,9 @@ def write(
         outer = quaternion.conjugate(found.to_icrf(spin.epoch, 0.0, None))
         wxyz = quaternion.multiply(outer, spin.wxyz_icrf)
     scale = ccsds_epochs.writable(time_system)
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S")
     message = {
         "version": version,
-        "header": {"CREATION_DATE": creation_date or now, "ORIGINATOR": originator},
+        "header": {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator},
         "comments": list(comments),
         "meta": {
             "OBJECT_NAME": object_name or said.get("object_name") or "UNKNOWN",

@@ -105,8 +105,9 @@ class Collected:
         )
 
 
-def read_kvn(lines, version):
-    """A Collected message out of the lines behind the first."""
+def read_kvn(lines, first):
+    """The Collected message of an APM in KVN, of whose lines the first is read."""
+    version = kvn.version(lines, first, "APM", VERSIONS)
     message = Collected(version, lines.fault)
     current = None
     for line in lines:
@@ -179,25 +180,26 @@ _GROUPS = ("quaternion", "quaternionDot", "quaternionRate", "rotationAngles", "r
 _OUTER = ("apm", "ndm", "header", "body", "segment", "metadata", "data")
 
 
-class XmlReader(Events):
+def read_xml(path):
+    """The Collected message of an APM in XML."""
+    reader = _XmlReader(path)
+    reader.run()
+    if reader.message is None:
+        raise reader.fault("there is no <apm> message in it.")
+    return reader.message
+
+
+class _XmlReader(Events):
     """Collects the message of an APM in XML."""
 
     def __init__(self, path):
         super().__init__(path)
-        self.message, self._block, self._place, self._attributes = None, None, [], {}
+        self._block, self._place, self._attributes = None, [], {}
         self._outside = []
 
     def begin(self, tag, attributes):
         if tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
-            version = attributes.get("version")
-            if tag != "apm" or version not in VERSIONS:
-                raise self.fault(
-                    f"its outermost element is <{tag[:40]}> of version {version!r}; an APM is "
-                    f'<apm id="CCSDS_APM_VERS" version="{" or ".join(VERSIONS)}">.'
-                )
-            if self.message is not None:
-                raise self.fault("it holds several messages; write each into a file of its own.")
-            self.message = Collected(version, self.fault)
+            self.message = Collected(self.version(tag, attributes, "apm", VERSIONS), self.fault)
             self.message.comments.extend(self._outside)
         elif self._place[-1:] == ["data"] and tag in _XML_BLOCKS:
             self._block = Block(_XML_BLOCKS[tag], self.line)

@@ -5,6 +5,8 @@ second 60 where there was a leap second; in UTC, TAI, TT, TDB, GPS, and for read
 A million epochs a second: whole arrays of characters are turned into digits at once.
 """
 
+import datetime
+
 import numpy as np
 
 from attitude import epochs, readings, tdb
@@ -47,6 +49,11 @@ def writable(time_system):
             f"epochs are not written in {time_system}; give one of {', '.join(WRITTEN)}."
         )
     return scale
+
+
+def now():
+    """The present epoch in UTC to the second, as a CREATION_DATE."""
+    return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S")
 
 
 def parsed(tokens, scale):

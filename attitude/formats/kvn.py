@@ -9,6 +9,28 @@ _PAIR = re.compile(r"\s*([A-Za-z0-9_]+)\s*=\s*(.*?)\s*")
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
 
 
+def first(lines):
+    """The first line that is not empty, of a message in this notation; None of one in XML."""
+    for line in lines:
+        text = line.lstrip(b"\xef\xbb\xbf \t")
+        if text.startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
+            return None
+        if text:
+            return line
+    raise lines.fault("the file is empty.")
+
+
+def version(lines, line, kind, known):
+    """The version that the first line of a message of some kind, such as "AEM", tells."""
+    keyword, value = pair(lines, line)
+    if keyword != f"CCSDS_{kind}_VERS" or value not in known:
+        raise lines.fault(
+            f"it begins with {shown(lines.text(line))}; an {kind} begins with CCSDS_{kind}_VERS = "
+            f"{' or '.join(known)}."
+        )
+    return value
+
+
 def pair(lines, line):
     """Keyword, in capital letters, and value of a line; a comment is ("COMMENT", text)."""
     text = lines.text(line)

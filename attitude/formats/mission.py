@@ -43,13 +43,12 @@ File names are relative to the folder of the mission file.
 
 import os
 import re
-import tomllib
 from dataclasses import dataclass
 
 from attitude import gates, paths
 from attitude.errors import AttitudeError
-from attitude.formats import measured, spin_file
-from attitude.formats.spin_file import refuse_unknown, syntax_error, text_of
+from attitude.formats import measured, spin_file, toml_text
+from attitude.formats.toml_text import refuse_unknown, text_of, way_of
 from attitude.scene import Scene, View
 
 _TEXTS = ("name", "source", "note")
@@ -127,15 +126,7 @@ def read(path):
         that it names, quantities that do not exist; each begins with the name of the file.
     """
     path = os.fspath(path)
-    try:
-        with open(path, encoding="utf-8-sig") as file:
-            content = file.read()
-    except (OSError, UnicodeDecodeError) as err:
-        raise AttitudeError(
-            f"{path}: cannot be read ({getattr(err, 'strerror', None) or err}); give the name of a "
-            "mission file, a TOML text."
-        ) from err
-    return parse(content, path, folder=os.path.dirname(path))
+    return parse(toml_text.read(path, "mission file"), path, folder=os.path.dirname(path))
 
 
 def parse(text, origin="text", *, folder="."):
@@ -150,10 +141,7 @@ def parse(text, origin="text", *, folder="."):
     >>> mission.scene.at(mission.times["epochs"]).phase_angle.round(6), mission.columns[0].unit
     (array([1.570796]), 'deg')
     '''
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as err:
-        raise AttitudeError(syntax_error(str(err), text, origin)) from err
+    content = toml_text.parsed(text, origin)
     try:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}
@@ -236,12 +224,7 @@ def _place(given, name, folder):
             f"{name} is {given!r}; give the name of a body, or a table with one of "
             f"{', '.join(_PLACES)}."
         )
-    kinds = [kind for kind in _PLACES if kind in given]
-    if len(kinds) != 1:
-        raise AttitudeError(
-            f"{name} has {' and '.join(kinds) or 'none'} of {', '.join(_PLACES)}; give one of them."
-        )
-    kind = kinds[0]
+    kind = way_of(given, _PLACES, name)
     refuse_unknown(given, (kind, *_PLACES[kind]), name)
     rest = {key: given[key] for key in _PLACES[kind] if key in given}
     value = given[kind]

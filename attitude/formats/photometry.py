@@ -28,7 +28,7 @@ import numpy as np
 from attitude import gates, scattering, shape
 from attitude.errors import AttitudeError
 from attitude.formats import measured
-from attitude.formats.spin_file import refuse_unknown
+from attitude.formats.toml_text import refuse_unknown, way_of
 from attitude.light_curve import magnitudes
 
 # What leads each way to give a shape, and what may go with it.
@@ -106,12 +106,7 @@ def shape_of(given, body, opened):
         raise AttitudeError(f"shape is {given!r}; give a section that begins [shape].")
     known = {*_SHAPES, *_ANY_SHAPE, *(key for each in _SHAPES.values() for key in each)}
     refuse_unknown(given, sorted(known), "[shape]")
-    ways = [way for way in _SHAPES if way in given]
-    if len(ways) != 1:
-        raise AttitudeError(
-            f"[shape] has {' and '.join(ways) or 'none'} of {', '.join(_SHAPES)}; give one of them."
-        )
-    way = ways[0]
+    way = way_of(given, _SHAPES, "[shape]")
     for key in given:
         if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
             raise AttitudeError(f"[shape] {key} does not go with {way}; leave it out.")

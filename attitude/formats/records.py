@@ -10,6 +10,17 @@ from attitude.history import AttitudeHistory
 PIECE = 16384
 
 
+def only_segment(source, t, holder):
+    """The one segment of what is given; AttitudeError for several, of which a file holds one."""
+    parts = segments(source, t)
+    if len(parts) != 1:
+        raise AttitudeError(
+            f"{len(parts)} segments are given; {holder} holds one. Write a file for each, or an "
+            "AEM, ECSV or FITS."
+        )
+    return parts[0]
+
+
 class Records:
     """One segment to be written: a motion and its epochs, evaluated piece by piece.
 

@@ -33,37 +33,21 @@ that text to the nanosecond does not hold is written as two doubles,
 ``"820497600.0 + 1.5e-12 s TDB since J2000"``.
 """
 
-import difflib
 import json
 import os
-import re
-import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from attitude import epochs, gates
+from attitude import epochs
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.formats import measured
+from attitude.formats import spin_sections, toml_text
 from attitude.formats.aside import written_whole
 from attitude.free_rotation import FreeRotation
 from attitude.frozen import Frozen
 from attitude.spin import Spin
-
-_TOP = ("name", "source", "note", "body", "spin")
-# The ways to give a body or an attitude: what leads each, what it needs, what may go with it.
-_BODIES = {
-    "moments": ((), ("mass", "relative", "center_of_mass")),
-    "tensor": ((), ("mass", "relative", "center_of_mass")),
-    "ellipsoid": ((), ("mass",)),
-    "masses": (("positions",), ("relative",)),
-}
-_ATTITUDES = {"wxyz": ((), ()), "matrix": ((), ()), "sequence": (("angles",), ())}
-_SPIN = ("epoch", "angular_velocity")
-_FLOAT = r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?"
-_TWO_DOUBLES = re.compile(rf"({_FLOAT}) \+ ({_FLOAT}) s TDB since J2000")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,18 +92,7 @@ def read(path):
         refuse; each begins with the name of the file.
     """
     path = os.fspath(path)
-    try:
-        with open(path, "rb") as file:
-            content = file.read().decode("utf-8-sig")
-    except OSError as err:
-        raise AttitudeError(
-            f"{path}: cannot be read ({err.strerror or err}); give the name of a spin file."
-        ) from err
-    except UnicodeDecodeError as err:
-        raise AttitudeError(
-            f"{path}: is not text in UTF-8 (byte {err.start}); a spin file is a TOML text."
-        ) from err
-    return parse(content, path)
+    return parse(toml_text.read(path, "spin file"), path)
 
 
 def parse(text, origin="text"):
@@ -133,13 +106,10 @@ def parse(text, origin="text"):
     ... """).spin
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 0.10472, 1.5708, 0.10472 rad/s in body axes>
     '''
+    content = toml_text.parsed(text, origin)
     try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as err:
-        raise AttitudeError(syntax_error(str(err), text, origin)) from err
-    try:
-        refuse_unknown(content, _TOP, "the file")
-        labels = {key: text_of(content, key) for key in ("name", "source", "note")}
+        toml_text.refuse_unknown(content, ("name", "source", "note", "body", "spin"), "the file")
+        labels = {key: toml_text.text_of(content, key) for key in ("name", "source", "note")}
         return of_sections(content, **labels)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
@@ -147,8 +117,7 @@ def parse(text, origin="text"):
 
 def of_sections(content, **labels):
     """The `SpinFile` of the sections [body] and [spin] of a parsed text, and its labels."""
-    body = _body(_section(content, "body"))
-    return SpinFile(body, _spin(_section(content, "spin")), **labels)
+    return SpinFile(*spin_sections.body_and_spin(content), **labels)
 
 
 def write(path, motion, *, name=None, source=None, note=None):
@@ -197,185 +166,7 @@ def text(motion, *, name=None, source=None, note=None):
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-# Reading: sections and keys -----------------------------------------------------------------------
-
-
-def _body(section):
-    way = _way(section, _BODIES, (), "body")
-    relative = section.get("relative", False)
-    if not isinstance(relative, bool):
-        raise AttitudeError(f"[body] relative is {relative!r}; give true or false.")
-    inertia, length = (None, None) if relative else ("kg m2", "m")
-    extra = {}
-    if "mass" in section:
-        extra["mass"] = _numbers(section, "body", "mass", (), "kg")
-    if "center_of_mass" in section:
-        extra["center_of_mass"] = _numbers(section, "body", "center_of_mass", (3,), "m")
-    if way == "moments":
-        moments = _numbers(section, "body", "moments", (3,), inertia)
-        return Body(moments=moments, relative=relative, **extra)
-    if way == "tensor":
-        tensor = _numbers(section, "body", "tensor", (3, 3), inertia)
-        return Body(tensor=tensor, relative=relative, **extra)
-    if way == "ellipsoid":
-        axes = _numbers(section, "body", "ellipsoid", (3,), "m" if extra else None)
-        return Body.from_ellipsoid(axes, **extra)
-    masses = _numbers(section, "body", "masses", None, None if relative else "kg")
-    positions = _numbers(section, "body", "positions", (..., 3), length)
-    return Body.from_points(masses, positions, relative=relative)
-
-
-def _spin(section):
-    way = _way(section, _ATTITUDES, (*_SPIN, "frame"), "spin")
-    for key in _SPIN:
-        if key not in section:
-            raise AttitudeError(_lacking("spin", key))
-    given = {
-        "epoch": _epoch(section["epoch"]),
-        "angular_velocity": _numbers(section, "spin", "angular_velocity", (3,), "rad/s"),
-        "frame": section.get("frame", "icrf"),
-    }
-    if way == "wxyz":
-        return Spin(wxyz=_numbers(section, "spin", "wxyz", (4,), None), **given)
-    if way == "matrix":
-        return Spin.from_matrix(matrix=_numbers(section, "spin", "matrix", (3, 3), None), **given)
-    angles = _numbers(section, "spin", "angles", (3,), "rad")
-    return Spin.from_euler(sequence=section["sequence"], angles=angles, **given)
-
-
-def _section(content, name):
-    if name not in content:
-        raise AttitudeError(f"the file has no section [{name}]; a spin file has [body] and [spin].")
-    if not isinstance(content[name], dict):
-        raise AttitudeError(f"{name} is {content[name]!r}; give a section that begins [{name}].")
-    return content[name]
-
-
-def _way(section, ways, common, name):
-    """Which of several ways to say the same a section takes; no key may be unknown or surplus."""
-    known = [*common]
-    for way, (needed, optional) in ways.items():
-        known += [way, *needed, *optional]
-    refuse_unknown(section, known, f"[{name}]")
-    taken = [way for way in ways if way in section]
-    if not taken:
-        # Half of a pair was given: say what the other half is.
-        for way, (needed, _) in ways.items():
-            if any(key in section for key in needed):
-                raise AttitudeError(_lacking(name, way))
-        raise AttitudeError(f"[{name}] has none of {_or(_spelled(ways))}; give one of them.")
-    if len(taken) > 1:
-        raise AttitudeError(f"[{name}] has both {taken[0]} and {taken[1]}; give one of them.")
-    needed, optional = ways[taken[0]]
-    for key in needed:
-        if key not in section:
-            raise AttitudeError(_lacking(name, key))
-    for key in section:
-        if key not in (*common, taken[0], *needed, *optional):
-            raise AttitudeError(f"[{name}] {key} does not go with {taken[0]}; leave it out.")
-    return taken[0]
-
-
-def refuse_unknown(section, known, where):
-    for key in section:
-        if key not in known:
-            near = difflib.get_close_matches(key.lower(), known, n=1)
-            raise AttitudeError(
-                f"{where} has a key {key!r} that is not known; "
-                + (
-                    f"did you mean {near[0]!r}?"
-                    if near
-                    else f"allowed are {_or(sorted(set(known)))}."
-                )
-            )
-
-
-_EXAMPLES = {
-    "epoch": '"2026-01-01T00:00:00"',
-    "angular_velocity": '"14.51, 33.529, -98.709 deg/day"',
-    "sequence": '"313"',
-    "angles": '"145.498, 65.865, 241.524 deg"',
-    "masses": '["1 kg", "2 kg"]',
-    "positions": '["0, 0, 1 m", "0, 1, 0 m"]',
-}
-
-
-def _lacking(section, key):
-    return f"[{section}] has no {key}; give it, for example as {key} = {_EXAMPLES[key]}."
-
-
-def _spelled(ways):
-    return [" with ".join((way, *needed)) for way, (needed, _) in ways.items()]
-
-
-def _or(words):
-    return ", ".join(words[:-1]) + " or " + words[-1]
-
-
-def text_of(content, key):
-    value = content.get(key)
-    if value is not None and not isinstance(value, str):
-        raise AttitudeError(f"{key} is {value!r}; give text in quotes.")
-    return value
-
-
-def _epoch(value):
-    if not isinstance(value, str):
-        # TOML's own dates end at the microsecond, and what follows is lost without a word.
-        raise AttitudeError(
-            f"[spin] epoch is {value!s} without quotes; write it as text, like "
-            '"2026-01-01T00:00:00".'
-        )
-    found = _TWO_DOUBLES.fullmatch(value)
-    if found:
-        return epochs.Instant(float(found.group(1)), float(found.group(2)))
-    return epochs.instant(value, "[spin] epoch")
-
-
-# Reading: numbers ---------------------------------------------------------------------------------
-
-
-def _numbers(section, where, key, shape, unit):
-    name = f"[{where}] {key}"
-    return gates.real(_converted(section[key], name, unit), name, shape=shape, unit=unit)
-
-
-def _converted(value, name, unit):
-    """Text and lists of it as nested lists of floats in the unit."""
-    if isinstance(value, str):
-        return measured.in_unit(value, name, unit).tolist()
-    if isinstance(value, list):
-        kinds = {_kind(each) for each in value}
-        if len(kinds) > 1:
-            raise AttitudeError(
-                f"{name} mixes plain numbers, text and lists; give all of its entries in one way."
-            )
-        return [_converted(each, name, unit) for each in value]
-    if _kind(value) != "number":
-        raise AttitudeError(f"{name} is {value!r}; give numbers, or text with a unit.")
-    try:
-        return float(value)
-    except OverflowError as err:
-        raise AttitudeError(f"{name} is {str(value)[:20]}..., too large a number.") from err
-
-
-def _kind(value):
-    if isinstance(value, bool):
-        return "bool"
-    return {int: "number", float: "number"}.get(type(value), type(value).__name__)
-
-
-def syntax_error(message, text, origin):
-    found = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", message)
-    if found is None:
-        return f"{origin}: is not valid TOML: {message}."
-    what, line, column = found.groups()
-    line = line or text.rstrip().count("\n") + 1
-    where = f"line {line}" + (f", column {column}" if column else " (the end)")
-    return f"{origin}, {where}: is not valid TOML: {what[:1].lower() + what[1:]}."
-
-
-# Writing ------------------------------------------------------------------------------------------
+# The lines of the text ----------------------------------------------------------------------------
 
 
 def _body_lines(body):

@@ -271,12 +271,7 @@ def write(
     order : int, optional
         InterpolationOrder, that of a table or else 7 by default, less where records are few.
     """
-    parts = sources.segments(source, t)
-    if len(parts) != 1:
-        raise AttitudeError(
-            f"{len(parts)} segments are given; an STK file holds one. Write a file for each."
-        )
-    part = parts[0]
+    part = sources.only_segment(source, t, "an STK file")
     section = section or (
         "AttitudeTimeQuatAngVels" if part.has_rates else "AttitudeTimeQuaternions"
     )

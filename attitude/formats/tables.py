@@ -20,15 +20,14 @@ from attitude import epochs, tdb
 from attitude import representations as forms
 from attitude.attitude_table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats import ccsds_epochs
+from attitude.formats import ccsds_epochs, csv_rows
 from attitude.formats import records as sources
 from attitude.formats.aside import written_whole
+from attitude.formats.csv_rows import ATTITUDE, RATES
 from attitude.formats.lines import NoNumber, numbers, opened
 from attitude.formats.segment import TOLERANCE, Rows, known_tolerance
 
 KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
-_ATTITUDE = ("w", "x", "y", "z")
-_RATES = ("omega_x", "omega_y", "omega_z")
 _BATCH = 16384
 
 
@@ -66,10 +65,10 @@ def from_table(table, origin="the table", *, tolerance=TOLERANCE):
     """
     known_tolerance(tolerance)
     time = _times(table, origin)
-    wxyz = _columns(table, "wxyz", _ATTITUDE, origin, unit=None)
+    wxyz = _columns(table, "wxyz", ATTITUDE, origin, unit=None)
     if wxyz is None:
         raise AttitudeError(f"{origin}: it has no attitudes; give a column wxyz, or w, x, y, z.")
-    rates = _columns(table, "angular_velocity", _RATES, origin, unit="rad/s")
+    rates = _columns(table, "angular_velocity", RATES, origin, unit="rad/s")
     meta = {str(key).lower(): value for key, value in table.meta.items()}
     starts = meta.get("segment", [0])
     method, degree = meta.get("method"), meta.get("degree")
@@ -243,26 +242,16 @@ def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
 
 
 def _write_csv(path, source, t, rates):
-    parts = sources.segments(source, t)
-    if len(parts) != 1:
-        raise AttitudeError(
-            f"{len(parts)} segments are given; CSV holds one. Write ECSV, FITS or an AEM."
-        )
-    part = parts[0]
+    part = sources.only_segment(source, t, "CSV")
     rates = rates and part.has_rates
-    names = ["utc", "tdb_seconds", *_ATTITUDE, *(_RATES if rates else ())]
     ends, rest = part.first_and_last()
     with written_whole(path, "the table") as file:
-        file.write(",".join(names) + "\n")
+        file.write(",".join(csv_rows.names(rates=rates)) + "\n")
         for history in part.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
             low = 0.0 if history.low is None else history.low
             since = (history.seconds - ends[0]) + (low - rest[0])
-            columns = [since.tolist(), *history.wxyz.T.tolist()]
-            if rates:
-                columns += history.angular_velocity.T.tolist()
-            pattern = "%s" + ",%r" * len(columns) + "\n"
-            file.write("".join([pattern % row for row in zip(dates, *columns, strict=True)]))
+            file.write(csv_rows.of_history(dates, since, history, rates=rates))
 
 
 def _read_csv(path, tolerance):
@@ -270,8 +259,8 @@ def _read_csv(path, tolerance):
 
     with opened(path) as lines:
         names = _csv_names(lines)
-        kind = "QUATERNION/ANGVEL" if _RATES[0] in names else "QUATERNION"
-        wanted = [*_ATTITUDE, *(_RATES if kind.endswith("ANGVEL") else ())]
+        kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
+        wanted = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
         places = [names.index(name) for name in wanted]
         where = names.index("utc")
         rows = Rows("utc", len(wanted))
@@ -304,12 +293,12 @@ def _csv_names(lines):
         text = lines.text(line).strip()
         if text and not text.startswith("#"):
             names = [name.strip().strip('"') for name in text.split(",")]
-            lacking = [name for name in ("utc", *_ATTITUDE) if name not in names]
-            some = [name for name in _RATES if name in names]
+            lacking = [name for name in ("utc", *ATTITUDE) if name not in names]
+            some = [name for name in RATES if name in names]
             if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
                 raise lines.fault(
                     f"the first line names {', '.join(names)[:200]}; it must name utc, "
-                    f"{', '.join(_ATTITUDE)} and none or all of {', '.join(_RATES)}, each once."
+                    f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
                 )
             return names
     raise lines.fault("the file is empty.")
@@ -348,7 +337,7 @@ def _write_parquet(path, source, t, rates):
     pyarrow = _pyarrow()
     parts = sources.segments(source, t)
     rates = rates and all(part.has_rates for part in parts)
-    names = ["tdb_jd1", "tdb_jd2", *_ATTITUDE, *(_RATES if rates else ())]
+    names = ["tdb_jd1", "tdb_jd2", *ATTITUDE, *(RATES if rates else ())]
     starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
     said = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
     schema = pyarrow.schema(

@@ -23,12 +23,13 @@ OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
 class Events:
     """Calls what a subclass does with elements: `begin(tag, attributes)`, `end(tag, text)`.
 
-    `line` is that of the file where the parser stands.  A subclass may keep pieces of the file from
-    the parser (`take`), if it counts their lines (`skipped`).
+    `message` is what a subclass makes of it, None before it begins; `line` is that of the file
+    where the parser stands.  A subclass may keep pieces of the file from the parser (`take`), if
+    it counts their lines (`skipped`).
     """
 
     def __init__(self, path):
-        self.path = os.fspath(path)
+        self.path, self.message = os.fspath(path), None
         self.fed = self.skipped = 0
         self._depth = 0
         self._text, self._length = [], 0
@@ -55,6 +56,18 @@ class Events:
 
     def fault(self, sentence, line=None):
         return AttitudeError(f"{self.path}, line {line or self.line}: {sentence}")
+
+    def version(self, tag, attributes, kind, known):
+        """The version that the element tells with which a message of some kind begins."""
+        found = attributes.get("version")
+        if tag != kind or found not in known:
+            raise self.fault(
+                f"its outermost element is <{tag[:40]}> of version {found!r}; an {kind.upper()} is "
+                f'<{kind} id="CCSDS_{kind.upper()}_VERS" version="{" or ".join(known)}">.'
+            )
+        if self.message is not None:
+            raise self.fault("it holds several messages; write each into a file of its own.")
+        return found
 
     def run(self):
         try:

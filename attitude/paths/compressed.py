@@ -12,7 +12,7 @@ import numpy as np
 from attitude import chebyshev, epochs, gates, tdb
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path, since, spelled
-from attitude.paths.pieces import CellPieces, values, values_and_rates
+from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
 
 # Degree 15: the fewest numbers for orbits at 1e-3 of 1e7..1e11 m, within 20 %, and 16 divide well.
 _COUNT = 16
@@ -51,17 +51,11 @@ class Compressed(Path):
     source: str
     span: tuple
 
-    def _placed(self, instant, hi, lo):
-        piece, x, outside = self.pieces.place(instant, hi, lo)
-        if outside >= 0:
-            self.refuse_outside(instant, hi[outside])
-        return piece, x
-
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *self._placed(instant, hi, lo))
+        return values(self.pieces, *placed(self, instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        return values_and_rates(self.pieces, *self._placed(instant, hi, lo))
+        return values_and_rates(self.pieces, *placed(self, instant, hi, lo))
 
 
 def compress(path, start, stop, tolerance=1e-3):

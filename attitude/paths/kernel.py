@@ -188,17 +188,11 @@ class KernelSegment(Segment):
             most=segment.end_second - start,
         )
 
-    def _placed(self, instant, hi, lo):
-        piece, x, outside = self.pieces.place(instant, hi, lo)
-        if outside >= 0:
-            self.refuse_outside(instant, hi[outside])
-        return piece, x
-
     def _position(self, instant, hi, lo):
-        return self._in_icrf(pieces.values(self.pieces, *self._placed(instant, hi, lo)))
+        return self._in_icrf(pieces.values(self.pieces, *pieces.placed(self, instant, hi, lo)))
 
     def _state(self, instant, hi, lo):
-        placed = self._placed(instant, hi, lo)
+        placed = pieces.placed(self, instant, hi, lo)
         if self._has_rates:
             # Type 3 has polynomials of their own for the velocity, after those of the position.
             position = pieces.values(self.pieces, *placed)

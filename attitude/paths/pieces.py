@@ -129,6 +129,14 @@ class KnotPieces(Frozen):
         return read_only(np.diff(self.knots) + np.diff(self.knots_low))
 
 
+def placed(path, instant, hi, lo):
+    """Piece and place in it of epochs, in the pieces of a path; AttitudeError for one outside."""
+    piece, x, outside = path.pieces.place(instant, hi, lo)
+    if outside >= 0:
+        path.refuse_outside(instant, hi[outside])
+    return piece, x
+
+
 def values(pieces, piece, x, skip=None):
     """The vectors (3, N) at places in pieces."""
     from attitude.paths import polynomials

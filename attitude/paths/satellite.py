@@ -136,7 +136,7 @@ def tle(text, *, name=None):
     """
     lines, label = _text_lines(text)
     found = _pairs(lines, label)
-    title, first, second = _chosen(found, name, label)
+    title, first, second = _chosen(found, _names_of_lines, name, label)
     _check_line(first, "1", label)
     _check_line(second, "2", label)
     if first[2:7] != second[2:7]:
@@ -164,7 +164,7 @@ def omm(message, *, name=None):
         For a missing or unreadable field, and another theory, frame or time system.
     """
     records, label = _records(message)
-    fields = _chosen_record(records, name, label)
+    fields = _chosen(records, _names_of_record, name, label)
     for keyword in _OMM_NEEDED:
         if not fields.get(keyword):
             raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
@@ -268,20 +268,26 @@ def _pairs(lines, label):
     return found
 
 
-def _chosen(found, name, label):
+def _chosen(found, names_of, name, label):
+    """The one satellite, or that whose name or number is asked for; `names_of` tells both."""
     if name is not None:
         wanted = str(name).strip().lower()
-        found = [
-            each
-            for each in found
-            if wanted in (each[0].lower(), each[1][2:7].strip().lstrip("0").lower())
-        ]
+        found = [each for each in found if wanted in names_of(each)]
     if len(found) != 1:
         raise AttitudeError(
             f"{label} holds {len(found)} satellites"
             + ("; give name=..." if name is None else f" called {name!r}; give another name.")
         )
     return found[0]
+
+
+def _names_of_lines(found):
+    title, first, _ = found
+    return title.lower(), first[2:7].strip().lstrip("0").lower()
+
+
+def _names_of_record(fields):
+    return fields.get("OBJECT_NAME", "").lower(), fields.get("NORAD_CAT_ID", "")
 
 
 def _check_line(line, number, label):
@@ -352,19 +358,3 @@ def _of_keywords(text, label):
             raise AttitudeError(f"{label}, line {number}: {line!r} is not keyword = value.")
         fields[keyword.strip()] = value.partition("[")[0].strip()
     return fields
-
-
-def _chosen_record(records, name, label):
-    if name is not None:
-        wanted = str(name).strip().lower()
-        records = [
-            each
-            for each in records
-            if wanted in (each.get("OBJECT_NAME", "").lower(), each.get("NORAD_CAT_ID", ""))
-        ]
-    if len(records) != 1:
-        raise AttitudeError(
-            f"{label} holds {len(records)} satellites"
-            + ("; give name=..." if name is None else f" called {name!r}; give another name.")
-        )
-    return records[0]

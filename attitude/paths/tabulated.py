@@ -8,7 +8,7 @@ from attitude import epochs, frames, gates, tdb
 from attitude.errors import AttitudeError
 from attitude.paths.interpolation import interval_polynomials, rows_needed
 from attitude.paths.path import Path, spelled
-from attitude.paths.pieces import KnotPieces, values, values_and_rates
+from attitude.paths.pieces import KnotPieces, placed, values, values_and_rates
 from attitude.paths.straight import known_center
 
 INTERPOLATIONS = ("lagrange", "hermite")
@@ -41,19 +41,16 @@ class Table(Path):
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
-        piece, x, outside = self.pieces.place(instant, hi, lo)
-        if outside >= 0:
-            self.refuse_outside(instant, hi[outside])
-        return piece, x
+        return placed(self, instant, hi, lo)
 
     def _position(self, instant, hi, lo):
         return values(self.pieces, *self._placed(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        placed = self._placed(instant, hi, lo)
+        where = self._placed(instant, hi, lo)
         if self.rates is None:
-            return values_and_rates(self.pieces, *placed)
-        return values(self.pieces, *placed), values(self.rates, *placed)
+            return values_and_rates(self.pieces, *where)
+        return values(self.pieces, *where), values(self.rates, *where)
 
 
 def table(
