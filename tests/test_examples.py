@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def run(name, folder, **environment):
-    pytest.importorskip("matplotlib")
+    pytest.importorskip("matplotlib", reason="matplotlib, which draws them, is not installed")
     return subprocess.run(
         [sys.executable, "-W", "error", ROOT / "examples" / name],
         cwd=folder,

@@ -12,8 +12,6 @@ import pytest
 from attitude import AttitudeError, Body, FreeRotation, Spin
 from attitude.formats import aem, apm, damit, spin_file, stk, tables
 
-resource = pytest.importorskip("resource", reason="limits of files are those of Unix")
-
 ROOT = Path(__file__).parent.parent
 BODY = Body(moments=(10, 20, 26))
 MOTION = FreeRotation(
@@ -52,6 +50,8 @@ def fill_up(ending, folder):
 
     Runs in a process of its own, of which the limit holds everywhere.
     """
+    import resource
+
     path = Path(folder, f"file.{ending}")
     WRITERS[ending](path)
     before = {each.name: each.read_bytes() for each in Path(folder).iterdir()}
@@ -72,6 +72,7 @@ def fill_up(ending, folder):
 
 @pytest.mark.parametrize("ending", WRITERS)
 def test_it_is_full_in_the_middle(tmp_path, ending):
+    pytest.importorskip("resource", reason="limits of files are those of Unix")
     if ending == "parquet":
         pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     if ending == "bc":
