@@ -6,13 +6,15 @@ Prints, and with --output draws,
     orders     attitude error of each scheme on an eccentric orbit against a 34-digit integration
     circular   T + V - n L (normal), conserved on a circular orbit, over many orbits: the exact
                splitting beside those that split the kinetic energy too, at the same step
+    drift      the same energy from many starts: its slope, and the mean of what rounding does to
+               energy and momentum in the free motions, each with its standard error
     dop853     100 rotations under gravity gradient against DOP853 at 1e-13
     referee    error against cost of integrators of the free rotation
     impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
 
     python benchmarks/splitting.py [--quick] [--output docs/figures] [part ...]
 
-All parts take some twenty minutes, with --quick one.
+All parts take some half an hour, with --quick one minute.
 """
 
 import argparse
@@ -43,6 +45,7 @@ from attitude.splitting import TorquedRotation
 from attitude.torques import ConstantTorque, GravityGradient
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error
+from tests.rounding import moved
 
 BODY = Body(moments=(10, 20, 26))
 SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
@@ -328,6 +331,69 @@ def draw_circular(found, output):
     save(figure, axes, output, "splitting_circular.png")
 
 
+# Drift --------------------------------------------------------------------------------------------
+
+
+@compiled
+def jacobis(m, states, points, begin, out):
+    """T + V - n L of states (S, 14), at the points (2, steps an orbit) from number `begin` on."""
+    i, orbit = (m[0], m[1], m[2]), points.shape[1]
+    for k in range(len(states)):
+        s = states[k]
+        size = 1.0 / math.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3])
+        q = size * s[0], size * s[1], size * s[2], size * s[3]
+        place = (begin + k) % orbit
+        out[k] = jacobi(i, q, (s[4], s[5], s[6]), points[0, place], points[1, place])
+
+
+def drift(quick, output):
+    """Slopes of the energy from random starts, and the mean of rounding in free motions."""
+    starts, orbits = (4, 100) if quick else (16, 1000)
+    print(f"{starts} random starts of {orbits} orbits; relative changes an orbit, their mean over")
+    print("the starts and its standard error; in brackets the median of the sizes of the slopes,")
+    print("and the size of what free motions change in units of the random walk of their roundings")
+    print("(1 if that is all there is); last, how far this walk leads T in 100,000 orbits")
+    print(f"{'':18s}{'T + V - n L':^32s}{'T, free motions':^30s}{'L^2, free motions':^30s}    walk")
+    for name in ("kick-rotate-kick", "hoa", "suzuki", "force-gradient", "blanes-moan"):
+        random = np.random.default_rng(2006)
+        runs = [one_start(name, random, orbits) for _ in range(starts)]
+        slopes, sums = (np.array(part) for part in zip(*runs, strict=True))
+        changes, errors = sums[:, :, 0] / orbits, np.sqrt(sums[:, :, 1]) / orbits
+        error, size = np.std(slopes, ddof=1) / math.sqrt(starts), np.median(np.abs(slopes))
+        line = f"{name:18s}{np.mean(slopes):+9.1e} +- {error:.1e} ({size:.1e})"
+        for n in range(2):
+            error = math.sqrt(np.sum(errors[:, n] ** 2)) / starts
+            ratio = math.sqrt(np.mean((changes[:, n] / errors[:, n]) ** 2))
+            line += f"  {np.mean(changes[:, n]):+9.1e} +- {error:.1e} ({ratio:.1f})"
+        far = math.sqrt(np.mean(sums[:, 0, 2]) / orbits * 100_000)
+        print(f"{line}   {far:.0e}", flush=True)
+
+
+def one_start(name, random, orbits):
+    """The slope of T + V - n L an orbit, relative, and the sums of `tests.rounding.moved`.
+
+    The energy of a regular motion oscillates with a few periods.  Of those, a smooth bell over
+    each half of the time leaves next to nothing (Das, Saiki, Sander & Yorke 2017).
+    """
+    direction = random.normal(size=3)
+    rates = math.hypot(*RATES) * direction / math.hypot(*direction)
+    spin = Spin(epoch=SPIN.epoch, wxyz=random.normal(size=4), angular_velocity=rates)
+    h = TURN / STEPS_AN_ORBIT
+    gradient = GravityGradient(circular_path(), 1.0)
+    system = TorquedRotation(BODY, spin, gradient, step=h, scheme=name)._system
+    points = np.ascontiguousarray(circular(h * np.arange(STEPS_AN_ORBIT))[:, :2].T)
+    energy, sums = np.empty((orbits, STEPS_AN_ORBIT)), np.zeros((2, 3))
+    state, times = system.start.copy(), system.scheme.flights * h
+    for orbit in range(orbits):
+        states = system.march(state, orbit * STEPS_AN_ORBIT, h, STEPS_AN_ORBIT, 1)
+        jacobis(system.moments, states, points, 1, energy[orbit])
+        moved(system.moments, times, states, sums)
+    early, late = (energy / energy[0, 0] - 1.0).reshape(2, -1)
+    x = (np.arange(len(early)) + 0.5) / len(early)
+    bell = np.exp(-1.0 / (x * (1.0 - x)))
+    return bell @ (late - early) / np.sum(bell) / (0.5 * orbits), sums
+
+
 # DOP853 -------------------------------------------------------------------------------------------
 
 
@@ -475,6 +541,7 @@ PARTS = {
     "cost": cost,
     "orders": orders,
     "circular": circular_orbit,
+    "drift": drift,
     "dop853": dop853,
     "referee": referee,
     "impulses": impulses,

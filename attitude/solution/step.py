@@ -109,18 +109,19 @@ def increment(moments, k, w, h):
     over /= largest
     dot = w1 * l1 + w2 * l2 + w3 * l3
 
-    # Rates of change in units of the step, so that time runs from 0 to 1.  What a rounded constant
-    # leaves out is the same at every step; in terms even in h it would drive the energy one way.
-    # So h is multiplied into rates, whose roundings change, and products of the k are kept whole.
-    v1, v2, v3 = h * w1, h * w2, h * w3
-    r1, r2, r3 = k1 * w2 * v3, k2 * w3 * v1, k3 * w1 * v2
-    (k12, low12), (k13, low13), (k23, low23) = two_prod(k1, k2), two_prod(k1, k3), two_prod(k2, k3)
-    s1, s2, s3 = v1 * v1, v2 * v2, v3 * v3
-    kappa = fma(k13, s2, low13 * s2)
-    e1 = fma(-k23, s1, fma(-low23, s1, kappa))
-    e3 = fma(-k12, s3, fma(-low12, s3, kappa))
-    series = _series(e1, e3)
-    state = w1, w2, w3, r1, r2, r3, e1, e3, kappa
+    # Rounding with a mean drives energy and momentum: what is even in h does not average out.  The
+    # product of a constant and a double has one (0.8 n has five fractions only), and so has a sum
+    # that loses the same small term each time.  So products with the k are kept in pairs until a
+    # rate is in them twice, and h enters by S alone: any S whatever is on the exact motion.
+    r1, r2, r3 = _three(k1, w2, w3), _three(k2, w3, w1), _three(k3, w1, w2)
+    s1, s2, s3 = w1 * w1, w2 * w2, w3 * w3
+    kappa = _times(two_prod(k1, k3), s2)
+    e1 = _sum(_times(two_prod(-k2, k3), s1), kappa)
+    e3 = _sum(_times(two_prod(-k1, k2), s3), kappa)
+    # in units of the step, so that time runs from 0 to 1
+    hh = h * h
+    state = w1, w2, w3, h * r1, h * r2, h * r3, hh * e1[0], hh * e3[0], hh * kappa[0]
+    series = _series(state[6], state[7])
     weights = l1, l2, l3, i1 * over, i2 * over, i3 * over, dot
     chi = _G1 * (
         _turning(_X1, series, state, weights) + _turning(1.0 - _X1, series, state, weights)
@@ -133,9 +134,7 @@ def increment(moments, k, w, h):
     )
     chi *= h
 
-    n1, n2, n3, d = _at_end(series, state)
-    d = 1.0 / d
-    d1, d2, d3 = n1 * d, n2 * d, n3 * d
+    d1, d2, d3 = _at_end(h * _sine(1.0, series), (w1, w2, w3, r1, r2, r3, e1, e3, kappa))
     # least turn from l to l0: (1 + l . l0; l x l0) / sqrt(2 (1 + l . l0))
     f1, f2, f3 = i1 * over * d1, i2 * over * d2, i3 * over * d3
     one = 2.0 + (f1 * l1 + f2 * l2 + f3 * l3)
@@ -201,38 +200,64 @@ def _within(x, series, state):
 
 
 @inlined
-def _at_end(series, state):
-    """The same at the end of the step, where rounding must not go one way.
+def _at_end(s, state):
+    """w(h) - w, where rounding must not go one way.
 
-    e1 and e3 are constants of the motion: what depends on them alone is rounded alike in every
-    step, and is kept in two doubles.  What the second leaves is added to a product of kappa, which
-    does change, before that is rounded; added to a rounded number it would be lost each time.
+    Given
+        s      S(h), s
+        state  as in `increment`, in units of seconds; e1, e3 and kappa in pairs
+
+    What the roots leave out is added to a product of kappa, which changes from step to step where
+    e1 and e3 hardly do, before that is rounded; added to a rounded number it would be lost.
     """
     w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
-    s = _sine(1.0, series)
     ss, less = two_prod(s, s)
     u1, low1 = _root_less_one_in_pairs(e1, ss, less)
     u3, low3 = _root_less_one_in_pairs(e3, ss, less)
-    g = kappa * less
+    kappa, low = kappa
+    g = fma(kappa, less, low * ss)
     g1, g2, g3 = g + low3, g + (low1 + low3), g + low1
     g, g1 = fma(kappa, ss, g), fma(kappa, ss, g1)
     g2, g3 = fma(kappa, ss, g2), fma(kappa, ss, g3)
     r1, r2, r3 = r1 * s, r2 * s, r3 * s
-    return (
-        fma(w1, u3 + g1, fma(r1, u1, r1)),
-        fma(w2, fma(u1, u3, (u3 + g2) + u1), r2),
-        fma(w3, u1 + g3, fma(r3, u3, r3)),
-        1.0 - g,
-    )
+    n1 = fma(w1, u3 + g1, fma(r1, u1, r1))
+    n2 = fma(w2, fma(u1, u3, (u3 + g2) + u1), r2)
+    n3 = fma(w3, u1 + g3, fma(r3, u3, r3))
+    more = g / (1.0 - g)  # over d = 1 - g, rounded once
+    return fma(n1, more, n1), fma(n2, more, n2), fma(n3, more, n3)
 
 
 @inlined
 def _root_less_one_in_pairs(e, ss, less):
     """u = sqrt(1 - a) - 1 for a = e (ss + less), and what its double leaves out."""
+    e, low = e
     a = e * ss
     u = -a / (1.0 + math.sqrt(1.0 - a))
     # u^2 + 2 u + a = 0; 2 u + a is exact
-    return u, -0.5 * (fma(u, u, 2.0 * u + a) + fma(e, ss, -a) + e * less)
+    rest = fma(u, u, 2.0 * u + a) + (fma(e, ss, -a) + fma(e, less, low * ss))
+    # over 2 (1 + u)
+    return u, rest * fma(u, fma(-0.5, u, 0.5), -0.5)
+
+
+@inlined
+def _three(a, b, c):
+    """a b c rounded once."""
+    p, low = two_prod(a, b)
+    return fma(p, c, low * c)
+
+
+@inlined
+def _times(a, x):
+    """A pair times a double."""
+    p, low = two_prod(a[0], x)
+    return p, fma(a[1], x, low)
+
+
+@inlined
+def _sum(a, b):
+    """Of pairs of one sign."""
+    s, low = two_sum(a[0], b[0])
+    return s, low + (a[1] + b[1])
 
 
 @inlined
