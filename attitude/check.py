@@ -65,7 +65,8 @@ def check():
 
     Notes
     -----
-    About 1 s; with a cold disk cache TIMES, nearly all of it compilation, in two processes.
+    About 1 s; with a cold disk cache 4 to 7 s on two cores and 8 to 10 on one, nearly all of it
+    compilation.
     """
     start = time.perf_counter()
     compile_ahead()
