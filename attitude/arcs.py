@@ -307,11 +307,9 @@ class Arcs(Frozen):
         beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
         if beyond >= 0:
             self._refuse(float(t[beyond]))
-        # transpose: np.moveaxis alone would cost as much as all the rest of one epoch
-        last = (*range(1, len(shape) + 1), 0)
         return (
-            wxyz.reshape(4, *shape).transpose(last),
-            omega.reshape(3, *shape).transpose(last) if rates else None,
+            wxyz[0].T.reshape(*shape, 4),
+            omega[0].T.reshape(*shape, 3) if rates else None,
         )
 
     def _refuse(self, t):

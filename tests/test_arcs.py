@@ -148,7 +148,7 @@ def test_no_change_is_free_rotation_of_a_tensor_too():
 
 def test_epochs_beyond_reach_are_a_sentence():
     motion = Arcs(BODY, SPIN, kicks(3))
-    for t in (np.inf, -np.inf, 1e30, [0.0, 1e300]):
+    for t in (np.inf, -np.inf, 1e30, [0.0, 1e300], [np.nan, 1e300]):
         with pytest.raises(AttitudeError, match=r"lies .* s from that of the state"):
             motion.at(t)
 

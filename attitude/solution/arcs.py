@@ -45,7 +45,7 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
             None if rates is None else rates[:, :, begin:end],
         )
         if failed:
-            while abs(local[0, begin]) <= reach(constants[arc]):
+            while not abs(local[0, begin]) > reach(constants[arc]):  # NaN is not
                 begin += 1
             return begin
         begin = end
