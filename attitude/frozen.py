@@ -9,6 +9,15 @@ def frozen(array):
     return array
 
 
+def read_only(array):
+    """A read-only view; always one, since a writable array is another type to numba, for which all
+    would be compiled once more.
+    """
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
 class Frozen:
     """For frozen dataclasses with arrays: numpy forgets in a pickle that an array is read-only."""
 

@@ -158,7 +158,8 @@ def constants_of(
     prepare_all, _ = _compiled()
     # zeros, two microseconds sooner than np.zeros has a record with so many fields
     constants = np.ndarray(len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize))
-    if prepare_all(moments, wxyz, omega, principal, constants, differences, rates):
+    given = _writable(moments), _writable(wxyz), _writable(omega), _writable(principal)
+    if prepare_all(*given, constants, differences, rates):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
             moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
@@ -181,6 +182,7 @@ def evaluate(constants, t, t_low, wxyz, rates):
         # The kernels take t_low for the rounding of t; any two summands make such a pair.
         with np.errstate(invalid="ignore"):
             t, t_low = tdb.two_sum(t, t_low)
+    t, t_low = _writable(t), None if t_low is None else _writable(t_low)
     body = evaluate_all(constants, t, t_low, wxyz, rates)
     if body >= 0:
         far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
@@ -198,9 +200,14 @@ def _compiled():
         from attitude.solution.motion import evaluate_all, prepare_all
 
         # The first call of anything compiled makes numba read its registries: here, for no body.
-        pairs = np.zeros((0, 3, 2))
-        prepare_all(pairs, np.zeros((0, 4)), pairs, _IDENTITY, np.zeros(0, CONSTANTS))
+        pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
+        prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
     return prepare_all, evaluate_all
+
+
+def _writable(array):
+    """The array, or a copy of a read-only one: to numba another type, compiled for anew."""
+    return array if array.flags.writeable else array.copy()
 
 
 def _run(moments, wxyz0, omega0, t, t_low, wxyz, rates):

@@ -16,6 +16,7 @@ import numpy as np
 
 from attitude.epochs import Instant
 from attitude.errors import AttitudeError
+from attitude.frozen import read_only
 from attitude.paths import pieces
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path, spelled
@@ -180,7 +181,7 @@ class KernelSegment(Segment):
         self.pieces = pieces.EqualPieces(
             start=Instant(start),
             width=width,
-            records=pieces.read_only(words[:-4].reshape(rows, size)),
+            records=read_only(words[:-4].reshape(rows, size)),
             skip=2,
             count=(size - 2) // components,
             factor=_KM,

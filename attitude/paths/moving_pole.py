@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from attitude import chebyshev, tdb
-from attitude.paths import pieces
+from attitude.frozen import read_only
 
 # Two days and 10 nodes: 1e-15 rad against the series themselves, 7e-9 m at the Earth's surface.
 _WIDTH = 2.0 * tdb.DAY
@@ -37,7 +37,7 @@ def pole_at(series, hi, lo):
 
     number = np.floor(hi / _WIDTH)
     found, piece = np.unique(number, return_inverse=True)
-    records = pieces.read_only(_fitted(series, found))
+    records = read_only(_fitted(series, found))
     x = 2.0 * (((hi - number * _WIDTH) + lo) / _WIDTH) - 1.0
     out = np.empty((3, hi.size))
     polynomials.values(records, 0, _COUNT, piece.ravel().astype(np.int64), x, 1.0, out)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from attitude.epochs import Instant
-from attitude.frozen import Frozen, frozen
+from attitude.frozen import Frozen, frozen, read_only
 from attitude.paths.path import since
 
 
@@ -155,12 +155,3 @@ def values_and_rates(pieces, piece, x):
     given = pieces.records, pieces.skip, pieces.count, piece, x, pieces.widths, pieces.factor
     polynomials.values_and_rates(*given, out, rate)
     return out, rate
-
-
-def read_only(array):
-    """A view that cannot be written; always one, since a writable array is another type to numba,
-    for which all would be compiled once more.
-    """
-    view = array.view()
-    view.setflags(write=False)
-    return view

@@ -8,9 +8,8 @@ import numpy as np
 from attitude import epochs, frames, gates
 from attitude.epochs import Instant
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.frozen import Frozen, frozen, read_only
 from attitude.paths.path import Path, since
-from attitude.paths.pieces import read_only
 from attitude.paths.straight import known_center
 
 # m3/s2 of DE440, in TDB (Park et al., AJ 161, 105, 2021, table 2).

@@ -6,9 +6,8 @@ import numpy as np
 
 from attitude import paths
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.frozen import Frozen, frozen, read_only
 from attitude.paths.path import Path, spelled
-from attitude.paths.pieces import read_only
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16

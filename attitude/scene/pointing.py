@@ -3,7 +3,7 @@
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.paths.pieces import read_only
+from attitude.frozen import read_only
 from attitude.scene import angles
 from attitude.scene.quantity import kept, quantity
 

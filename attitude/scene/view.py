@@ -4,8 +4,7 @@ import numpy as np
 
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
-from attitude.paths.pieces import read_only
+from attitude.frozen import Frozen, frozen, read_only
 from attitude.scene import angles, line, shadow
 from attitude.scene.brightness import Brightness
 from attitude.scene.pointing import Pointing
