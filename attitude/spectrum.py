@@ -107,9 +107,19 @@ class SeriesFit(Frozen):
     def __call__(self, t, curve=0):
         """The model at seconds t, with the constant term of a curve (a number, or one per t)."""
         t = gates.real(t, "t", unit="s")
+        curve = np.asarray(curve)
+        if not (
+            curve.dtype.kind in "iu"
+            and curve.shape in ((), t.shape)
+            and np.all((curve >= 0) & (curve < len(self.offsets)))
+        ):
+            raise AttitudeError(
+                f"curve is {gates.shown(curve)}; give whole numbers from 0 to "
+                f"{len(self.offsets) - 1}, one for all epochs or one for each."
+            )
         angles = _angles(t.reshape(-1), self.start, self.P_psi, self.P_phi, self.numbers)
         wave = np.cos(angles) @ self.cosines + np.sin(angles) @ self.sines
-        return wave.reshape(t.shape) + self.offsets[np.asarray(curve)]
+        return wave.reshape(t.shape) + self.offsets[curve]
 
     @property
     def amplitudes(self):

@@ -74,6 +74,17 @@ def test_round_trip_of_many_digits(tmp_path):
     assert again.read_text() == path.read_text()
 
 
+def test_dates_are_written_as_short_as_they_were(tmp_path):
+    curves = read_damit_light_curves(written(tmp_path, FILE))
+    path = tmp_path / "again.txt"
+    write_damit_light_curves(path, curves)
+    dates = [line.split()[0] for line in path.read_text().splitlines() if len(line) > 9]
+    assert dates == ["2433827.771536", "2433827.778296", "2433828.50000000001"]
+    plain = DamitLightCurve([2433827.771536], [1.0], [[1, 0, 0]], [[1, 0, 0]], calibrated=True)
+    write_damit_light_curves(path, plain)
+    assert path.read_text().splitlines()[2].split()[0] == "2433827.771536"
+
+
 def test_from_positions_and_back_to_seconds():
     sun, earth = [[AU, 0, 0]], [[0, 2 * AU, 0]]
     curve = from_positions(
@@ -118,7 +129,7 @@ def test_what_is_wrong_is_said_with_file_and_line(tmp_path, text, said):
 def test_what_cannot_be_written_is_refused_and_nothing_is_left(tmp_path):
     path = tmp_path / "lc.txt"
     good = DamitLightCurve([2460000.5], [1.0], [[1, 0, 0]], [[1, 0, 0]], calibrated=True)
-    for given in ([], [good, "curve"]):
+    for given in ([], [good, "curve"], 5):
         with pytest.raises(AttitudeError):
             write_damit_light_curves(path, given)
     assert list(tmp_path.iterdir()) == []

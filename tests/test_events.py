@@ -482,6 +482,8 @@ def test_dates_and_several_conditions():
             "zero or not finite",
         ),
         (lambda m: events.brightness(m), "no brightness"),
+        (lambda m: events.find_discrete(0, 1, None), "f is None; give a Condition"),
+        (lambda m: events.find_discrete(0, 1, 5), "f is 5; give a Condition"),
     ],
 )
 def test_bad_input_is_a_sentence(call, said):

@@ -272,6 +272,8 @@ def test_directions_are_unit_vectors():
         brightness(FACETS, "lambert", np.zeros((3, 2)), good)
     with pytest.raises(AttitudeError, match="must broadcast"):
         brightness(FACETS, "lambert", good[:5], good[:4])
+    with pytest.raises(AttitudeError, match="sun is ragged"):
+        brightness(FACETS, "lambert", [[0, 0, 1], [0, 1]], good[:2])
 
 
 def test_shapes_and_laws_that_do_not_fit():
@@ -284,6 +286,14 @@ def test_shapes_and_laws_that_do_not_fit():
         brightness(FACETS.reversed(), "lambert", up, up)
     with pytest.raises(AttitudeError, match="shadows is 'no'"):
         brightness(FACETS, "lambert", up, up, shadows="no")
+    with pytest.raises(AttitudeError, match=r"law is the class Lambert; .*Lambert\(\.\.\.\)"):
+        brightness(FACETS, Lambert, up, up)
+    with pytest.raises(AttitudeError, match="shape is 'sphere'"):
+        mean_brightness("sphere", "lambert", 0.1)
+    with pytest.raises(AttitudeError, match=r"brightness \(2,\), distances \(3,\)"):
+        apparent_magnitude([1.0, 2.0], [1.0, 2.0, 3.0], 1.0)
+    with pytest.raises(AttitudeError, match=r"brightness \(2,\), alpha \(3,\)"):
+        phased_magnitude([1.0, 2.0], FACETS, "lambert", [0.1, 0.2, 0.3], hg)
 
 
 def test_an_open_plate_shows_its_front_only():
@@ -291,6 +301,43 @@ def test_an_open_plate_shows_its_front_only():
     up = np.array([0.0, 0.0, 1.0])
     assert brightness(plate, "lambert", up, up) == pytest.approx(0.5 / np.pi)
     assert brightness(plate, "lambert", -up, -up) == 0.0
+
+
+@pytest.mark.parametrize("law", [Lambert(), LommelSeeliger(), LommelSeeligerLambert(), Hapke()])
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6, 1e9])
+def test_brightness_grows_with_the_square_of_the_size_and_dark_is_dark(law, size):
+    sun, observer, _ = pairs(500, 0, 110)
+    small, large = ELLIPSOID.facets(80), ELLIPSOID.facets(80).scaled(size)
+    expected = size**2 * brightness(small, law, sun, observer)
+    assert brightness(large, law, sun, observer) == pytest.approx(expected, rel=1e-9)
+    # Seen from behind: facets that are only lit and facets that are only seen.
+    assert np.all(brightness(large, law, sun, -sun) == 0.0)
+    slab = box((size, 2 * size, 3 * size))
+    assert brightness(slab, law, [1, 0, 0], [0, 1, 0]) == 0.0
+
+
+def test_a_narrow_surge_is_exact_at_opposition():
+    law, wide = Hapke(h=1e-6, b0=2.0, roughness=0.0), Hapke(h=1e-6, b0=0.0, roughness=0.0)
+    up = np.array([0.48, 0.6, 0.64])
+    surged = brightness(FACETS, law, up, up) / brightness(FACETS, wide, up, up)
+    # The surge doubles the single scattering: at 1e-6 of it in the whole, rest in H H - 1.
+    single = law.reflectance(1.0, 1.0, 0.0) / wide.reflectance(1.0, 1.0, 0.0)
+    assert surged == pytest.approx(single, rel=1e-3)
+    # Rounding of directions to single precision moves them by 6e-8 rad, not by 3e-4.
+    alpha = 2e-7
+    aside = up + alpha * np.array([0.8, 0.0, -0.6])
+    aside /= np.sqrt(aside @ aside)
+    nearly = brightness(FACETS, law, up, aside) / brightness(FACETS, wide, up, aside)
+    half = 0.5 * alpha
+    assert (nearly - 1.0) * (1.0 + half / law.h) == pytest.approx(surged - 1.0, rel=1e-6)
+
+
+def test_single_precision_costs_no_more_than_its_rounding_at_opposition():
+    sun, _, _ = pairs(500, 0, 1)
+    single = np.ascontiguousarray(sun, dtype=np.float32)
+    for law in (Hapke(roughness=np.radians(60.0)), Hapke(roughness=0.0), LommelSeeligerLambert()):
+        value = brightness(FACETS, law, single, single)
+        assert value == pytest.approx(brightness(FACETS, law, sun, sun), rel=2e-6)
 
 
 def test_facets_of_very_different_sizes():

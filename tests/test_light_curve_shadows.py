@@ -8,7 +8,7 @@ import pytest
 from attitude.errors import AttitudeError
 from attitude.light_curve import Visibility, brightness, brightness_by_rays, visibility
 from attitude.scattering import Hapke, LommelSeeliger, Material
-from attitude.shape import Ellipsoid, Mesh, box
+from attitude.shape import Ellipsoid, Mesh, box, box_wing
 from attitude.shape.geodesic import unit_sphere
 
 
@@ -135,6 +135,28 @@ def test_divided_facets_have_finer_shadows():
     assert errors[1] < 10.0 < errors[0]
 
 
+def test_what_lies_within_another_part_is_dark():
+    sun, observer = pairs(300, 0, 120)
+    outer, inner = box((2, 2, 2)), box((1, 1, 1), center=(0.2, 0, 0.1))
+    alone = brightness(outer, "lambert", sun, observer)
+    assert brightness(outer.joined(inner), "lambert", sun, observer) == pytest.approx(alone)
+    # Two balls that overlap: rays hit the walls of the other from inside as well.
+    ball = Ellipsoid((1, 1, 1)).facets(320)
+    pair = ball.joined(ball.moved((1.2, 0.3, 0.0)))
+    table = brightness(pair, "lommel-seeliger", sun, observer)
+    rays = brightness_by_rays(pair, "lommel-seeliger", sun, observer)
+    assert np.sqrt(np.mean((2.5 * np.log10(table / rays)) ** 2)) < 0.005
+
+
+def test_shadows_do_not_depend_on_where_the_origin_is():
+    sun, observer = pairs(200)
+    mesh = peanut(4)
+    near = brightness(mesh, "lommel-seeliger", sun, observer)
+    # 1e9 m from the origin corners are known to 1e-7 m, and normals of facets of 0.1 m to 2e-6.
+    far = brightness(mesh.moved((1e9, -1e9, 1e9)), "lommel-seeliger", sun, observer)
+    assert far == pytest.approx(near, rel=1e-3)
+
+
 def test_every_law_uses_the_table():
     mesh = peanut(4)
     sun, observer = pairs(200)
@@ -197,5 +219,14 @@ def test_a_table_of_another_mesh_is_refused():
     up = [0.0, 0.0, 1.0]
     with pytest.raises(AttitudeError, match="of another mesh"):
         brightness(peanut(4), "lambert", up, up, shadows=Visibility.of(peanut(3), resolution=8))
+    # The same normals and areas, but the wing stands farther off.
+    near, far = (box_wing((1, 2, 3), (4, 2), gap=gap) for gap in (0.4, 2.4))
+    with pytest.raises(AttitudeError, match="of another mesh"):
+        brightness(far, "lambert", up, up, shadows=Visibility.of(near, resolution=8))
+    for given in ("mesh", Ellipsoid((1, 1, 1))):
+        with pytest.raises(AttitudeError, match=r"give an attitude\.shape Mesh"):
+            Visibility.of(given)
+        with pytest.raises(AttitudeError, match=r"give an attitude\.shape Mesh"):
+            brightness_by_rays(given, "lambert", up, up)
     with pytest.raises(AttitudeError, match="resolution is 2"):
         Visibility.of(peanut(3), resolution=2)

@@ -356,9 +356,10 @@ def test_arguments(lightcurve, file, tmp_path, monkeypatch, arguments, message):
 def test_an_error_with_the_figure_leaves_no_table(lightcurve, file, tmp_path):
     path = file(FIXED)
     (tmp_path / "old.csv").write_text("kept\n")
-    code, _, _ = lightcurve(
+    code, _, err = lightcurve(
         path, "--output", tmp_path / "old.csv", "--figure", tmp_path / "no" / "x.png"
     )
+    assert "--figure" in err and "x.png' cannot be written" in err and "old.csv" not in err
     assert code == 2 and (tmp_path / "old.csv").read_text() == "kept\n"
     assert {each.name for each in tmp_path.iterdir()} == {"m.toml", "old.csv"}
 
@@ -386,6 +387,26 @@ def test_a_damit_file_of_what_is_not_seen_is_refused(lightcurve, file, tmp_path)
     code, _, err = lightcurve(file(text), "--output", path)
     assert code == 2 and "nothing of the body is both lit and seen" in err
     assert not path.exists()
+
+
+def test_a_damit_file_is_dimmed_by_shadows(lightcurve, tmp_path):
+    satellite, path = MISSIONS / "envisat-glints.toml", tmp_path / "lc.txt"
+
+    def asked(start, stop):
+        times = "--start", f"2013-10-23T19:{start}", "--stop", f"2013-10-23T19:{stop}"
+        return lightcurve(satellite, "--output", path, *times, "--step", "1 s")
+
+    code, _, err = asked("13:00", "13:10")  # umbra
+    assert code == 2 and "at 11 epochs nothing" in err and not path.exists()
+    assert asked("19:15", "19:40")[0] == 0  # from penumbra into light
+    (curve,) = read_damit_light_curves(path)
+    view = mission.read(satellite).scene.at(
+        [f"2013-10-23T19:19:{second}" for second in range(15, 41)]
+    )
+    assert 0.0 < view.lit_fraction[0] < 1.0 == view.lit_fraction[-1]
+    seen = 10.0 ** (-0.4 * view.reduced_magnitude) * view.lit_fraction
+    # Epochs of the command and of the list differ by their rounding, some 1e-11 s.
+    assert curve.brightness == pytest.approx(seen, rel=1e-9)
 
 
 def test_example_apophis_light_curve(tmp_path):

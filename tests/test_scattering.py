@@ -195,6 +195,10 @@ def test_gloss_shines_in_the_mirror_direction():
 
 
 def test_backlit_grazing_and_opposite_are_finite():
+    tiny = [1e-300, 1e-250, 1e-30, 1e-18, 1e-9, 1e-3]
+    for given_law in LAWS:
+        for alpha in (3.0, 3.1415926, np.pi):
+            assert np.all(np.isfinite(given_law.reflectance(tiny, np.transpose([tiny]), alpha)))
     for given_law in LAWS:
         value = given_law.reflectance([0.0, 1e-300, 1e-9, 1.0], [1e-9, 1e-300, 1e-9, 1.0],
                                       [np.pi, np.pi, np.pi, 0.0])  # fmt: skip
@@ -248,7 +252,10 @@ def test_phase_functions_at_their_ends():
         (lambda: hg(-0.1), "alpha must lie from 0 to pi"),
         (lambda: hg(0.1, 0.0, 2.0), "g is 2.0"),
         (lambda: hg1g2(0.1, 0.0, 0.9, 0.2), "nor their sum above 1"),
+        (lambda: Materials(5), "Materials is given 5; give a dict"),
+        (lambda: law(Hapke), r"law is the class Hapke; .*Hapke\(\.\.\.\)"),
         (lambda: Lambert().reflectance(2.0, 0.5, 0.1), "cosines lie from -1 to 1"),
+        (lambda: Lambert().reflectance([0.1, 0.2], [0.1] * 3, 0.1), r"mu0 \(2,\), mu \(3,\)"),
     ],
 )
 def test_parameters_out_of_range_are_refused(make, sentence):

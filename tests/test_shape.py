@@ -151,6 +151,7 @@ def test_an_inside_out_body_is_refused_and_a_cavity_is_not():
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertices 2 hold NaN"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]], "facets 0 name vertices"),
         ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], r"give \(V, 3\)"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1]], "facets is ragged"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.0, 1.0, 2.0]], "whole numbers"),
     ],
 )
@@ -170,6 +171,10 @@ def test_bad_parts_are_refused_in_a_sentence():
         box_wing((1, 1, 1), (1, 1), gap=-1)
     with pytest.raises(AttitudeError, match="count is 3"):
         Ellipsoid((1, 1, 1)).facets(3)
+    with pytest.raises(AttitudeError, match="materials is 5"):
+        Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], 5)
+    with pytest.raises(AttitudeError, match="give another Mesh"):
+        box((1, 1, 1)).joined(Ellipsoid((1, 1, 1)))
     with pytest.raises(AttitudeError, match="no rotation"):
         box((1, 1, 1)).turned(np.diag([1.0, 1.0, -1.0]))
 

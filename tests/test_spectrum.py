@@ -103,6 +103,9 @@ def test_relative_curves_have_their_own_constants():
     found = spectrum.fit(t, y, 70.0, 13.0, order=1, curve=which, errors=np.full(300, 0.1))
     np.testing.assert_allclose(found.offsets, [-2.0, 7.0], atol=1e-12)
     np.testing.assert_allclose(found(t, which), y, atol=1e-12)
+    for wrong in (2, -1, 0.5, which[:3]):
+        with pytest.raises(AttitudeError, match="whole numbers from 0 to 1"):
+            found(t, wrong)
     line, amplitude = found.strongest(1)[0]
     assert (line.i, line.j) == (1, 0) and amplitude == pytest.approx(1.0, abs=1e-12)
     assert np.max(np.abs(found.residuals)) < 1e-12

@@ -18,8 +18,9 @@ A mission file with a section [shape] names spin, centre, observer, times and ho
 Columns: UTC at which light is received, TDB seconds since the epoch of the spin, the magnitude
 (inf where nothing of the body is both lit and seen), brightness in m2/sr, phase angle, distances,
 the fraction of the Sun's disc that other bodies leave free, elevation over a ground site, then the
-columns of the file.  As x.txt the curve has DAMIT's format: brightness at unit distances, against
-the dates at which the light left.  With --figure alone no table is written.
+columns of the file.  As x.txt the curve has DAMIT's format: brightness at unit distances, less what
+shadows take away, against the dates at which the light left.  With --figure alone no table is
+written.
 """
 # Distances from here on are told in au, m.
 _FAR = 1e9
@@ -47,7 +48,7 @@ def add_arguments(parser):
 
 def run(arguments):
     from attitude.formats import mission as missions
-    from attitude.formats.aside import made_whole
+    from attitude.formats.aside import written_whole
 
     kind = output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
     picture = _picture(arguments.figure)
@@ -65,17 +66,20 @@ def run(arguments):
     curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
     # Left in reverse: an error with the figure leaves no table either.
     with ExitStack() as stack:
-        drawn = picture and stack.enter_context(made_whole(picture, "--figure"))
+        # Opened before the table: what is wrong with one file is not said of the other.
+        drawn = picture and stack.enter_context(
+            written_whole(arguments.figure, "--figure", binary=True)
+        )
         if kind == "txt" or (picture and arguments.output is None):
             curve.run()
         else:
             curve.write(stack.enter_context(output.opened(arguments.output)))
         if drawn:
-            curve.draw(drawn)
+            curve.draw(drawn, picture)
         if kind == "txt":
             curve.write_damit(arguments.output)
     if picture is not None:
-        print(picture)
+        print(arguments.figure)
 
 
 class _Curve:
@@ -95,13 +99,13 @@ class _Curve:
         for view, _ in self._views:
             self._keep(view, self._mission.magnitude.of(view))
 
-    def draw(self, path):
-        """Save the figure of what was kept."""
+    def draw(self, file, kind):
+        """Save the figure of what was kept to a binary file, as one of `output.PICTURES`."""
         from attitude.cli import curve_figure
 
         names = [name for name in self._parts[0] if name not in _DAMIT]
         kept = {name: self._joined(name) for name in names}
-        curve_figure.of(self._mission, **kept).savefig(path, dpi=150)
+        curve_figure.of(self._mission, **kept).savefig(file, format=kind, dpi=150)
 
     def write_damit(self, path):
         """One calibrated curve of what was kept, in units of magnitude 0 at unit distances."""
@@ -141,8 +145,12 @@ class _Curve:
         if self._kind == "txt":
             import numpy as np
 
+            from attitude.light_curve.magnitudes import dimming
+
             hi, lo = view.emission
             reduced = replace(self._mission.magnitude, kind="reduced").of(view)
+            if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
+                reduced = reduced + dimming(view.lit_fraction)
             vectors = (
                 np.asarray(unit) * np.asarray(distance)[:, None]
                 for unit, distance in (
@@ -205,12 +213,11 @@ def _has_horizon(scene):
 
 
 def _picture(figure):
-    """The file name of a figure, of a kind that can be drawn here."""
+    """The kind of a figure, one that can be drawn here; None where none is asked for."""
     if figure is None:
         return None
     from attitude import plots
 
-    output.kind_of(figure, output.PICTURES, "--figure")
-
+    kind = output.kind_of(figure, output.PICTURES, "--figure")
     plots.new_figure((1.0, 1.0))  # without matplotlib nothing is begun
-    return figure
+    return kind

@@ -8,7 +8,7 @@ import numpy as np
 
 from attitude import gates
 from attitude.errors import AttitudeError
-from attitude.events.directions import Aberrated, _unit, direction_of, source_of, values_at
+from attitude.events.directions import Aberrated, direction_of, source_of, unit_vector, values_at
 
 # The nominal radius of the Sun over the astronomical unit, 959.2 arcsec (IAU 2015 B3, 2012 B2).
 _SUN = 6.957e8
@@ -125,7 +125,7 @@ def beyond_plane(motion, axis, normal):
     """
     source = source_of(motion)
     seen = direction_of(normal, "normal", source)
-    return _of_one(source, Height(_axis_or_long(axis, source), seen))
+    return _of_one(source, Height(axis_or_long(axis, source), seen))
 
 
 def past_meridian(motion, axis, direction, pole=None):
@@ -303,10 +303,10 @@ def _of_one(source, channel):
 
 
 def _axis(value, name):
-    return _unit(gates.real(value, name, shape=(3,)), name)
+    return unit_vector(gates.real(value, name, shape=(3,)), name)
 
 
-def _axis_or_long(axis, source):
+def axis_or_long(axis, source):
     if axis is not None:
         return _axis(axis, "axis")
     body = getattr(source.motion, "body", None)

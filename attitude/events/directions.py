@@ -31,7 +31,7 @@ class Fixed:
 
     def __init__(self, vector, name="direction"):
         vector = getattr(vector, "unit", vector) if _is_far(vector) else vector
-        self.vector = _unit(gates.real(vector, name, shape=(3,)), name)
+        self.vector = unit_vector(gates.real(vector, name, shape=(3,)), name)
         self.name = name
 
     def icrf(self, moment):
@@ -301,7 +301,7 @@ def _is_far(value):
     return getattr(value, "is_direction", False)
 
 
-def _unit(vector, name):
+def unit_vector(vector, name):
     size = np.max(np.abs(vector))
     if size == 0.0:
         raise AttitudeError(f"{name} is zero; give a vector of any other length.")

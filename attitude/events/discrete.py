@@ -65,6 +65,11 @@ def stream(start, stop, f):
     ----------
     start, stop, f : as of `find_discrete`, but for a function
     """
+    if not isinstance(f, (Condition, list, tuple)):
+        raise AttitudeError(
+            f"f is {f!r}; give a Condition, such as events.in_cone(...), a list of them, or a "
+            "function of seconds."
+        )
     conditions = [f] if isinstance(f, Condition) else list(f)
     if not conditions:
         raise AttitudeError("the list of conditions is empty; give one or more.")

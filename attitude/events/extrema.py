@@ -4,7 +4,7 @@ import numpy as np
 
 from attitude import gates
 from attitude.errors import AttitudeError
-from attitude.events.conditions import _axis_or_long, chord_squared, dot, turning
+from attitude.events.conditions import axis_or_long, chord_squared, dot, turning
 from attitude.events.directions import Fixed, direction_of, source_of, values_at
 from attitude.events.discrete import plain_span, plain_step, span
 from attitude.events.pace import Sampled, pieces
@@ -54,7 +54,7 @@ def separation(motion, axis, direction):
     (array([15.70796327]), array([0.46364761]))
     """
     source = source_of(motion)
-    axis = _axis_or_long(axis, source)
+    axis = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
 
     def angle(moment):

@@ -15,6 +15,7 @@ Format: M. Kaasalainen, J. Torppa, J. Durech, documentation of convexinv, in DAM
 (https://astro.troja.mff.cuni.cz/projects/damit); Durech, Sidorin, Kaasalainen, A&A 513, A46, 2010.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -78,8 +79,8 @@ class DamitLightCurve(Frozen):
             raise AttitudeError(f"calibrated is {self.calibrated!r}; give True or False.")
         for k in np.flatnonzero(~(self.brightness > 0.0))[:1]:
             raise AttitudeError(
-                f"brightness[{k}] is {self.brightness[k]!r}; intensities are above zero. Convert "
-                "magnitudes by 10**(-0.4 * magnitude)."
+                f"brightness[{k}] is {float(self.brightness[k])}; intensities are above zero. "
+                "Convert magnitudes by 10**(-0.4 * magnitude)."
             )
         for name in ("sun", "earth"):
             for k in np.flatnonzero(~np.any(getattr(self, name), axis=1))[:1]:
@@ -206,9 +207,15 @@ def write_damit_light_curves(path, curves):
 
     Notes
     -----
-    Numbers are written with all their digits, dates to 1e-20 d, so that reading returns the same.
+    Numbers are written with all their digits, dates to 1e-20 d.  A date without `jd_low` is
+    written in the fewest digits that are read as the same `jd`; what these decimals differ by from
+    the double, 20 microseconds at most, reading then tells as `jd_low`.
     """
-    curves = [curves] if isinstance(curves, DamitLightCurve) else list(curves)
+    if isinstance(curves, DamitLightCurve):
+        curves = [curves]
+    elif not isinstance(curves, Iterable):
+        raise AttitudeError(f"curves is {curves!r}; give one DamitLightCurve, or a list of them.")
+    curves = list(curves)
     for each in curves:
         if not isinstance(each, DamitLightCurve):
             raise AttitudeError(
@@ -318,7 +325,8 @@ def _date(jd, low):
 
     if low == 0.0:
         return repr(float(jd))
-    return str(round(Decimal(float(jd)) + Decimal(float(low)), 20))
+    digits = str(round(Decimal(float(jd)) + Decimal(float(low)), 20))
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
 
 
 def _icrf_units(vectors):

@@ -144,12 +144,10 @@ def _ellipsoid_kernel(shape, law):
 
 def _table(mesh, shadows, threads):
     if isinstance(shadows, Visibility):
-        if shadows.clusters is not clusters_of(mesh):
-            own, given = clusters_of(mesh), shadows.clusters
-            if own.blocks.shape != given.blocks.shape or np.any(own.blocks != given.blocks):
-                raise AttitudeError(
-                    "shadows is the Visibility of another mesh; make one with Visibility.of(mesh)."
-                )
+        if not shadows.is_of(mesh):
+            raise AttitudeError(
+                "shadows is the Visibility of another mesh; make one with Visibility.of(mesh)."
+            )
         return shadows
     if shadows is not True and shadows is not False:
         raise AttitudeError(f"shadows is {shadows!r}; give True, False or a Visibility.")
@@ -165,13 +163,11 @@ def _fused_kernel(mesh, law, table):
 
     clusters = clusters_of(mesh)
     blocks = clusters.rows()
-    height, area = blocks[:, 2], blocks[:, 3] * clusters.area
-    if table is not None:
-        area /= POINTS
+    height, area = blocks[:, 2], blocks[:, 3] / (1 if table is None else POINTS)
     seeliger, lambert = law.weights
     blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
     rest = aligned(blocks), *_looked_up(clusters, table)
-    return lambda *arrays: sums.fused(*rest, *arrays)
+    return _times(clusters.area, lambda *arrays: sums.fused(*rest, *arrays))
 
 
 def _facet_kernel(mesh, law, table):
@@ -181,10 +177,17 @@ def _facet_kernel(mesh, law, table):
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, 0, number[clusters.order])
     rest = clusters.blocks, *_looked_up(clusters, table), rows, which
-    area = clusters.area
+    return _times(clusters.area, lambda *arrays: sums.by_facet(*rest, *arrays))
+
+
+def _times(area, summed):
+    """The kernel of a sum over areas that are parts of the whole.
+
+    What counts as nothing in a sum is then the same for a pebble and for a planet.
+    """
 
     def kernel(*arrays):
-        sums.by_facet(*rest, *arrays)
+        summed(*arrays)
         arrays[-1][:] *= area
 
     return kernel

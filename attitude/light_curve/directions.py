@@ -12,7 +12,10 @@ def paired(sun, observer):
     """Both as arrays (N, 3) without a copy where that is possible, and the shape of the answer."""
     arrays = []
     for value, name in ((sun, "sun"), (observer, "observer")):
-        array = np.asarray(value)
+        try:
+            array = np.asarray(value)
+        except ValueError as err:
+            raise AttitudeError(f"{name} is ragged; give unit vectors (..., 3).") from err
         if array.ndim < 1 or array.shape[-1] != 3 or array.dtype.kind not in "fiu":
             raise AttitudeError(
                 f"{name} has shape {array.shape} of {array.dtype}; give unit vectors (..., 3)."

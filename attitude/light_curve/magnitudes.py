@@ -4,6 +4,7 @@ import numpy as np
 
 from attitude import gates
 from attitude.errors import AttitudeError
+from attitude.scattering.parameters import together
 
 # The astronomical unit (IAU 2012 B2), m.
 AU = 149597870700.0
@@ -56,18 +57,21 @@ def apparent_magnitude(brightness, sun_distance, observer_distance, *, sun_magni
     where the body shows nothing.  See `reduced_magnitude`.
     """
     reduced = reduced_magnitude(brightness, sun_magnitude=sun_magnitude)
-    return reduced + distance_modulus(sun_distance, observer_distance)
+    modulus = distance_modulus(sun_distance, observer_distance)
+    reduced, modulus = together(brightness=reduced, distances=modulus)
+    return reduced + modulus
 
 
 def distance_modulus(sun_distance, observer_distance):
     """Apparent minus reduced magnitude, 5 log10 of the product of both distances (m) in au."""
-    modulus = 0.0
+    moduli = {}
     for value, name in ((sun_distance, "sun_distance"), (observer_distance, "observer_distance")):
         array = gates.real(value, name, unit="m")
         if not np.all(array > 0.0):
             raise AttitudeError(f"{name} holds {np.min(array)}; distances are greater than zero.")
-        modulus = modulus + 5.0 * np.log10(array / AU)
-    return modulus
+        moduli[name] = 5.0 * np.log10(array / AU)
+    one, other = together(**moduli)
+    return one + other
 
 
 def dimming(lit):

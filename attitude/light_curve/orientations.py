@@ -12,7 +12,8 @@ from attitude.errors import AttitudeError
 from attitude.light_curve.brightness import brightness as brightness_of
 from attitude.scattering import LommelSeeliger
 from attitude.scattering import law as known_law
-from attitude.shape import Ellipsoid
+from attitude.scattering.parameters import together
+from attitude.shape import Ellipsoid, Mesh
 
 
 def mean_brightness(shape, law, alpha):
@@ -45,6 +46,8 @@ def mean_brightness(shape, law, alpha):
     alpha = gates.real(alpha, "alpha", unit="rad")
     if not np.all((alpha >= 0.0) & (alpha <= np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
+    if not isinstance(shape, (Ellipsoid, Mesh)):
+        raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
     seeliger, lambert = law.weights
     observer = np.stack([np.sin(alpha), np.zeros_like(alpha), np.cos(alpha)], axis=-1)
     one = brightness_of(Ellipsoid((1, 1, 1)), LommelSeeliger(), [0.0, 0.0, 1.0], observer)
@@ -74,6 +77,8 @@ def phased_magnitude(brightness, shape, law, alpha, function):
     brightness = gates.real(brightness, "brightness", unit="m2/sr")
     if np.any(brightness < 0.0):
         raise AttitudeError(f"brightness holds {np.min(brightness)}; it must not be negative.")
+    alpha = gates.real(alpha, "alpha", unit="rad")
+    brightness, alpha = together(brightness=brightness, alpha=alpha)
     mean = mean_brightness(shape, law, alpha)
     shown = (brightness > 0.0) & (mean > 0.0)
     ratio = np.where(shown, brightness, 1.0) / np.where(shown, mean, 1.0)

@@ -4,7 +4,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.light_curve.directions import components, paired
-from attitude.light_curve.visibility import points_of
+from attitude.light_curve.visibility import points_of, require_mesh
 from attitude.scattering import law as known_law
 
 
@@ -34,6 +34,7 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
     """
     from attitude.solution.separation import separation
 
+    require_mesh(mesh)
     law = known_law(law)
     if not hasattr(law, "weights"):
         raise AttitudeError(f"law is {law!r}; rays are cast for the fused laws only.")

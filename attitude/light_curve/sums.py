@@ -59,6 +59,11 @@ def _cosines(x, y, ways, way, own):
     return x * spread(ways[way]) + y * spread(ways[way + _1]) + spread(ways[own])
 
 
+@merged
+def _length(x, y, z):
+    return math.sqrt(x * x + y * y + z * z)
+
+
 @summed
 def stray(x, y, z):
     """Sum of (|v|^2 - 1)^2 over vectors given by component; NaN if any holds NaN."""
@@ -116,9 +121,10 @@ def by_facet(blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, s
     share = 1.0
     for t in range(out.size):
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-        cos_alpha = a * d + b * e + c * f
+        cos_half = 0.5 * _length(a + d, b + e, c + f)
+        sin_half = 0.5 * _length(a - d, b - e, c - f)
         for m in range(rows.shape[0]):
-            of_phase(rows[m], cos_alpha, now[m])
+            of_phase(rows[m], cos_half, sin_half, now[m])
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
         if masks is not None:
             free_sun = np.uint64(cell(a, b, c, resolution))

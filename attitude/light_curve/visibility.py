@@ -16,6 +16,8 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.light_curve.clusters import SIZE, Clusters, clusters_of
+from attitude.shape import Mesh
+from attitude.shape.closure import parts
 
 POINTS = 8
 _LARGEST = 1 << 28
@@ -30,17 +32,20 @@ class Visibility:
     masks : (6 n^2, places) uint8, a bit for each point of the facet in that place of `clusters`.
     resolution : n.
     clusters : the facets in the order of the table.
+    corners : (F, 3, 3), those of the mesh, m.
     """
 
     masks: np.ndarray
     resolution: int
     clusters: Clusters
+    corners: np.ndarray
 
     def __post_init__(self):
-        self.masks.flags.writeable = False
+        for array in (self.masks, self.corners):
+            array.flags.writeable = False
 
     def __reduce__(self):
-        return Visibility, (self.masks, self.resolution, self.clusters)
+        return Visibility, (self.masks, self.resolution, self.clusters, self.corners)
 
     def __repr__(self):
         size = self.masks.nbytes / 2**20
@@ -53,8 +58,8 @@ class Visibility:
         Parameters
         ----------
         mesh : Mesh
-            Of a closed mesh only sides that face a point can hide the sky from it, of an open one
-            both.
+            Of one closed surface only sides that face a point can hide the sky from it.  Of an open
+            mesh, or one of several parts, both: what lies within another part is dark.
         resolution : int
             Cells along an edge of the cube, 4 to 512: angles of 90 deg / resolution.  Unless given,
             64 or as many as make a table of 256 MiB.
@@ -70,6 +75,7 @@ class Visibility:
         4.9 with resolution 32, 2.4 with 64, 1.3 with 128; against rays from the centroids 5.1,
         2.9 and 2.0.  See benchmarks/light_curve.py.
         """
+        require_mesh(mesh)
         clusters = clusters_of(mesh)
         places = clusters.count * SIZE
         if resolution is None:
@@ -79,7 +85,27 @@ class Visibility:
                 f"resolution is {resolution!r}; give a whole number of cells from 4 to 512."
             )
         masks = _painted(mesh, clusters, int(resolution), threads, progress)
-        return cls(masks, int(resolution), clusters)
+        return cls(masks, int(resolution), clusters, mesh.corners)
+
+    def is_of(self, mesh):
+        """Whether the table, perhaps read from a file, is that of a mesh.
+
+        Corners tell: other meshes may have the same normals and areas, as wings farther from a box.
+        """
+        own = clusters_of(mesh)
+        return self.clusters is own or (
+            np.array_equal(self.corners, mesh.corners)
+            and np.array_equal(self.clusters.order, own.order)
+        )
+
+
+def require_mesh(given):
+    """Refuse what has no facets."""
+    if not isinstance(given, Mesh):
+        raise AttitudeError(
+            f"mesh is {given!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
+            "box(size)."
+        )
 
 
 def points_of(corners):
@@ -107,10 +133,12 @@ def _painted(mesh, clusters, resolution, threads, progress):
 
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
-    points = np.ascontiguousarray(points_of(mesh.corners))
+    # About the mesh's own middle, so that heights keep their digits wherever the origin is.
+    corners = mesh.corners - np.mean(mesh.centroids, axis=0)
+    points = np.ascontiguousarray(points_of(corners))
     shift = np.stack(plane_filling(POINTS), axis=1) - 0.5
-    corners, normals = np.ascontiguousarray(mesh.corners), np.ascontiguousarray(mesh.normals)
-    both = not mesh.is_closed
+    normals = np.ascontiguousarray(mesh.normals)
+    both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
     def work(begin, end):
         for k in range(begin, end):

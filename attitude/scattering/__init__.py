@@ -44,6 +44,10 @@ def law(given):
 
     if isinstance(given, str) and given in _NAMED:
         return _NAMED[given]()
+    if isinstance(given, type) and hasattr(given, "reflectance"):
+        raise AttitudeError(
+            f"law is the class {given.__name__}; give one of its values: {given.__name__}(...)."
+        )
     if hasattr(given, "reflectance"):
         return given
     names = ", ".join(repr(name) for name in _NAMED)

@@ -14,22 +14,24 @@ from attitude.scattering.machine import called, summed
 # In Hapke's roughness a denominator and its numerators vanish together where Sun and observer are
 # both on the horizon, opposite each other; nothing is returned there, and this keeps it so.
 _LEAST = 1e-300
+# The least cosine of a micro-facet's tilt at which Cook and Torrance's lobe is above zero.
+_STEEPEST = 0.03
 
 
 @called
-def of_phase(row, cos_alpha, out):
+def of_phase(row, cos_half, sin_half, out):
     """What a material's row becomes at one phase angle: out[0:WIDTH], for `element`.
 
-    Half angles come from the cosine by square roots: no acos, exact at both ends.
+    The angle comes as cosine and sine of its half: a cosine of the whole would lose half of its
+    digits near opposition, and narrow surges with them.
     """
-    cos_half = math.sqrt(max(0.5 + 0.5 * cos_alpha, 0.0))
-    sin_half = math.sqrt(max(0.5 - 0.5 * cos_alpha, 0.0))
+    cos_alpha = (cos_half - sin_half) * (cos_half + sin_half)
     if row[0] == HAPKE:
         g = row[2]
         base = 1.0 + 2.0 * g * cos_alpha + g * g
         surge = row[3] * row[4] * cos_half / (row[4] * cos_half + sin_half)
         out[0] = (1.0 + surge) * (1.0 - g * g) / (base * math.sqrt(base))
-        out[1] = cos_alpha
+        out[1] = sin_half * sin_half
         out[2] = math.tan(row[5])
         out[3] = math.sqrt(1.0 - row[1])
     elif row[0] == PHONG:
@@ -57,13 +59,15 @@ def element(row, now, mu0, mu):
             return now[0]
         return now[0] + now[1] * math.pow(mirrored, row[3])
     # The micro-facet that mirrors the Sun to the observer bisects the phase angle.
-    if now[2] <= 0.0:
+    # Steeper than this its exponential is below 1e-480 for every roughness: no 0/0 far beyond.
+    if now[2] <= 0.0 or 0.5 * (mu0 + mu) < _STEEPEST * now[2]:
         return now[0]
     tilt = min(0.5 * (mu0 + mu) / now[2], 1.0)
     square = tilt * tilt
     spread = math.exp((square - 1.0) / square * now[3]) / (square * square)
-    grooves = min(1.0, 2.0 * tilt * min(mu0, mu) / now[2])
-    return now[0] + now[1] * spread * grooves / (mu0 * mu)
+    # min(1, 2 tilt min(mu0, mu) / cos_half) over mu0 mu, which may be too small for a double.
+    grooves = min(1.0 / (mu0 * mu), 2.0 * tilt / (now[2] * max(mu0, mu)))
+    return now[0] + now[1] * spread * grooves
 
 
 @called
@@ -75,13 +79,16 @@ def _hapke(row, now, mu0, mu):
     mu = min(mu, 1.0)
     sin_i = math.sqrt(1.0 - mu0 * mu0)
     sin_e = math.sqrt(1.0 - mu * mu)
-    # The azimuth between the planes of incidence and emission; where one is vertical it is 0.
-    # Rounding takes the cosine beyond 1 when the planes coincide.
+    # The azimuth psi between the planes of incidence and emission; where one is vertical it is 0:
+    # sin^2(psi/2) = [sin^2(alpha/2) - sin^2((i - e)/2)] / (sin i sin e), where near opposition
+    # cosines would lose half of their digits.  Rounding takes it beyond both ends.
     sines = sin_i * sin_e
-    cos_psi = 1.0
+    sin2_half = 0.0
     if sines > 0.0:
-        cos_psi = min(max((now[1] - mu0 * mu) / sines, -1.0), 1.0)
-    sin2_half = 0.5 - 0.5 * cos_psi
+        apart = sin_i * mu - sin_e * mu0
+        apart = 0.5 * apart * apart / (1.0 + mu0 * mu + sines)
+        sin2_half = min(max((now[1] - apart) / sines, 0.0), 1.0)
+    cos_psi = 1.0 - 2.0 * sin2_half
     tan_half = math.sqrt(sin2_half) / math.sqrt(max(1.0 - sin2_half, 1e-300))
     psi = 2.0 * math.atan(tan_half)
     chi = 1.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
@@ -124,18 +131,18 @@ def _single_and_multiple(single, gamma, mu0, mu):
 
 
 @summed
-def _elements(row, mu0, mu, cos_alpha, out):
+def _elements(row, mu0, mu, half, out):
     now = np.empty(WIDTH)
     for i in range(out.size):
         out[i] = 0.0
         if mu0[i] > 0.0 and mu[i] > 0.0:
-            of_phase(row, cos_alpha[i], now)
+            of_phase(row, math.cos(half[i]), math.sin(half[i]), now)
             out[i] = mu0[i] * element(row, now, mu0[i], mu[i])
 
 
 def evaluated(rows, mu0, mu, alpha):
     """r in 1/sr of the first row, for arrays of one shape."""
     out = np.empty(mu0.shape)
-    flat = [np.ascontiguousarray(a).reshape(-1) for a in (mu0, mu, np.cos(alpha))]
+    flat = [np.ascontiguousarray(a).reshape(-1) for a in (mu0, mu, 0.5 * alpha)]
     _elements(rows[0][0], *flat, out.reshape(-1))
     return out

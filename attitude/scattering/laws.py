@@ -25,7 +25,7 @@ class _Fused:
         shown = (mu0 > 0.0) & (mu > 0.0)
         together = np.where(shown, mu0 + mu, 1.0)
         a, b = self.weights
-        value = self.phase(alpha) * mu0 * (a / together + b)
+        value = self.phase(alpha) * (a * (mu0 / together) + b * mu0)
         return np.where(shown, value, 0.0)
 
 

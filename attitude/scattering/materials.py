@@ -100,7 +100,12 @@ class Materials:
     """
 
     def __init__(self, by_name):
-        by_name = dict(by_name)
+        try:
+            by_name = dict(by_name)
+        except (TypeError, ValueError) as err:
+            raise AttitudeError(
+                f"Materials is given {by_name!r}; give a dict of a Material for each name."
+            ) from err
         if not by_name:
             raise AttitudeError("Materials is empty; give a Material for each name of the mesh.")
         for name, material in by_name.items():

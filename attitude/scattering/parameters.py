@@ -22,8 +22,10 @@ def geometry(mu0, mu, alpha):
 
     Angles that no three directions make are the caller's: only the single ranges are checked.
     """
-    arrays = np.broadcast_arrays(
-        gates.real(mu0, "mu0"), gates.real(mu, "mu"), gates.real(alpha, "alpha", unit="rad")
+    arrays = together(
+        mu0=gates.real(mu0, "mu0"),
+        mu=gates.real(mu, "mu"),
+        alpha=gates.real(alpha, "alpha", unit="rad"),
     )
     for array, name in zip(arrays[:2], ("mu0", "mu"), strict=True):
         if np.any(np.abs(array) > 1.0 + 1e-9):
@@ -31,3 +33,14 @@ def geometry(mu0, mu, alpha):
     if np.any((arrays[2] < 0.0) | (arrays[2] > np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
     return arrays
+
+
+def together(**arrays):
+    """The arrays in the one shape to which they broadcast."""
+    try:
+        return np.broadcast_arrays(*arrays.values())
+    except ValueError as err:
+        listed = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise AttitudeError(
+            f"the shapes do not broadcast: {listed}; give equal ones, or single numbers."
+        ) from err

@@ -46,7 +46,7 @@ class Mesh:
         vertices = _vertices(self.vertices)
         facets = _facets(self.facets, len(vertices))
         materials = self.materials
-        names = (materials,) * len(facets) if isinstance(materials, str) else tuple(materials)
+        names = (materials,) * len(facets) if isinstance(materials, str) else _names(materials)
         if len(names) != len(facets) or not all(isinstance(name, str) for name in names):
             raise AttitudeError(
                 f"materials has {len(names)} entries for {len(facets)} facets; give one name for "
@@ -213,6 +213,8 @@ class Mesh:
 
     def joined(self, other):
         """Both meshes as one; parts that overlap count twice in volume and mass."""
+        if not isinstance(other, Mesh):
+            raise AttitudeError(f"a mesh is joined to {other!r}; give another Mesh.")
         return Mesh(
             np.concatenate([self.vertices, other.vertices]),
             np.concatenate([self.facets, other.facets + len(self.vertices)]),
@@ -283,7 +285,10 @@ def _vertices(value):
 
 
 def _facets(value, count):
-    array = np.array(value)
+    try:
+        array = np.array(value)
+    except ValueError as err:
+        raise AttitudeError("facets is ragged; give (F, 3): three vertices for each.") from err
     if (
         array.ndim != 2
         or array.shape[1:] != (3,)
@@ -302,6 +307,15 @@ def _facets(value, count):
             f"{array[bad[0]].tolist()}); there are {count}, numbered from 0."
         )
     return array
+
+
+def _names(materials):
+    try:
+        return tuple(materials)
+    except TypeError as err:
+        raise AttitudeError(
+            f"materials is {materials!r}; give one name for all facets, or one for each."
+        ) from err
 
 
 def _listed(indices):
