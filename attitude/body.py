@@ -140,9 +140,16 @@ class Body(Frozen):
             A closed mesh, m; the body axes are the axes of the shape.
         density : float, optional
             kg/m3.  Without it the moments are relative.
+
+        Raises
+        ------
+        AttitudeError
+            For what is no shape, a mesh that is open or inside out, and a density not above zero.
         """
         known = density is not None
         density = gates.positive(density, "density", unit="kg/m3") if known else 1.0
+        if not hasattr(shape, "mass_properties"):
+            raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Mesh or Ellipsoid.")
         found = shape.mass_properties(density=density)
         return cls(
             tensor=found.inertia,

@@ -202,3 +202,9 @@ def test_rounding_is_forgiven():
     tensor = np.array(TENSOR)
     tensor[0, 1] *= 1 + 1e-15
     assert np.array_equal(Body(tensor=tensor).tensor, Body(tensor=tensor.T).tensor)
+
+
+@pytest.mark.parametrize("shape", ["cube.obj", None, (1.0, 2.0, 3.0)])
+def test_what_is_no_shape_is_a_sentence(shape):
+    with pytest.raises(AttitudeError, match=r"give an attitude\.shape Mesh or Ellipsoid"):
+        Body.from_shape(shape, density=1000.0)
