@@ -114,9 +114,10 @@ class Arcs(Frozen):
     -----
     At a joint the state is that after it.  From joint to joint the state is carried in two
     doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
-    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given.  What an
-    error of the input becomes is another matter: each impulse at a wrong phase changes all that
-    follows.  The times of events are rounded to a double.
+    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over ICRF and
+    body axes (what is given in another frame is turned to ICRF and rounded once).  What an error
+    of the input becomes is another matter: each impulse at a wrong phase changes all that follows.
+    The times of events are rounded to a double.
 
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """
@@ -216,6 +217,7 @@ class Arcs(Frozen):
             if time is None:
                 end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
                 time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
+            self._check_reach(time, name)
             added = self._added(change, time, name)
             body = self._join(change, added, body, time, starts[k], records[k], q, w)
             self._bodies.append(body)
@@ -247,13 +249,20 @@ class Arcs(Frozen):
             if time is None:
                 continue
             if time <= before:
-                how = "the same as" if time == before else "earlier than"
+                early = (before[0] - time[0]) + (before[1] - time[1])
+                how = f"{early:.2g} s earlier than" if time < before else "the same as"
                 raise AttitudeError(
                     f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
                     "changes in order of time, after the epoch of the spin, and join those of one "
                     "epoch to one change."
                 )
             before, whose = time, f"changes[{k}]"
+
+    def _check_reach(self, time, name):
+        try:
+            self.wxyz_at(*time)
+        except AttitudeError as err:
+            raise AttitudeError(f"{name}.at: {err}") from err
 
     def _added(self, change, time, name):
         """Angular momentum (3,) that a change adds, in its frame."""
@@ -270,9 +279,9 @@ class Arcs(Frozen):
 
         length = tdb.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
         length = float(length[0]), float(length[1])
-        change_axes(q, body.principal_wxyz, 1.0)
+        change_axes(q, body._axes, body.principal_wxyz, 1.0)
         flow(record, body.moments_as_pairs, length, q, w)
-        change_axes(q, body.principal_wxyz, -1.0)
+        change_axes(q, body._axes, body.principal_wxyz, -1.0)
         nothing = np.zeros(3)
         if change.frame == "body":
             in_body, in_space = added, nothing
@@ -299,7 +308,7 @@ class Arcs(Frozen):
             t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
         else:
             # The low part decides between equal high parts: any two summands make such a pair.
-            with np.errstate(invalid="ignore"):
+            with np.errstate(invalid="ignore", over="ignore"):
                 pair = tdb.two_sum(t, np.ascontiguousarray(low).reshape(-1))
             t, t_low = frozen(pair[0]), frozen(pair[1])
         wxyz = np.empty((1, 4, t.size))

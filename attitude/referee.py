@@ -35,6 +35,9 @@ _SHIPPED = {
 }
 _SCIPY = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 _REPEATS = 3
+# Below it scipy takes this one instead, and warns.
+_LEAST_TOLERANCE = 100.0 * np.finfo(float).eps
+_MOST_STEPS = 2.0**53
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +145,8 @@ def compare(integrators, body, spin, span, *, steps=(), tolerances=(1e-12,), epo
     Raises
     ------
     AttitudeError
-        For unknown names, functions that return other shapes or NaN, steps that are missing.
+        For unknown names, functions that return other shapes, integrators that end in NaN, steps
+        that are missing.
 
     Notes
     -----
@@ -152,15 +156,14 @@ def compare(integrators, body, spin, span, *, steps=(), tolerances=(1e-12,), epo
     if not isinstance(body, Body) or not isinstance(spin, Spin):
         raise AttitudeError("compare takes integrators, a Body, a Spin and a span.")
     span = gates.positive(span, "span", unit="s")
-    if isinstance(integrators, str) or callable(integrators):
-        integrators = (integrators,)
-    if not isinstance(epochs, int) or epochs < 1:
+    integrators, steps, tolerances = map(_several, (integrators, steps, tolerances))
+    if not isinstance(epochs, (int, np.integer)) or isinstance(epochs, bool) or epochs < 1:
         raise AttitudeError(f"epochs is {epochs!r}; give a whole number from 1.")
     judge = _Judge(body, spin, span, epochs)
     runs = []
     for integrator in integrators:
         if isinstance(integrator, str) and integrator in _SCIPY:
-            checked = [gates.positive(each, "tolerances") for each in tolerances]
+            checked = [_tolerance(each) for each in tolerances]
             runs += [judge.scipy(integrator, tolerance) for tolerance in checked]
             continue
         if not callable(integrator) and integrator not in _SHIPPED:
@@ -179,6 +182,21 @@ def compare(integrators, body, spin, span, *, steps=(), tolerances=(1e-12,), epo
                 else judge.shipped(integrator, step)
             )
     return Comparison(tuple(runs), span)
+
+
+def _several(given):
+    """What was given, or a sequence of it where it is one."""
+    return (given,) if isinstance(given, str) or np.ndim(given) == 0 else given
+
+
+def _tolerance(given):
+    tolerance = gates.positive(given, "tolerances")
+    if tolerance < _LEAST_TOLERANCE:
+        raise AttitudeError(
+            f"tolerances holds {tolerance:g}; scipy's integrators take none below "
+            f"{_LEAST_TOLERANCE:.2g}."
+        )
+    return tolerance
 
 
 class _Judge:
@@ -204,6 +222,9 @@ class _Judge:
         kind = list(_SHIPPED).index(name)
         rivals.run(kind, self.moments, self.start, h, 1, out[:2])
         cost = _best(lambda: rivals.run(kind, self.moments, self.start, h, every, out))
+        finite = np.all(np.isfinite(out), axis=-1)
+        if not np.all(finite):
+            _refuse(name, int(np.argmin(finite)) * every * h, h)
         return self._run(name, h, out, cost, every * self.epochs)
 
     def function(self, step, h):
@@ -222,19 +243,15 @@ class _Judge:
         for k in range(len(out)):
             if k:
                 for _ in range(every):
-                    q, w = step(self.moments, q, w, h)
-            q, w = np.asarray(q, dtype=float), np.asarray(w, dtype=float)
+                    q, w = _pair(step(self.moments, q, w, h), name)
             if q.shape != (4,) or w.shape != (3,):
                 raise AttitudeError(
                     f"{name} returned shapes {q.shape} and {w.shape}; it must return wxyz (4,) and "
                     "omega (3,)."
                 )
             out[k, :4], out[k, 4:] = q, w
-            if not np.all(np.isfinite(out[k])):
-                raise AttitudeError(
-                    f"{name} is not finite {k * every * h:.6g} s after the epoch at a step of "
-                    f"{h:.6g} s; give a shorter step."
-                )
+            if not (np.all(np.isfinite(out[k])) and np.any(q)):
+                _refuse(name, k * every * h, h)
 
     def scipy(self, name, tolerance):
         from scipy.integrate import solve_ivp
@@ -275,6 +292,11 @@ class _Judge:
     def _fitted(self, step):
         """A whole number of steps between two epochs, and their length."""
         apart = self.span / self.epochs
+        if not apart <= _MOST_STEPS * step:
+            raise AttitudeError(
+                f"steps holds {step:g}, of which the span has more than can be counted; give a "
+                "longer step."
+            )
         every = max(1, round(apart / step))
         return every, apart / every
 
@@ -297,6 +319,24 @@ class _Judge:
             cost,
             cost / count if count else np.nan,
         )
+
+
+def _pair(answer, name):
+    """What a step returned, as two arrays."""
+    try:
+        q, w = (np.asarray(part, dtype=float) for part in answer)
+    except (TypeError, ValueError):
+        raise AttitudeError(
+            f"{name} returned {answer!r}; it must return wxyz (4,) and omega (3,)."
+        ) from None
+    return q, w
+
+
+def _refuse(name, seconds, h):
+    raise AttitudeError(
+        f"{name} is not finite, or a quaternion of no length, {seconds:.6g} s after the epoch at a "
+        f"step of {h:.6g} s; give a shorter step."
+    )
 
 
 def _best(run, repeats=_REPEATS):

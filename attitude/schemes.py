@@ -6,12 +6,17 @@ symplectic.  Since the free motion is exact, momentum about any axis that the to
 is conserved to rounding, and what is left is the commutator of torque and motion.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from attitude import gates
 from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
+
+# How far from 1 published coefficients, of 15 digits, may add up to.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +32,11 @@ class Scheme(Frozen):
     gradients : (n + 1,) array
         Of the force gradient, in units of h^3.
     source : str
+
+    Raises
+    ------
+    AttitudeError
+        For arrays of other lengths, and kicks or flights that do not add up to 1.
     """
 
     name: str
@@ -38,7 +48,23 @@ class Scheme(Frozen):
 
     def __post_init__(self):
         for name in ("kicks", "flights", "gradients"):
-            self._set(name, frozen(np.array(getattr(self, name), dtype=float)))
+            self._set(name, frozen(gates.real(getattr(self, name), f"{name} of a Scheme")))
+        shapes = [each.shape for each in (self.kicks, self.flights, self.gradients)]
+        count = self.flights.size
+        if count < 1 or shapes != [(count + 1,), (count,), (count + 1,)]:
+            raise AttitudeError(
+                f"a Scheme has kicks, flights and gradients of shapes {shapes}; give n + 1, n and "
+                "n + 1 numbers, n at least 1."
+            )
+        for name in ("kicks", "flights"):
+            total = math.fsum(getattr(self, name))
+            if abs(total - 1.0) > _ROUNDING:
+                raise AttitudeError(
+                    f"the {name} of a Scheme add up to {total!r}; they are shares of a step, and "
+                    "must add up to 1."
+                )
+        if not isinstance(self.order, int) or self.order < 1:
+            raise AttitudeError(f"order is {self.order!r}; give a whole number from 1.")
 
     @property
     def evaluations(self):

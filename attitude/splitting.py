@@ -145,7 +145,8 @@ class TorquedRotation(Frozen):
         flat = seconds.reshape(-1)
         rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
         out = np.full((flat.size, 7), np.nan)
-        total = flat + rest
+        with np.errstate(invalid="ignore", over="ignore"):  # what comes out is refused, or NaN
+            total = flat + rest
         if np.any(np.isinf(total)):
             raise AttitudeError("an epoch is infinite; give finite epochs, or NaN for none.")
         with self._lock:

@@ -14,6 +14,8 @@ LARGEST_TURN = 0.5 * np.pi
 _EVERY, _MOST = 32, 1 << 17
 # So many steps, or kicks of epochs asked for, are prepared at a time.
 _STEPS, _ROWS = 2048, 1 << 18
+# What a double counts without a gap.
+_MOST_STEPS = 2.0**53
 # Adaptive steps: fraction of the step that the error estimate allows, and how it may change.
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 4.0
 _MOST_REFUSALS = 60
@@ -84,11 +86,24 @@ class System:
         """`rate`: of the turn between two torques over the length of the step, rad/s."""
         at = "at the epoch" if t == 0.0 else f"{t:.9g} s after the epoch"
         could = LARGEST_TURN / rate
+        if not could > 0.0:
+            raise AttitudeError(
+                f"{at} the body turns faster than any step could resolve ({rate:.3g} rad/s); check "
+                "the torque, or ask for earlier epochs only."
+            )
         raise AttitudeError(
             f"a step of {abs(step):.6g} s cannot resolve the motion: {at} the body turns by "
             f"{abs(step) * rate:.3g} rad between two torques; a step below {could:.3g} s could "
             f"(at most {LARGEST_TURN:.2f} rad), and {0.1 * could:.2g} s is a good first choice."
         )
+
+    def check_span(self, seconds, step):
+        """Raise the AttitudeError for an epoch so many steps away that they cannot be counted."""
+        if not abs(seconds) <= _MOST_STEPS * abs(step):
+            raise AttitudeError(
+                f"an epoch lies {seconds:.3g} s from that of the spin, more than 2^53 steps of "
+                f"{abs(step):.3g} s; give a nearer epoch, or a longer step."
+            )
 
     def sampled(self, times):
         """What the torques are given at epochs (2, ...), pairs: (..., columns), at least one."""
@@ -204,6 +219,7 @@ class FixedSteps:
 
     def states(self, seconds, low):
         """(T, 7) at seconds + low of this direction."""
+        self.system.check_span(np.max(np.abs(seconds + low)), self.h)
         number, parts = self._steps(seconds, low)
         order = np.lexsort((np.abs(parts), number))
         self._extend(int(number[order[-1]]))
@@ -292,6 +308,7 @@ class VaryingSteps:
         return out
 
     def _extend(self, last):
+        self.system.check_span(last, self._longest(self.kept[-1]))
         while abs(self.times[-1]) < abs(last):
             self._step(last)
 

@@ -103,3 +103,28 @@ def test_a_single_core_compiles_at_the_first_use(monkeypatch):
     monkeypatch.setattr(ahead, "_cores", lambda: 1)
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("another process"))
     ahead.compile_ahead()
+
+
+def test_interrupted_it_leaves_no_other_process(monkeypatch):
+    """Ctrl-C in the first is the end of the second too."""
+    done = []
+
+    class Other:
+        def __init__(self, *_, **__):
+            pass
+
+        def kill(self):
+            done.append("killed")
+
+        def wait(self):
+            done.append("waited for")
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ahead, "_cores", lambda: 2)
+    monkeypatch.setattr(subprocess, "Popen", Other)
+    monkeypatch.setattr(ahead, "compile_stages", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        ahead.compile_ahead()
+    assert done == ["killed", "waited for"]

@@ -79,8 +79,25 @@ def test_axes_that_are_not_principal():
             lambda: compare(lambda m, q, w, h: (q[:3], w), BODY, SPIN, 1.0, steps=STEPS),
             "returned shapes",
         ),
+        (lambda: compare(lambda m, q, w, h: None, BODY, SPIN, 1.0, steps=STEPS), "returned None"),
+        (
+            lambda: compare(lambda m, q, w, h: (0.0 * q, w), BODY, SPIN, 1.0, steps=STEPS),
+            "quaternion of no length",
+        ),
+        # what is shipped is not spared
+        (lambda: compare("rk4", BODY, SPIN, 1e3, steps=(10.0,)), "rk4 is not finite"),
+        (lambda: compare("rk4", BODY, SPIN, 1.0, steps=(1e-300,)), "more than can be counted"),
+        (lambda: compare("rk4", BODY, SPIN, 1.0, steps=STEPS, epochs=True), "whole number"),
+        (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=(1e-17,)), "none below"),
+        (lambda: compare(None, BODY, SPIN, 1.0), "integrators holds None"),
     ],
 )
 def test_bad_input_is_a_sentence(call, message):
     with pytest.raises(AttitudeError, match=message):
         call()
+
+
+def test_one_of_each_needs_no_list():
+    one = compare("rk4", BODY, SPIN, 1.0, steps="0.01 s", epochs=np.int64(5)).runs
+    assert len(one) == 1 and one[0].step == 0.01
+    assert compare("DOP853", BODY, SPIN, 1.0, tolerances=1e-8).runs[0].step == 1e-8

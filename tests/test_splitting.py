@@ -548,8 +548,30 @@ NOTHING = ConstantTorque((0, 0, 0))
             lambda: TorquedRotation(
                 BODY, SPIN, CustomTorque(lambda t, q, w: (0, 0) if t > 1 else (0, 0, 0)), step=0.05
             ).at(3.0),
-            "must return three numbers",
+            "must return three plain numbers",
         ),
+        (
+            lambda: TorquedRotation(
+                BODY, SPIN, CustomTorque(lambda t, q, w: (0, 0, 1e250 if t > 1 else 0)), step=0.05
+            ).at(3.0),
+            "1[.].* s after the epoch the body turns faster than any step could resolve",
+        ),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1).at(1e300), "more than 2.53 steps"),
+        (
+            lambda: TorquedRotation(BODY, SPIN, NOTHING, tolerance=1e-9).at([0.0, -1e300]),
+            "more than 2.53 steps",
+        ),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1).at(1e308, 1e308), "is infinite"),
+        (
+            lambda: TorquedRotation(
+                BODY, SPIN, GravityGradient(lambda s: [["a"] * 3] * len(s), 1.0), step=0.05
+            ).at(3.0),
+            "path returned what is no array of numbers",
+        ),
+        (lambda: Scheme("mine", 2, [1.0], [1.0], [0.0], "test"), "n [+] 1, n and n [+] 1"),
+        (lambda: Scheme("mine", 2, [0.5, 0.6], [1.0], [0, 0], "test"), "kicks .* add up to 1.1"),
+        (lambda: Scheme("mine", 2, [0.5, 0.5], [np.nan], [0, 0], "test"), "must be finite"),
+        (lambda: Scheme("mine", 0, [0.5, 0.5], [1.0], [0, 0], "test"), "order is 0"),
         (
             lambda: TorquedRotation(
                 BODY, SPIN, GravityGradient(lambda s: np.ones((len(s), 2)), 1.0), step=0.05

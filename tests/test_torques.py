@@ -2,8 +2,10 @@
 
 import ctypes
 
+import numba
 import numpy as np
 import pytest
+from astropy import units
 
 from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
 from attitude.shape import Mesh
@@ -294,6 +296,30 @@ def test_a_user_s_function_compiled_or_not():
     assert np.max(np.abs(plain.wxyz - shipped.wxyz)) < 1e-14
 
 
+@numba.njit
+def raises_late(t, wxyz, omega):
+    if t > 1.0:
+        raise ValueError("too late")
+    return 0.0, 0.0, 0.0
+
+
+@numba.njit
+def shrinks_late(t, wxyz, omega):
+    return np.zeros(3 if t < 1.0 else 2)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("function", [raises_late, shrinks_late])
+@pytest.mark.parametrize("depends_on_rate", [True, False])
+def test_a_compiled_function_that_fails_is_not_passed_over(function, depends_on_rate):
+    """Numba prints what it raises and goes on: the torque of the step before would stay."""
+    torque = CustomTorque(function, depends_on_rate)
+    motion = TorquedRotation(Body(moments=(1, 2, 2.5)), SPIN, torque, step=0.1)
+    assert np.all(np.isfinite(motion.at(0.9).wxyz))
+    with pytest.raises(AttitudeError, match="the torque is not finite 1"):
+        motion.at(3.0)
+
+
 def test_what_a_user_s_function_raises_comes_through():
     def broken(t, wxyz, omega):
         if t > 1.0:
@@ -326,8 +352,10 @@ def nothing(t, wxyz, omega):
             lambda: CustomTorque(nothing, False, slope=lambda t, q, y: (1, 2)),
             "the slope of a CustomTorque returned",
         ),
-        (lambda: CustomTorque(lambda t, q, w: (1, 2)), "must return three numbers"),
-        (lambda: CustomTorque(lambda t, q, w: "abc"), "must return three numbers"),
+        (lambda: CustomTorque(lambda t, q, w: (1, 2)), "must return three plain numbers"),
+        (lambda: CustomTorque(lambda t, q, w: "abc"), "must return three plain numbers"),
+        (lambda: CustomTorque(lambda t, q, w: (1, [2], 3)), "must return three plain numbers"),
+        (lambda: CustomTorque(lambda t, q, w: [1, 2, 3] * units.mN), "three plain numbers"),
         (
             lambda: torque_at_start(
                 SolarRadiation(Facets, still), body=Body(moments=(1, 2, 2.5), relative=True)

@@ -35,6 +35,9 @@ def compile_ahead():
     )
     try:
         compile_stages()
+    except BaseException:  # Ctrl-C above all: nothing is left running
+        other.kill()
+        raise
     finally:
         other.wait()
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from attitude.solution import codes
 from attitude.solution.kernel import hyperbolic, reach, trigonometric, uniform
 from attitude.solution.machine import compiled, inlined
 from attitude.solution.twofloat import two_sum
@@ -33,9 +34,11 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
         end = begin
         while end < count and (end == begin or _within(starts, arc, t[end], t_low[end])):
             high, low = two_sum(t[end], -first)
-            if abs(high) == math.inf:
+            if abs(high) < math.inf:
+                high, low = two_sum(high, low + (t_low[end] - first_low))
+            else:  # NaN stays NaN, and what is infinite is beyond reach whatever its low part
                 low = 0.0
-            local[0, end], local_low[0, end] = two_sum(high, low + (t_low[end] - first_low))
+            local[0, end], local_low[0, end] = high, low
             end += 1
         failed = _on_one(
             constants[arc : arc + 1],
@@ -55,11 +58,12 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
 @inlined
 def _on_one(c, t, t_low, wxyz, rates):
     """Fill what one arc has; whether any epoch is beyond its reach."""
-    return (
-        uniform(c, t, t_low, wxyz, rates) >= 0
-        or trigonometric(c, t, t_low, wxyz, rates) >= 0
-        or hyperbolic(c, t, t_low, wxyz, rates) >= 0
-    )
+    form = c[0].form
+    if form == codes.TRIGONOMETRIC:
+        return trigonometric(c, t, t_low, wxyz, rates) >= 0
+    if form == codes.HYPERBOLIC:
+        return hyperbolic(c, t, t_low, wxyz, rates) >= 0
+    return uniform(c, t, t_low, wxyz, rates) >= 0
 
 
 @inlined

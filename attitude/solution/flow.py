@@ -84,8 +84,9 @@ def flow(c, moments, t, q, w):
     p, o, i = np.zeros((4, 2)), np.zeros((3, 2)), np.zeros((3, 2))
     p[0, 0] = 1.0
     for k in range(3):
-        i[k] = moments[order[k]]
-        o[k] = sign * w[order[k]]
+        # Not row to row: numba would compile the text of an error of shapes, for a second and more.
+        put(i[k], pair(moments[order[k]]))
+        put(o[k], scale(pair(w[order[k]]), sign))
     if c.winds != 0.0:
         rate = pair(c.nutation)
         if c.form == codes.HYPERBOLIC:
@@ -105,10 +106,10 @@ def flow(c, moments, t, q, w):
         sense = math.copysign(1.0, o[1, 0])
         _turn(p, ZERO, (sense, 0.0), ZERO, mul(precession, sub(t, near)))
     back = np.zeros((4, 2))
-    back[0] = p[0]
+    put(back[0], pair(p[0]))
     for k in range(3):
-        back[1 + order[k]] = sign * p[1 + k]
-        w[order[k]] = sign * o[k]
+        put(back[1 + order[k]], scale(pair(p[1 + k]), sign))
+        put(w[order[k]], scale(pair(o[k]), sign))
     multiply(q, pair(back[0]), pair(back[1]), pair(back[2]), pair(back[3]))
 
 

@@ -6,24 +6,37 @@ import numpy as np
 
 from attitude.solution.flow import multiply
 from attitude.solution.machine import compiled, inlined
-from attitude.solution.twofloat import ONE, ZERO, add, div, mul, neg, pair, put, sqrt, square, sub
+from attitude.solution.twofloat import (
+    ONE,
+    ZERO,
+    add,
+    div,
+    mul,
+    neg,
+    pair,
+    put,
+    scale,
+    sqrt,
+    square,
+    sub,
+)
 
 
 @compiled
-def change_axes(q, turn, sense):
-    """q becomes q times the unit quaternion (4,) that `turn` (any length) is near to, or, for a
-    sense of -1, times its inverse; q (4, 2) in pairs, left at unit length.
+def change_axes(q, axes, near, sense):
+    """q becomes q times the quaternion of a rotation or, for a sense of -1, times its inverse.
+
+    Given
+        axes   (3, 3, 2) the rotation matrix, pairs
+        near   (4,) its quaternion, rounded
+    Changed
+        q      (4, 2) pairs, left at unit length
     """
-    s = _unit(turn)
+    s = _quaternion(axes, near)
     for k in range(1, 4):
-        s[k] = sense * s[k]
+        put(s[k], scale(pair(s[k]), sense))
     multiply(q, pair(s[0]), pair(s[1]), pair(s[2]), pair(s[3]))
-    size = ZERO
-    for k in range(4):
-        size = add(size, square(pair(q[k])))
-    size = div(ONE, sqrt(size))
-    for k in range(4):
-        put(q[k], mul(pair(q[k]), size))
+    _to_unit_length(q)
 
 
 @compiled
@@ -74,15 +87,44 @@ def exchange(moments, axes, new_moments, new_axes, w):
 
 
 @inlined
-def _unit(q):
+def _quaternion(m, near):
+    """Of a rotation matrix (3, 3, 2), pairs, where its rounded quaternion (4,) is known.
+
+    4 s s^T, s being the unit quaternion, is linear in the matrix (see solution.attach); times a
+    quaternion that is near to s it is along s, without the choice of a largest entry.
+    """
+    xx, yy, zz = pair(m[0, 0]), pair(m[1, 1]), pair(m[2, 2])
+    a = sub(pair(m[2, 1]), pair(m[1, 2]))
+    b = sub(pair(m[0, 2]), pair(m[2, 0]))
+    c = sub(pair(m[1, 0]), pair(m[0, 1]))
+    d = add(pair(m[1, 0]), pair(m[0, 1]))
+    e = add(pair(m[0, 2]), pair(m[2, 0]))
+    f = add(pair(m[2, 1]), pair(m[1, 2]))
+    plus, minus = add(ONE, xx), sub(ONE, xx)
+    rows = (
+        (add(plus, add(yy, zz)), a, b, c),
+        (a, sub(plus, add(yy, zz)), d, e),
+        (b, d, add(minus, sub(yy, zz)), f),
+        (c, e, f, add(minus, sub(zz, yy))),
+    )
     out = np.zeros((4, 2))
+    for j in range(4):
+        total = ZERO
+        for k in range(4):
+            total = add(total, scale(rows[j][k], near[k]))
+        put(out[j], total)
+    _to_unit_length(out)
+    return out
+
+
+@inlined
+def _to_unit_length(q):
     size = ZERO
     for k in range(4):
-        size = add(size, square((q[k], 0.0)))
+        size = add(size, square(pair(q[k])))
     size = div(ONE, sqrt(size))
     for k in range(4):
-        put(out[k], mul((q[k], 0.0), size))
-    return out
+        put(q[k], mul(pair(q[k]), size))
 
 
 @inlined

@@ -86,7 +86,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         if fault != FINE:
             return fault, when, turn
         if (step + 1) % every == 0:
-            kept[step // every] = state
+            _copied(state, kept[step // every])
     return FINE, 0.0, 0.0
 
 
@@ -113,7 +113,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
     for i in range(len(place)):
         if place[i] != now:
             now, done = place[i], 0
-            state[:] = states[now]
+            _copied(states[now], state)
         while done < steps[i]:
             t, first = starts[now] + done * h, samples + (now * given.shape[1] + done * n) * row
             fault, when, turn = _step(
@@ -122,7 +122,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
             if fault != FINE:
                 return fault, when, turn
             done += 1
-        last[:] = state
+        _copied(state, last)
         if parts[i] != 0.0:
             t, first = starts[now] + done * h, inner + i * (n + 1) * row
             fault, when, turn = _step(
@@ -130,8 +130,18 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
             )
             if fault != FINE:
                 return fault, when, turn
-        out[i] = last[:7]
+        _copied(last, out[i])
     return FINE, 0.0, 0.0
+
+
+@inlined
+def _copied(row, out):
+    """As many numbers of a row as `out` takes.
+
+    For an assignment of array to array, numba would compile the text of an error of shapes: 1.7 s.
+    """
+    for k in range(len(out)):
+        out[k] = row[k]
 
 
 @compiled

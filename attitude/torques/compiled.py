@@ -6,6 +6,7 @@ the place of the angular velocity; see `attitude.torques.torque.Torque.slope_add
 
 import math
 from functools import partial
+from pickle import PickleError
 
 from numba import carray, cfunc, njit, types
 
@@ -18,7 +19,7 @@ def door(function, fastmath=False):
     how = {"error_model": "numpy", "fastmath": fastmath}
     try:
         return cfunc(SIGNATURE, cache=True, **how)(function)
-    except RuntimeError:
+    except (RuntimeError, OSError, EOFError, PickleError):  # no place, a full disk, a torn file
         return cfunc(SIGNATURE, **how)(function)
 
 

@@ -1,6 +1,7 @@
 """A torque that a user wrote, in plain Python or compiled by numba."""
 
 import ctypes
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,8 @@ class CustomTorque(Torque):
         ``function(t, wxyz, omega)`` of TDB seconds since the epoch of the spin, the attitude (4,)
         body to ICRF and the angular velocity (3,) in rad/s over the body axes; returns three
         numbers, N m over the body axes.  One compiled by ``numba.njit`` runs at full speed, a
-        plain one costs a few microseconds a call.
+        plain one costs a few microseconds a call.  What a plain one raises is raised; the error of
+        a compiled one is printed by numba, and told as a torque that is not finite.
     depends_on_rate : bool
         Whether it uses omega.  False saves three of four calls, and makes the schemes symplectic
         where the torque has a potential.
@@ -126,17 +128,23 @@ def _compiled(function):
 
     @cfunc(SIGNATURE)
     def torque(t, wxyz, omega, given, parameters, out):
+        # What a function that raises leaves here: numba prints the error, and goes on.
+        out[0] = out[1] = out[2] = math.nan
         found = function(t, carray(wxyz, (4,)), carray(omega, (3,)))
-        out[0], out[1], out[2] = found[0], found[1], found[2]
+        if len(found) == 3:
+            out[0], out[1], out[2] = found[0], found[1], found[2]
 
     return torque
 
 
 def _three(value, name):
-    array = np.asarray(value)
-    if array.shape != (3,) or array.dtype.kind not in "fiu":
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):  # ragged, or each number with its unit
+        array = np.empty(0)
+    if array.shape != (3,) or array.dtype.kind not in "fiu" or hasattr(value, "unit"):
         raise AttitudeError(
-            f"the {name} of a CustomTorque returned {value!r}; it must return three numbers, over "
-            "the body axes: a torque in N m."
+            f"the {name} of a CustomTorque returned {value!r}; it must return three plain numbers, "
+            "over the body axes: a torque in N m."
         )
     return array.astype(float).tolist()

@@ -35,6 +35,9 @@ class SolarRadiation(Torque):
     -----
     Facets do not shade each other: exact for convex shapes.  Force on a facet: Wertz (1978),
     Spacecraft Attitude Determination and Control, eq. 17-35.  Rubincam (2000), Icarus 148, 2.
+
+    The torque has a kink where a facet turns into the light: schemes of any order err there by the
+    second power of the step.
     """
 
     shape: object

@@ -56,7 +56,13 @@ class Torque(Frozen):
 def positions(path, instant, seconds, low, name):
     """Positions (K, 3) in m along a path, or by a function of seconds since the instant."""
     found = path.position(instant, seconds, low) if hasattr(path, "position") else path(seconds)
-    found = np.asarray(found, dtype=np.float64)
+    try:
+        found = np.asarray(found, dtype=np.float64)
+    except (TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"{name} returned what is no array of numbers ({err}); it must return positions "
+            "(..., 3) in m over ICRF axes."
+        ) from None
     if found.shape != (len(seconds), 3):
         raise AttitudeError(
             f"{name} returned an array of shape {found.shape} for {len(seconds)} epochs; it must "
