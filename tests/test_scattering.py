@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from attitude.errors import AttitudeError
@@ -62,12 +62,12 @@ def reflected(given_law, incidence, count=300):
     st.floats(0.0, 1.57),
     st.floats(0.0, np.pi),
 )
+@example(1.0, 1.5, 0.0)  # one plane: the azimuth is the root of what rounding leaves
 def test_reciprocity(given_law, incidence, emission, azimuth):
     mu0, mu, alpha = directions(incidence, emission, azimuth)
     there = given_law.reflectance(mu0, mu, alpha) * mu
     back = given_law.reflectance(mu, mu0, alpha) * mu0
-    # Rounding of Hapke's azimuth at grazing incidence is the largest error.
-    assert there == pytest.approx(back, rel=1e-9, abs=1e-300)
+    assert there == pytest.approx(back, rel=1e-12, abs=1e-300)
     assert there >= 0.0
 
 
