@@ -85,7 +85,7 @@ def _hapke(row, now, mu0, mu):
     sines = sin_i * sin_e
     sin2_half = 0.0
     if sines > 0.0:
-        # in an order that the exchange of Sun and observer leaves alone, for reciprocity to rounding
+        # in an order that exchanging Sun and observer leaves alone: reciprocity to rounding
         high, low = max(mu0, mu), min(mu0, mu)
         apart = min(sin_i, sin_e) * low - max(sin_i, sin_e) * high
         apart = 0.5 * apart * apart / (1.0 + mu0 * mu + sines)
