@@ -18,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from attitude import gates, quaternion
+from attitude.ascending import ascending
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
@@ -33,6 +34,8 @@ _SHIPPED = {
     "rk4": "classical Runge-Kutta on quaternion and rates",
     "exact-step": "the exact short step of this package",
 }
+# Those around the exact flow, which want the moments in ascending order.
+_EXACT = ("celledoni-safstrom", "exact-step")
 _SCIPY = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 _REPEATS = 3
 # Below it scipy takes this one instead, and warns.
@@ -213,6 +216,11 @@ class _Judge:
         self.wxyz = quaternion.multiply(history.wxyz, turn)
         self.omega = history.angular_velocity @ body.principal_axes
         self.start = np.concatenate([self.wxyz[0], self.omega[0]])
+        moments, axes = ascending(body)
+        wxyz = quaternion.multiply(history.wxyz[0], quaternion.from_matrix(axes))
+        self.ordered = moments, np.concatenate([wxyz, history.angular_velocity[0] @ axes])
+        # from the principal axes as given to these
+        self.back = quaternion.multiply(quaternion.from_matrix(axes.T), turn)
 
     def shipped(self, name, step):
         from attitude.solution import rivals
@@ -220,8 +228,12 @@ class _Judge:
         every, h = self._fitted(step)
         out = np.empty((self.epochs + 1, 7))
         kind = list(_SHIPPED).index(name)
-        rivals.run(kind, self.moments, self.start, h, 1, out[:2])
-        cost = _best(lambda: rivals.run(kind, self.moments, self.start, h, every, out))
+        moments, start = self.ordered if name in _EXACT else (self.moments, self.start)
+        rivals.run(kind, moments, start, h, 1, out[:2])
+        cost = _best(lambda: rivals.run(kind, moments, start, h, every, out))
+        if name in _EXACT:
+            out[:, :4] = quaternion.multiply(out[:, :4], self.back)
+            out[:, 4:] = quaternion.rotate(quaternion.conjugate(self.back), out[:, 4:])
         finite = np.all(np.isfinite(out), axis=-1)
         if not np.all(finite):
             _refuse(name, int(np.argmin(finite)) * every * h, h)

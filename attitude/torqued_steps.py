@@ -3,6 +3,7 @@
 import numpy as np
 
 from attitude import quaternion, tdb
+from attitude.ascending import ascending
 from attitude.errors import AttitudeError
 
 # The largest turn between two torques: most torques vary with twice the attitude, and what varies
@@ -32,11 +33,8 @@ class System:
             )
         self.epoch, self.torques, self.scheme = spin.epoch, torques, chosen
         self.body = body
-        order = np.argsort(body.moments, kind="stable")
-        axes = body.principal_axes[:, order]
-        self.axes = axes if np.linalg.det(axes) > 0.0 else -axes
+        self.moments, self.axes = ascending(body)
         self.turn = quaternion.from_matrix(self.axes)
-        self.moments = body.moments[order]
         self.start = np.zeros(14)
         self.start[:4] = quaternion.multiply(spin.wxyz_icrf, self.turn)
         self.start[:4] /= np.sqrt(self.start[:4] @ self.start[:4])
@@ -57,7 +55,8 @@ class System:
             rows.append([torque.address(), torque.kind, where, column, slope])
             column += torque.columns
         turn = np.concatenate([self.turn, self.axes.reshape(9)])
-        numbers = np.concatenate([self.moments, 1.0 / self.moments, turn, [LARGEST_TURN]])
+        inverses = 1.0 / np.sort(self.body.moments)
+        numbers = np.concatenate([self.moments, inverses, turn, [LARGEST_TURN]])
         chosen = self.scheme
         coefficients = np.array([chosen.kicks, np.append(chosen.flights, 0.0), chosen.gradients])
         return numbers, coefficients, np.array(rows, dtype=np.int64)

@@ -40,7 +40,7 @@ from attitude.solution import rivals
 from attitude.solution.attach import turned_by
 from attitude.solution.machine import compiled, inlined
 from attitude.solution.march import march
-from attitude.solution.step import advance, gains
+from attitude.solution.step import advance, gains, loaded, stored
 from attitude.splitting import TorquedRotation
 from attitude.torques import ConstantTorque, GravityGradient
 from tests.gragg import EccentricOrbit, integrate
@@ -71,9 +71,10 @@ def best(run, repeats):
 @compiled
 def flights(m, h, count, state):
     moments = m[0], m[1], m[2]
-    k = gains(moments)
+    k, now = gains(moments), loaded(state)
     for _ in range(count):
-        advance(moments, k, h, state)
+        now = advance(moments, k, h, now)
+    stored(now, state)
 
 
 def cost(quick, output):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from attitude.solution.machine import compiled, inlined
-from attitude.solution.step import advance, gains
+from attitude.solution.step import advance, gains, loaded, stored
 from attitude.solution.twofloat import ZERO, add, mul, square, sub, two_prod, two_sum
 
 
@@ -14,7 +14,7 @@ def moved(m, times, states, sums):
     Given
         m        (3,) moments in ascending order
         times    (n,) s
-        states   (S, 14) as in `attitude.solution.step.advance`
+        states   (S, 14) as in `attitude.solution.step.loaded`
     Changed
         sums     (2, 3) of T and of L^2, to which are added: the changes; the squares of what the
                  motions from one state change together, since they round some things alike; the
@@ -26,8 +26,7 @@ def moved(m, times, states, sums):
         before = _conserved(moments, states[row])
         together = (0.0, 0.0)
         for j in range(len(times)):
-            state[:] = states[row]
-            advance(moments, k, times[j], state)
+            stored(advance(moments, k, times[j], loaded(states[row])), state)
             after = _conserved(moments, state)
             energy = sub(after[0], before[0])[0] / before[0][0]
             momentum = sub(after[1], before[1])[0] / before[1][0]

@@ -11,14 +11,14 @@ import numpy as np
 
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
-from attitude.light_curve.lanes import at_least, bits_set_in_bytes, lanes, spread, summed_up
 from attitude.scattering.codes import WIDTH
 from attitude.scattering.compiled import element, of_phase
 from attitude.scattering.machine import bits_set, lowest_bit, merged, summed
+from attitude.solution.lanes import at_least, bits_set_in_bytes, eight, lanes, summed_up
 
 # In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: a body that
 # shows nothing sums to less than _NOTHING.
-_TINY = 1e-100
+_TINY, _NONE = (1e-100,) * SIZE, (0.0,) * SIZE
 _NOTHING = 1e-90
 
 # Unsigned indices: numba would otherwise allow for negative ones in every access.
@@ -56,7 +56,7 @@ def _laid_out(ways, first, x, y, z):
 @merged
 def _cosines(x, y, ways, way, own):
     """Those between normals of slopes x and y and a direction, over the normals' heights."""
-    return x * spread(ways[way]) + y * spread(ways[way + _1]) + spread(ways[own])
+    return x * ways[way] + y * ways[way + _1] + ways[own]
 
 
 @merged
@@ -82,7 +82,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
     of a cluster, each facet counts as often as it has points both lit and seen.
     """
     ways = np.empty(16)
-    tiny, none = spread(_TINY), spread(0.0)
+    tiny, none = lanes(_TINY), lanes(_NONE)
     for t in range(out.size):
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
@@ -98,8 +98,8 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
                 n = lowest_bit(word) + w * _WORD
                 word &= word - _1
                 i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
-                x, y = lanes(blocks, i), lanes(blocks, i + _ROW_1)
-                g, h = lanes(blocks, i + _ROW_2), lanes(blocks, i + _ROW_3)
+                x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
+                g, h = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
                 p = at_least(_cosines(x, y, ways, way, own), tiny)
                 q = at_least(_cosines(x, y, ways, way + _EYE, own + _EYE), none)
                 product = p * q

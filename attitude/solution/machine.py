@@ -11,6 +11,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from attitude.solution.cache import kept_on_disk
+from attitude.solution.lanes import fused, lanes_among
 
 # Nothing is called through C.
 _OPTIONS = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -24,6 +25,8 @@ def compiled(function):
 # Called from compiled code only: part of the caller's cache entry, so it needs none of its own,
 # and no door from Python either (that halves the time to compile).
 inlined = numba.njit(no_cpython_wrapper=True, **_OPTIONS)
+# The same, however long it is: for long code that is called in one place of a loop.
+merged = numba.njit(no_cpython_wrapper=True, forceinline=True, **_OPTIONS)
 
 
 def door(function):
@@ -49,7 +52,12 @@ def _declare(builder, name, arguments):
 
 @intrinsic
 def fma(typingctx, a, b, c):
-    """a b + c with one rounding."""
+    """a b + c with one rounding; of doubles, and of lanes with doubles among them."""
+    kinds = a, b, c
+    kind = lanes_among(kinds)
+    if kind is not None:
+        given = (each if each == kind else types.float64 for each in kinds)
+        return kind(*given), lambda context, builder, sig, args: fused(builder, kind, args)
 
     def codegen(context, builder, signature, arguments):
         double = ir.DoubleType()

@@ -15,6 +15,9 @@ user wrote.  Each is a C function
 of seconds since the epoch, the attitude body to inertial, the angular velocity over the body axes,
 what was sampled for it at that epoch (a position, say) and its parameters; it fills the torque
 over the body axes.
+
+The loops hand plain numbers and addresses to what they call, never an array: numba counts its
+users by atomic instructions, for which all that is under way must be waited for.
 """
 
 import math
@@ -24,11 +27,12 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from attitude.solution.attach import four, product, turned_by
-from attitude.solution.machine import compiled, inlined
-from attitude.solution.step import add, advance, gains
+from attitude.solution.attach import product, turned_by
+from attitude.solution.machine import compiled, inlined, merged
+from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
 
 FINE, BAD_TORQUE, TOO_LONG = 0, 1, 2
+_NOTHING = 0.0, 0.0, 0.0
 # Kinds of torques, as in attitude.torques.torque.
 BY_RATE, SLIP = 1, 2
 
@@ -50,12 +54,48 @@ def _call(typingctx, address, t, wxyz, omega, given, parameters, out):
     return types.void(i8, f8, i8, i8, i8, i8, i8), codegen
 
 
+@intrinsic
+def _number(typingctx, address, k):
+    """The double in place k from an address."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(_place(builder, ir.DoubleType(), *arguments))
+
+    return types.float64(types.int64, types.int64), codegen
+
+
+@intrinsic
+def _whole(typingctx, address, k):
+    """The whole number of 64 bits in place k from an address."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(_place(builder, ir.IntType(64), *arguments))
+
+    return types.int64(types.int64, types.int64), codegen
+
+
+@intrinsic
+def _put(typingctx, address, k, x):
+    """A double into place k from an address."""
+
+    def codegen(context, builder, signature, arguments):
+        builder.store(arguments[2], _place(builder, ir.DoubleType(), *arguments[:2]))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.float64), codegen
+
+
+def _place(builder, kind, address, k):
+    return builder.gep(builder.inttoptr(address, kind.as_pointer()), [k])
+
+
 @compiled
 def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """Take some steps.
 
     Given
-        c        (20,) moments ascending (3), their inverses (3), principal axes to body axes as
+        c        (20,) moments ascending (3), in a unit that makes the largest about 1, and the
+                 inverses of those in the unit of the torques (3), principal axes to body axes as
                  wxyz (4) and as matrix by rows (9), the largest angle of a free motion (1)
         scheme   (3, n + 1) kicks, free motions (the last entry unused), force gradients
         models   (M, 5) each torque's address, its kind (`attitude.torques.torque`), the address
@@ -75,18 +115,20 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """
     n = scheme.shape[1] - 1
     work = np.zeros(16)
-    here, row = work.ctypes.data, 8 * given.shape[1]
+    work_at, row = work.ctypes.data, 8 * given.shape[1]
     samples = given.ctypes.data
-    body, limit, what = _body(c), c[19], _kinds(models)
+    body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
+    now = loaded(state)
     for step in range(steps):
         t, first = start + step * h, samples + step * n * row
-        fault, when, turn = _step(
-            body, limit, what, scheme, models, state, t, h, first, row, work, here, step > 0
+        now, fault, when, turn = _step(
+            body, plan, torques, now, t, h, first, row, work_at, step > 0
         )
         if fault != FINE:
             return fault, when, turn
         if (step + 1) % every == 0:
-            _copied(state, kept[step // every])
+            stored(now, kept[step // every])
+    stored(now, state)
     return FINE, 0.0, 0.0
 
 
@@ -105,58 +147,56 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         out      (T, 7) wxyz and angular velocity
     """
     n = scheme.shape[1] - 1
-    work, state, last = np.zeros(16), np.zeros(14), np.zeros(14)
-    here, row = work.ctypes.data, 8 * given.shape[2]
+    work = np.zeros(16)
+    work_at, row = work.ctypes.data, 8 * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
-    body, limit, what = _body(c), c[19], _kinds(models)
-    now, done = -1, 0
-    for i in range(len(place)):
-        if place[i] != now:
-            now, done = place[i], 0
-            _copied(states[now], state)
-        while done < steps[i]:
-            t, first = starts[now] + done * h, samples + (now * given.shape[1] + done * n) * row
-            fault, when, turn = _step(
-                body, limit, what, scheme, models, state, t, h, first, row, work, here, False
+    body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
+    at, done, last = -1, 0, False
+    now = kept = loaded(states[0])
+    i = 0
+    while i < len(place):
+        if place[i] != at:
+            at, done = place[i], 0
+            now = loaded(states[at])
+        # whole steps, then a part of one from a state that is kept: one loop, compiled once
+        t = starts[at] + done * h
+        last = done == steps[i]
+        if last:
+            kept, first, part = now, inner + i * (n + 1) * row, parts[i]
+        else:
+            first, part = samples + (at * given.shape[1] + done * n) * row, h
+        if not last or part != 0.0:
+            now, fault, when, turn = _step(
+                body, plan, torques, now, t, part, first, row, work_at, False
             )
             if fault != FINE:
                 return fault, when, turn
+        if last:
+            q, w, _, _ = now
+            for k in range(4):
+                out[i, k] = q[k]
+            for k in range(3):
+                out[i, 4 + k] = w[k]
+            now, i = kept, i + 1
+        else:
             done += 1
-        _copied(state, last)
-        if parts[i] != 0.0:
-            t, first = starts[now] + done * h, inner + i * (n + 1) * row
-            fault, when, turn = _step(
-                body, limit, what, scheme, models, last, t, parts[i], first, row, work, here, False
-            )
-            if fault != FINE:
-                return fault, when, turn
-        _copied(last, out[i])
     return FINE, 0.0, 0.0
-
-
-@inlined
-def _copied(row, out):
-    """As many numbers of a row as `out` takes.
-
-    For an assignment of array to array, numba would compile the text of an error of shapes: 1.7 s.
-    """
-    for k in range(len(out)):
-        out[k] = row[k]
 
 
 @compiled
 def accelerations(c, models, states, times, given, out):
     """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
-    body = _body(c)
+    body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
     work = np.zeros(16)
-    here, samples = work.ctypes.data, given.ctypes.data
+    work_at, samples = work.ctypes.data, given.ctypes.data
     for i in range(len(times)):
-        w1, w2, w3 = states[i, 4], states[i, 5], states[i, 6]
-        _see(body, states[i], work, 0.0, 0.0, 0.0)
-        if not _torque(models, times[i], samples + 8 * i * given.shape[1], work, here):
+        state = loaded(states[i])
+        w1, w2, w3 = state[1]
+        _see(body, state, work_at, 0.0, 0.0, 0.0)
+        if not _torque(torques, times[i], samples + 8 * i * given.shape[1], work_at):
             return BAD_TORQUE, times[i], 0.0
-        a, b, d = _accelerations(body, work)
+        a, b, d = _accelerations(body, work_at)
         out[i, 0] = k1 * w2 * w3 + a
         out[i, 1] = k2 * w3 * w1 + b
         out[i, 2] = k3 * w1 * w2 + d
@@ -165,148 +205,164 @@ def accelerations(c, models, states, times, given, out):
 
 @inlined
 def _body(c):
-    """Plain numbers, read once: arrays handed down a call cost more than all the arithmetic."""
+    """The numbers of `march`, read once."""
     return (
         (c[0], c[1], c[2]),
         (c[3], c[4], c[5]),
         (c[6], c[7], c[8], c[9]),
         ((c[10], c[11], c[12]), (c[13], c[14], c[15]), (c[16], c[17], c[18])),
+        c[19],
     )
 
 
 @inlined
-def _kinds(models):
-    """Whether a torque depends on the rates, and whether one is a slip."""
+def _torques(models):
+    """The address of `models`, how many, whether one depends on the rates, whether one slips."""
     rates = slips = False
     for model in range(len(models)):
         rates = rates or models[model, 1] == BY_RATE
         slips = slips or models[model, 1] == SLIP
-    return rates, slips
+    return models.ctypes.data, len(models), rates, slips
 
 
-@inlined
-def _step(body, limit, what, scheme, models, state, t, h, first, row, work, here, held):
-    """One step; `held` tells that work still has the torque of its first kick.
+@merged
+def _step(body, plan, torques, state, t, h, first, row, work, held):
+    """The state after one step, and as in `march`; `held`: work has the torque of its first kick.
 
+    plan         the address of the scheme, and how many free motions it has
     first, row   address of the samples of the first kick, and bytes to those of the next
-    work, here   16 numbers for the torques, and their address
+    work         address of 16 numbers for the torques: attitude and angular velocity that they see
+                 (7), the sum of their answers (3), one answer (3)
     """
-    last = scheme.shape[1] - 1
-    k = gains(body[0])
+    scheme, last = plan
+    k, limit = gains(body[0]), body[4]
     done = 0.0
     for j in range(last + 1):
-        if scheme[0, j] != 0.0:
-            cubed = scheme[2, j] * h * h * h
-            samples = first + j * row
-            kept = held and j == 0
-            if not _kick(
+        part = _number(scheme, j)
+        if part != 0.0:
+            state, fine = _kick(
                 body,
-                what,
-                models,
+                torques,
                 state,
                 t + done * h,
-                scheme[0, j] * h,
-                cubed,
-                samples,
+                part * h,
+                _number(scheme, 2 * (last + 1) + j) * h * h * h,
+                first + j * row,
                 work,
-                here,
-                kept,
-            ):
-                return BAD_TORQUE, t + done * h, 0.0
+                held and j == 0,
+            )
+            if not fine:
+                return state, BAD_TORQUE, t + done * h, 0.0
         if j < last:
-            flight = scheme[1, j] * h
-            w1, w2, w3 = state[4], state[5], state[6]
-            turn = abs(flight) * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
-            if turn > limit:
-                return TOO_LONG, t + done * h, turn / abs(h)
-            advance(body[0], k, flight, state)
-            done += scheme[1, j]
-    return FINE, 0.0, 0.0
+            part = _number(scheme, last + 1 + j)
+            flight = part * h
+            w1, w2, w3 = state[1]
+            speed = w1 * w1 + w2 * w2 + w3 * w3
+            if flight * flight * speed > limit * limit:
+                return state, TOO_LONG, t + done * h, abs(part) * math.sqrt(speed)
+            state = advance(body[0], k, flight, state)
+            done += part
+    return state, FINE, 0.0, 0.0
 
 
-@inlined
-def _kick(body, what, models, state, t, h, cubed, samples, work, here, held):
-    """Torques for h seconds at a fixed attitude; False if one is not a number."""
-    rates, slips = what
+@merged
+def _kick(body, torques, state, t, h, cubed, samples, work, held):
+    """The state after torques for h seconds at a fixed attitude, and whether they are numbers."""
+    _, _, rates, slips = torques
     fine = True
     if slips:
-        fine = _slip(body, models, state, t, 0.5 * h, samples, work, here)
+        state, fine = _slip(body, torques, state, t, 0.5 * h, samples, work)
     if rates:
-        fine = fine and _by_runge_kutta(body, models, state, t, h, samples, work, here)
+        state, well = _by_runge_kutta(body, torques, state, t, h, samples, work)
+        fine = fine and well
     else:
         # work[7:10] is the torque over the body axes
         if not held or slips:
             _see(body, state, work, 0.0, 0.0, 0.0)
-            fine = fine and _torque(models, t, samples, work, here)
-        _apply(body, state, h, work)
+            fine = fine and _torque(torques, t, samples, work)
+        state = _apply(body, state, h, work)
     if cubed != 0.0 and fine:
-        fine = _gradient(body, models, state, t, cubed, samples, work, here)
+        state, fine = _gradient(body, torques, state, t, cubed, samples, work)
     if slips and fine:
-        fine = _slip(body, models, state, t, 0.5 * h, samples, work, here)
-    return fine
+        state, fine = _slip(body, torques, state, t, 0.5 * h, samples, work)
+    return state, fine
 
 
 @inlined
-def _gradient(body, models, state, t, cubed, samples, work, here):
+def _gradient(body, torques, state, t, cubed, samples, work):
     """The kick by the force gradient, after that by the torque in work[7:10], which stays."""
-    n1, n2, n3 = work[7], work[8], work[9]
+    n1, n2, n3 = _number(work, 7), _number(work, 8), _number(work, 9)
     a, b, d = _accelerations(body, work)
     for k in range(3):
         row = body[3][k]
-        work[4 + k] = row[0] * a + row[1] * b + row[2] * d
+        _put(work, 4 + k, row[0] * a + row[1] * b + row[2] * d)
     x = y = z = 0.0
-    for model in range(len(models)):
-        _ask(models, model, models[model, 4], t, samples, here)
-        x, y, z = x + work[10], y + work[11], z + work[12]
-    work[7], work[8], work[9] = 2.0 * x, 2.0 * y, 2.0 * z
+    for model in range(torques[1]):
+        a, b, d = _asked(torques, model, 4, t, samples, work)
+        x, y, z = x + a, y + b, z + d
+    _put_three(work, 7, 2.0 * x, 2.0 * y, 2.0 * z)
     fine = _finite(work, 7)
-    _apply(body, state, cubed, work)
-    work[7], work[8], work[9] = n1, n2, n3
-    return fine
+    state = _apply(body, state, cubed, work)
+    _put_three(work, 7, n1, n2, n3)
+    return state, fine
 
 
 @inlined
 def _see(body, state, work, d1, d2, d3):
     """work[0:7]: attitude and angular velocity (plus d) over the body axes."""
     s, matrix = body[2], body[3]
-    q = product((state[0], state[1], state[2], state[3]), (s[0], -s[1], -s[2], -s[3]))
-    work[0], work[1], work[2], work[3] = q
-    w1, w2, w3 = state[4] + d1, state[5] + d2, state[6] + d3
-    work[4] = matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3
-    work[5] = matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3
-    work[6] = matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3
+    q, w, _, _ = state
+    a, b, c, d = product(q, (s[0], -s[1], -s[2], -s[3]))
+    _put(work, 0, a)
+    _put_three(work, 1, b, c, d)
+    w1, w2, w3 = w[0] + d1, w[1] + d2, w[2] + d3
+    _put(work, 4, matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3)
+    _put(work, 5, matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3)
+    _put(work, 6, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
 
 
 @inlined
-def _ask(models, model, address, t, samples, here):
-    """work[10:13]: what one function says of work[0:7]."""
-    given = samples + 8 * models[model, 3]
-    _call(address, t, here, here + 32, given, models[model, 2], here + 80)
+def _asked(torques, model, function, t, samples, work):
+    """What a function of a torque, the one named in that column of `models`, says of what it sees.
+
+    The answer stays in work[10:13].
+    """
+    model = torques[0] + 40 * model
+    given = samples + 8 * _whole(model, 3)
+    _call(_whole(model, function), t, work, work + 32, given, _whole(model, 2), work + 80)
+    return _number(work, 10), _number(work, 11), _number(work, 12)
 
 
 @inlined
-def _torque(models, t, samples, work, here):
-    """work[7:10]: the sum of the torques."""
+def _torque(torques, t, samples, work):
+    """work[7:10]: the sum of the torques; False if it is not a number."""
     x = y = z = 0.0
-    for model in range(len(models)):
-        if models[model, 1] != SLIP:
-            _ask(models, model, models[model, 0], t, samples, here)
-            x, y, z = x + work[10], y + work[11], z + work[12]
-    work[7], work[8], work[9] = x, y, z
+    for model in range(torques[1]):
+        if _whole(torques[0] + 40 * model, 1) != SLIP:
+            a, b, c = _asked(torques, model, 0, t, samples, work)
+            x, y, z = x + a, y + b, z + c
+    _put_three(work, 7, x, y, z)
     return _finite(work, 7)
 
 
 @inlined
-def _finite(work, k):
-    size = abs(work[k]) + abs(work[k + 1]) + abs(work[k + 2])
-    return size < math.inf
+def _put_three(address, k, x, y, z):
+    _put(address, k, x)
+    _put(address, k + 1, y)
+    _put(address, k + 2, z)
+
+
+@inlined
+def _finite(address, k):
+    x, y, z = _number(address, k), _number(address, k + 1), _number(address, k + 2)
+    return abs(x) + abs(y) + abs(z) < math.inf
 
 
 @inlined
 def _accelerations(body, work):
     """The torque in work[7:10] as rates of change over the principal axes."""
     inverse, m = body[1], body[3]
-    a, b, c = work[7], work[8], work[9]
+    a, b, c = _number(work, 7), _number(work, 8), _number(work, 9)
     return (
         inverse[0] * (m[0][0] * a + m[1][0] * b + m[2][0] * c),
         inverse[1] * (m[0][1] * a + m[1][1] * b + m[2][1] * c),
@@ -317,13 +373,11 @@ def _accelerations(body, work):
 @inlined
 def _apply(body, state, h, work):
     d1, d2, d3 = _accelerations(body, work)
-    add(state, 4, h * d1)
-    add(state, 5, h * d2)
-    add(state, 6, h * d3)
+    return kicked(state, (h * d1, h * d2, h * d3), _NOTHING)
 
 
 @inlined
-def _by_runge_kutta(body, models, state, t, h, samples, work, here):
+def _by_runge_kutta(body, torques, state, t, h, samples, work):
     """A torque that depends on the angular velocity: fourth order at the fixed attitude."""
     x = y = z = 0.0
     a = b = c = 0.0
@@ -331,45 +385,38 @@ def _by_runge_kutta(body, models, state, t, h, samples, work, here):
         ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
         weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
         _see(body, state, work, ahead * a, ahead * b, ahead * c)
-        if not _torque(models, t, samples, work, here):
-            return False
+        if not _torque(torques, t, samples, work):
+            return state, False
         a, b, c = _accelerations(body, work)
         x, y, z = x + weight * a, y + weight * b, z + weight * c
-    add(state, 4, x)
-    add(state, 5, y)
-    add(state, 6, z)
-    return True
+    return kicked(state, (x, y, z), _NOTHING), True
 
 
 @inlined
-def _slip(body, models, state, t, h, samples, work, here):
+def _slip(body, torques, state, t, h, samples, work):
     """The body turns under its own momentum, which stays fixed in space; midpoint rule."""
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
-    for model in range(len(models)):
-        if models[model, 1] == SLIP:
-            momentum = i[0] * state[4], i[1] * state[5], i[2] * state[6]
+    for model in range(torques[1]):
+        if _whole(torques[0] + 40 * model, 1) == SLIP:
+            q, w, _, _ = state
+            momentum = i[0] * w[0], i[1] * w[1], i[2] * w[2]
             dx = dy = dz = 0.0
             turn = (1.0, 0.0, 0.0, 0.0)
             for stage in range(2):
                 _see(body, state, work, dx, dy, dz)
-                _ask(models, model, models[model, 0], t, samples, here)
+                v = turned_by(back, _asked(torques, model, 0, t, samples, work))
                 if not _finite(work, 10):
-                    return False
-                v = turned_by(back, (work[10], work[11], work[12]))
+                    return state, False
                 turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
                 # over body axes that turn by v, a fixed vector turns back
                 left = turned_by((turn[0], -turn[1], -turn[2], -turn[3]), momentum)
-                dx = left[0] / i[0] - state[4]
-                dy = left[1] / i[1] - state[5]
-                dz = left[2] / i[2] - state[6]
-            q = product(four(state), turn)
-            for k in range(4):
-                add(state, k, q[k] - state[k])
-            add(state, 4, dx)
-            add(state, 5, dy)
-            add(state, 6, dz)
-    return True
+                dx, dy, dz = left[0] / i[0] - w[0], left[1] / i[1] - w[1], left[2] / i[2] - w[2]
+            a, b, c, d = product(q, turn)
+            change = a - q[0], b - q[1], c - q[2], d - q[3]
+            state = turned(state, change, 0.0)
+            state = kicked(state, (dx, dy, dz), _NOTHING)
+    return state, True
 
 
 @inlined

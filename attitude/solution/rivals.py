@@ -8,7 +8,7 @@ import math
 
 from attitude.solution.attach import product, turned_by
 from attitude.solution.machine import compiled, inlined
-from attitude.solution.step import gains, increment
+from attitude.solution.step import gains, increment, pieces, rates
 
 DLM, REICH, CELLEDONI_SAFSTROM, BUSS, RK4, EXACT = range(6)
 
@@ -47,9 +47,15 @@ def run(kind, moments, start, h, every, out):
 
 @inlined
 def exact(moments, q, w, h):
-    """One piece of `solution.step`, not compensated."""
-    s, x, y, z, d1, d2, d3 = increment(moments, gains(moments), w, h)
-    return product(q, (1.0 + s, x, y, z)), (w[0] + d1, w[1] + d2, w[2] + d3)
+    """The pieces of `solution.step`, not compensated."""
+    k = gains(moments)
+    count = pieces(k, w, h)
+    part = h / count
+    for _ in range(count):
+        (s, x, y, z), d, n, _ = increment(moments, w, rates(k, w), part)
+        q = product(q, (1.0 + (s + n), x, y, z))
+        w = w[0] + d[0], w[1] + d[1], w[2] + d[2]
+    return q, w
 
 
 @inlined
@@ -87,16 +93,15 @@ def celledoni_safstrom(moments, q, w, h):
 
     J. Phys. A 39, 5463 (2006).
     """
-    k = gains(moments)
-    one = _rates_after(moments, k, w, 0.21132486540518713 * h)
-    two = _rates_after(moments, k, w, 0.7886751345948129 * h)
+    one = _rates_after(moments, w, 0.21132486540518713 * h)
+    two = _rates_after(moments, w, 0.7886751345948129 * h)
     half, more = 0.5 * h, h * h * 0.14433756729740643  # sqrt(3)/12
     turn = (
         half * (one[0] + two[0]) + more * (one[1] * two[2] - one[2] * two[1]),
         half * (one[1] + two[1]) + more * (one[2] * two[0] - one[0] * two[2]),
         half * (one[2] + two[2]) + more * (one[0] * two[1] - one[1] * two[0]),
     )
-    return product(q, _exponential(turn, 1.0)), _rates_after(moments, k, w, h)
+    return product(q, _exponential(turn, 1.0)), _rates_after(moments, w, h)
 
 
 @inlined
@@ -167,9 +172,9 @@ def _slope(k, y):
 
 
 @inlined
-def _rates_after(moments, k, w, h):
-    _, _, _, _, d1, d2, d3 = increment(moments, k, w, h)
-    return w[0] + d1, w[1] + d2, w[2] + d3
+def _rates_after(moments, w, h):
+    _, w = exact(moments, (1.0, 0.0, 0.0, 0.0), w, h)
+    return w
 
 
 @inlined

@@ -17,43 +17,67 @@ of terms of one sign (-k2 k3, k1 k3, -k1 k2 >= 0), nothing is divided by a numbe
 and S is a short power series for short times.
 
 Attitude.  The momentum is fixed in space, so the turn from the body axes at t to those at 0 is
-the least turn p that carries the direction l(t) to l(0) = l0, followed by a turn about l0 by chi:
+the least turn p that carries its direction l(t) to l(0) = l0, followed by a turn about l0 by chi.
+Together they are the quaternion
 
-    chi' = (w . l + w(t) . l0) / (1 + l(t) . l0)
+    (cos(chi/2) (1 + l0 . l),  sin(chi/2) (l0 + l) + cos(chi/2) (l - l0) x l0) / |l0 + l|
 
-(the part of w that the least turn leaves: it moves at right angles to l0 + l(t)).  This is the
-third elliptic integral of van Zon & Schofield (2006), eq. 3.43, without its poles; over a short
-time the integrand is all but constant, and Gauss's rule reaches rounding with six points.
+and the part of w that the least turn leaves, which moves at right angles to l0 + l, tells chi:
+
+    chi' = (w . l + w(t) . l0) / (1 + l . l0) = 2 T/L + (w(t) . l0 - (2 T/L) l . l0) / (1 + l . l0)
+
+The second term is the area on the unit sphere between the path of l and the arc that closes it
+(Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with weight
+S^2 find it to rounding: in S, by dt = dS/(c1 c3), since then nothing but square roots is taken at
+the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43, without its
+poles.
 
 All of it is formed as increments, whose error is that of rounding times the angle turned: summed
 with compensation (`advance`), a thousand short steps are as good as one.
+
+A step waits for its longest chain of operations rather than for their number, so polynomials are
+in powers that double, and what only corrects a rounding goes to the lower halves of the sums.
 """
 
 import math
 
-from attitude.solution.machine import fma, inlined
+from attitude.solution.lanes import lanes, root, summed_up
+from attitude.solution.machine import fma, inlined, merged
 from attitude.solution.turns import sincos
-from attitude.solution.twofloat import two_prod, two_sum
+from attitude.solution.twofloat import quick_two_sum, two_prod, two_sum
 
 # What one increment may cover: the change of the state over it, as an angle (see `pieces`).
-# Truncation there is below 2e-17 of the angle; tests/test_splitting.py walks across the limit.
-LONGEST_PIECE = 0.3
-# Gauss-Legendre on (0, 1), six points.
-_X1, _X2, _X3 = 0.033765242898423975, 0.1693953067668678, 0.3806904069584016
-_G1, _G2, _G3 = 0.08566224618958518, 0.18038078652406930, 0.23395696728634552
-# sqrt(1 - a) - 1 = a P(a), for a up to the square of the longest piece: two square roots and two
-# divisions cost more than all else in an evaluation.  Relative error 1e-18 before rounding.
+# Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
+LONGEST_PIECE = 0.1
+# Momenta below the root of this (moments at most 1): a spin of 1e-125 rad/s turns nothing.
+_NO_MOMENTUM = 1e-250
+# Gauss-Jacobi on (0, 1) with weight x^2, four points; their squares; weights over the squares.
+_POINTS = 0.20414858210322714, 0.4829527048956325, 0.7613992624481377, 0.9514994505530027
+_SQUARES = 0.041676643574758074, 0.23324331516600788, 0.5797288368565681, 0.9053512044026659
+_WEIGHTS = 0.24839430102735088, 0.2942587534569803, 0.24745843345844748, 0.12248110464981389
+# S(h)/h - 1 in powers of the sum and the product of a = e1 h^2 and b = e3 h^2, from
+# S'' = -(a + b) S + 2 a b S^3; at a = 1, b = m it is DLMF 22.10.  Rows: powers of the product.
+_SINE_0 = -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362880.0, -1.0 / 39916800.0
+_SINE_1 = 1.0 / 10.0, -132.0 / 5040.0, 1224.0 / 362880.0, -11064.0 / 39916800.0
+_SINE_2 = 3024.0 / 362880.0, -132624.0 / 39916800.0, 4095792.0 / 6227020800.0
+_SINE_3 = 4390848.0 / 6227020800.0
+# sqrt(1 - a) - 1 = a (...), to 2e-19 of it for a up to the square of the longest piece.
 _ROOT = (
     -0.5,
-    -0.1250000000000018,
-    -0.062499999999337294,
-    -0.03906250009368675,
-    -0.027343743289102194,
-    -0.02050808777106462,
-    -0.016106438662666676,
-    -0.013196505547857866,
-    -0.00996072180492057,
-    -0.013871415022959518,
+    -0.12499999999999983,
+    -0.0625000000002579,
+    -0.039062499845395435,
+    -0.027343794105263115,
+    -0.02050136159519226,
+    -0.01657973412625723,
+)
+# 1/(2 sqrt(1 - a)) = 1/2 + a (...), to 1e-19 for a up to a quarter of that.
+_INVERSE = (
+    0.25,
+    0.18749999999956724,
+    0.1562500013844867,
+    0.1367172002104618,
+    0.12375449878992466,
 )
 _OVER_4_PI = 0.07957747154594767
 
@@ -65,178 +89,157 @@ def gains(moments):
     return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
 
 
+@merged
+def rates(k, w):
+    """What the free motion from w is made of: w', then e1, e3 and kappa = k1 k3 w2^2 in pairs.
+
+    Rounding with a mean drives energy and momentum: what is even in h does not average out.  The
+    product of a constant and a double has one (0.8 n has five fractions only), and so has a sum
+    that loses the same small term each time.  So products with the k are kept in pairs until a
+    rate is in them twice, and h enters by S alone: any S whatever is on the exact motion.
+    """
+    k1, k2, k3 = k
+    w1, w2, w3 = w
+    kappa = _times(two_prod(k1, k3), w2 * w2)
+    e1 = _sum(_times(two_prod(-k2, k3), w1 * w1), kappa)
+    e3 = _sum(_times(two_prod(-k1, k2), w3 * w3), kappa)
+    return (_three(k1, w2, w3), _three(k2, w3, w1), _three(k3, w1, w2)), e1, e3, kappa
+
+
 @inlined
-def pieces(k, w, h):
-    """In how many equal pieces a free motion of h seconds is to be taken.
+def _speed(w, rate):
+    """|w|^2, and that times the square of how fast the state changes, as an angle over time.
 
     What limits a piece is how far the angular velocity moves over the body, not how far the body
     turns: a sphere, or any body that spins about an axis, takes one piece at any h.
     """
-    k1, k2, k3 = k
-    w1, w2, w3 = w
-    a, b, c = w1 * w1, w2 * w2, w3 * w3
-    rate = -k2 * k3 * a + 2.0 * k1 * k3 * b - k1 * k2 * c
-    x, y, z = k1 * w2 * w3, k2 * w3 * w1, k3 * w1 * w2
-    size = a + b + c
-    if size > 0.0:
-        rate += (x * x + y * y + z * z) / size
-    return math.ceil(abs(h) * math.sqrt(rate) / LONGEST_PIECE)
+    (r1, r2, r3), e1, e3, _ = rate
+    size = fma(w[0], w[0], fma(w[1], w[1], w[2] * w[2]))
+    return size, fma(e1[0] + e3[0], size, fma(r1, r1, fma(r2, r2, r3 * r3)))
 
 
 @inlined
-def increment(moments, k, w, h):
+def pieces(k, w, h):
+    """In how many equal pieces a free motion of h seconds is to be taken, at least one."""
+    size, speed = _speed(w, rates(k, w))
+    if not speed > 0.0:
+        return 1
+    return max(1, math.ceil(abs(h) * math.sqrt(speed / size) / LONGEST_PIECE))
+
+
+@merged
+def increment(moments, w, rate, h):
     """The change of state over h seconds of free rotation, h not longer than one of `pieces`.
 
     Given
-        moments   (3) in ascending order, any unit; above zero
-        k         their `gains`
+        moments   (3) in ascending order, any unit in which the largest is about 1; above zero
         w         (3) rad/s over the principal axes
+        rate      of it: `rates`
     Returned
-        s, x, y, z    q(t) = q(0) (1 + s; x, y, z), a unit quaternion
-        d1, d2, d3    w(t) = w(0) + d
+        turn      (4) s, x, y, z: q(t) = q(0) (1 + s; x, y, z), a unit quaternion but for rounding
+        change    (3) w(t) - w
+        n, rest   what rounding left out: q(t) is longer by n of itself; and of w(t) - w, (3)
     """
     i1, i2, i3 = moments
-    k1, k2, k3 = k
     w1, w2, w3 = w
+    (r1, r2, r3), e1, e3, kappa = rate
     m1, m2, m3 = i1 * w1, i2 * w2, i3 * w3
-    largest = max(abs(m1), abs(m2), abs(m3))
-    if not largest > 0.0:
-        nothing = 0.0 * (w1 + w2 + w3)  # NaN stays NaN
-        return nothing, nothing, nothing, nothing, nothing, nothing, nothing
-    m1, m2, m3 = m1 / largest, m2 / largest, m3 / largest
-    over = 1.0 / math.sqrt(m1 * m1 + m2 * m2 + m3 * m3)
-    l1, l2, l3 = m1 * over, m2 * over, m3 * over
-    over /= largest
-    dot = w1 * l1 + w2 * l2 + w3 * l3
-
-    # Rounding with a mean drives energy and momentum: what is even in h does not average out.  The
-    # product of a constant and a double has one (0.8 n has five fractions only), and so has a sum
-    # that loses the same small term each time.  So products with the k are kept in pairs until a
-    # rate is in them twice, and h enters by S alone: any S whatever is on the exact motion.
-    r1, r2, r3 = _three(k1, w2, w3), _three(k2, w3, w1), _three(k3, w1, w2)
-    s1, s2, s3 = w1 * w1, w2 * w2, w3 * w3
-    kappa = _times(two_prod(k1, k3), s2)
-    e1 = _sum(_times(two_prod(-k2, k3), s1), kappa)
-    e3 = _sum(_times(two_prod(-k1, k2), s3), kappa)
-    # in units of the step, so that time runs from 0 to 1
+    square = fma(m1, m1, fma(m2, m2, m3 * m3))
+    if not square > _NO_MOMENTUM:
+        none = 0.0 * square  # NaN stays NaN
+        return (none, none, none, none), (none, none, none), none, (none, none, none)
     hh = h * h
-    state = w1, w2, w3, h * r1, h * r2, h * r3, hh * e1[0], hh * e3[0], hh * kappa[0]
-    series = _series(state[6], state[7])
-    weights = l1, l2, l3, i1 * over, i2 * over, i3 * over, dot
-    chi = _G1 * (
-        _turning(_X1, series, state, weights) + _turning(1.0 - _X1, series, state, weights)
+    s = fma(h, _sine(hh * e1[0], hh * e3[0]), h)
+
+    # chi/2: in turns the part that is linear in time, in radians the area
+    over, inverse = 1.0 / math.sqrt(square), 1.0 / square
+    energy = fma(m1, w1, fma(m2, w2, m3 * w3))
+    sine, cosine = sincos(energy * h * over * _OVER_4_PI, 0.0)
+    area = 0.5 * s * over * _area(moments, (m1, m2, m3), w, rate, s, inverse, energy * inverse)
+    second, third = -0.5 * (area * area), fma(area * area, area * (-1.0 / 6.0), area)
+    sine, cosine = (
+        fma(cosine, third, fma(sine, second, sine)),
+        fma(-sine, third, fma(cosine, second, cosine)),
     )
-    chi += _G2 * (
-        _turning(_X2, series, state, weights) + _turning(1.0 - _X2, series, state, weights)
-    )
-    chi += _G3 * (
-        _turning(_X3, series, state, weights) + _turning(1.0 - _X3, series, state, weights)
-    )
-    chi *= h
 
-    d1, d2, d3 = _at_end(h * _sine(1.0, series), (w1, w2, w3, r1, r2, r3, e1, e3, kappa))
-    # least turn from l to l0: (1 + l . l0; l x l0) / sqrt(2 (1 + l . l0))
-    f1, f2, f3 = i1 * over * d1, i2 * over * d2, i3 * over * d3
-    one = 2.0 + (f1 * l1 + f2 * l2 + f3 * l3)
-    size = 1.0 / math.sqrt(2.0 * one)
-    p1, p2, p3 = (f2 * l3 - f3 * l2) * size, (f3 * l1 - f1 * l3) * size, (f1 * l2 - f2 * l1) * size
-    square = p1 * p1 + p2 * p2 + p3 * p3
-    p0 = one * size
-    less = -square / (1.0 + p0)  # p0 - 1
-    sine, cosine = sincos(chi * _OVER_4_PI, 0.0)
-    drop = -sine * sine / (1.0 + cosine) if cosine > 0.0 else cosine - 1.0
-    # (cosine; sine l0) (p0; p), p at right angles to l0
-    s = drop + cosine * less
-    a = sine * p0
-    x = fma(a, l1, fma(cosine, p1, sine * (l2 * p3 - l3 * p2)))
-    y = fma(a, l2, fma(cosine, p2, sine * (l3 * p1 - l1 * p3)))
-    z = fma(a, l3, fma(cosine, p3, sine * (l1 * p2 - l2 * p1)))
-    # Unit length again, to rounding of the squares: a million steps would drift by a bias in s.
-    s -= 0.5 * (fma(s, s, 2.0 * s) + fma(x, x, fma(y, y, z * z)))
-    return s, x, y, z, d1, d2, d3
+    change, rest = _change(w, rate, s)
+    d1, d2, d3 = i1 * change[0], i2 * change[1], i3 * change[2]
+    # (l - l0) x l0 and (1 - l . l0)/2 times L^2
+    p1, p2, p3 = fma(d2, m3, -d3 * m2), fma(d3, m1, -d1 * m3), fma(d1, m2, -d2 * m1)
+    half = -0.5 * inverse
+    a = fma(half * m1, d1, fma(half * m2, d2, half * m3 * d3))
+    size = _over_root(a)
+    s = fma(cosine * size, fma(-2.0, a, 2.0), -1.0)
+    sine, cosine = sine * (over * size), cosine * (inverse * size)
+    x = fma(sine, fma(2.0, m1, d1), cosine * p1)
+    y = fma(sine, fma(2.0, m2, d2), cosine * p2)
+    z = fma(sine, fma(2.0, m3, d3), cosine * p3)
+    # Unit length: a million steps would drift by a bias in s.
+    n = -0.5 * (fma(s, s, 2.0 * s) + fma(x, x, fma(y, y, z * z)))
+    return (s, x, y, z), change, n, rest
 
 
-@inlined
-def _series(a, b):
-    """Coefficients of S(x)/(h x) in x^2: sn's, with the modulus kept as two parameters.
+@merged
+def _area(moments, m, w, rate, s, inverse, ratio):
+    """L / S(h) times the area that the path of l leaves, from w and its momenta m over the body.
 
-    From S'' = -(a + b) S + 2 a b S^3, coefficient by coefficient; at a = 1, b = m it is DLMF 22.10.
+    At each point, times d: with u = c - 1,
+        w(t) . l0 - (2 T/L) l . l0 = u1 (S b1 + u3 a2 - a1) + u3 (S b3 - a3)
+        1 + l . l0 = 2 - kappa S^2 + u1 (S f1 + u3 g2 + g2 + g3) + u3 (S f3 + g1 + g2)
+    where a = v w, b = v w', f = j w', g = j w, v = m (1 - ratio I), j = m I/L^2, ratio = 2 T/L^2.
+    The missing terms are sums that vanish: of m w', of a, of I m w'.
     """
-    s, p = a + b, a * b
-    ss, pp = s * s, p * p
-    return (
-        s * (-1.0 / 6.0),
-        fma(12.0, p, ss) * (1.0 / 120.0),
-        s * fma(132.0, p, ss) * (-1.0 / 5040.0),
-        fma(fma(1224.0, p, ss), ss, 3024.0 * pp) * (1.0 / 362880.0),
-        s * fma(fma(11064.0, p, ss), ss, 132624.0 * pp) * (-1.0 / 39916800.0),
-        fma(fma(fma(99636.0, p, ss), ss, 4095792.0 * pp), ss, 4390848.0 * pp * p)
-        * (1.0 / 6227020800.0),
-        s
-        * fma(fma(fma(896796.0, p, ss), ss, 111810672.0 * pp), ss, 490287168.0 * pp * p)
-        * (-1.0 / 1307674368000.0),
-        fma(
-            fma(fma(fma(8071248.0, p, ss), ss, 2901537504.0 * pp), ss, 35424905472.0 * pp * p),
-            ss,
-            21224560896.0 * pp * pp,
-        )
-        * (1.0 / 355687428096000.0),
-    )
-
-
-@inlined
-def _within(x, series, state):
-    """d (w(x) - w) and d, at the fraction x of the step."""
-    w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
-    s = _sine(x, series)
+    i1, i2, i3 = moments
+    m1, m2, m3 = m
+    w1, w2, w3 = w
+    (r1, _, r3), e1, e3, kappa = rate
+    v1, v2, v3 = m1 * fma(-ratio, i1, 1.0), m2 * fma(-ratio, i2, 1.0), m3 * fma(-ratio, i3, 1.0)
+    j1, j2, j3 = i1 * inverse * m1, i2 * inverse * m2, i3 * inverse * m3
+    g1, g2, g3 = j1 * w1, j2 * w2, j3 * w3
+    squares, points = lanes(_SQUARES), lanes(_POINTS) * s
     ss = s * s
-    u1, u3, g = _root_less_one(e1 * ss), _root_less_one(e3 * ss), kappa * ss
-    return (
-        fma(w1, u3 + g, r1 * s * (1.0 + u1)),
-        fma(w2, fma(u1, u3, u1 + u3) + g, r2 * s),
-        fma(w3, u1 + g, r3 * s * (1.0 + u3)),
-        1.0 - g,
-    )
+    c1 = root(fma(squares, -ss * e1[0], 1.0))
+    c3 = root(fma(squares, -ss * e3[0], 1.0))
+    u1, u3 = c1 - 1.0, c3 - 1.0
+    top = u1 * fma(points, v1 * r1, fma(u3, v2 * w2, -v1 * w1))
+    top = fma(u3, fma(points, v3 * r3, -v3 * w3), top)
+    low = fma(squares, -ss * kappa[0], 2.0)
+    low = fma(u1, fma(points, j1 * r1, fma(u3, g2, g2 + g3)), low)
+    low = fma(u3, fma(points, j3 * r3, g1 + g2), low)
+    return summed_up(top * lanes(_WEIGHTS) / (low * (c1 * c3)))
 
 
-@inlined
-def _at_end(s, state):
-    """w(h) - w, where rounding must not go one way.
-
-    Given
-        s      S(h), s
-        state  as in `increment`, in units of seconds; e1, e3 and kappa in pairs
-
-    What the roots leave out is added to a product of kappa, which changes from step to step where
-    e1 and e3 hardly do, before that is rounded; added to a rounded number it would be lost.
-    """
-    w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
+@merged
+def _change(w, rate, s):
+    """w(t) - w at S = s, and what its rounding left out."""
+    w1, w2, w3 = w
+    (r1, r2, r3), e1, e3, kappa = rate
     ss, less = two_prod(s, s)
-    u1, low1 = _root_less_one_in_pairs(e1, ss, less)
-    u3, low3 = _root_less_one_in_pairs(e3, ss, less)
-    kappa, low = kappa
-    g = fma(kappa, less, low * ss)
-    g1, g2, g3 = g + low3, g + (low1 + low3), g + low1
-    g, g1 = fma(kappa, ss, g), fma(kappa, ss, g1)
-    g2, g3 = fma(kappa, ss, g2), fma(kappa, ss, g3)
+    a1, a3, g = e1[0] * ss, e3[0] * ss, kappa[0] * ss
+    u1, u3 = _root_less_one(a1), _root_less_one(a3)
     r1, r2, r3 = r1 * s, r2 * s, r3 * s
-    n1 = fma(w1, u3 + g1, fma(r1, u1, r1))
-    n2 = fma(w2, fma(u1, u3, (u3 + g2) + u1), r2)
-    n3 = fma(w3, u1 + g3, fma(r3, u3, r3))
+    n1 = fma(w1, u3 + g, fma(r1, u1, r1))
+    n2 = fma(w2, fma(u1, u3, (u3 + g) + u1), r2)
+    n3 = fma(w3, u1 + g, fma(r3, u3, r3))
     more = g / (1.0 - g)  # over d = 1 - g, rounded once
-    return fma(n1, more, n1), fma(n2, more, n2), fma(n3, more, n3)
+    change = fma(n1, more, n1), fma(n2, more, n2), fma(n3, more, n3)
+    v1, v3 = _left_out(e1, ss, less, a1, u1), _left_out(e3, ss, less, a3, u3)
+    v = fma(kappa[0], ss, -g) + fma(kappa[0], less, kappa[1] * ss)
+    rest = (
+        fma(w1, v3 + v, fma(r1, v1, n1 * v)),
+        fma(w2, (v1 + v3) + v, n2 * v),
+        fma(w3, v1 + v, fma(r3, v3, n3 * v)),
+    )
+    return change, rest
 
 
 @inlined
-def _root_less_one_in_pairs(e, ss, less):
-    """u = sqrt(1 - a) - 1 for a = e (ss + less), and what its double leaves out."""
-    e, low = e
-    a = e * ss
-    u = -a / (1.0 + math.sqrt(1.0 - a))
+def _left_out(e, ss, less, a, u):
+    """What u, about sqrt(1 - e (ss + less)) - 1, leaves out; a is e ss rounded."""
     # u^2 + 2 u + a = 0; 2 u + a is exact
-    rest = fma(u, u, 2.0 * u + a) + (fma(e, ss, -a) + fma(e, less, low * ss))
+    rest = fma(u, u, fma(2.0, u, a)) + (fma(e[0], ss, -a) + fma(e[0], less, e[1] * ss))
     # over 2 (1 + u)
-    return u, rest * fma(u, fma(-0.5, u, 0.5), -0.5)
+    return rest * fma(u, fma(-0.5, u, 0.5), -0.5)
 
 
 @inlined
@@ -261,67 +264,116 @@ def _sum(a, b):
 
 
 @inlined
-def _sine(x, series):
-    """S/h at the fraction x of the step."""
-    xx = x * x
-    return fma(x * xx, _horner(series[7], xx, series), x)
+def _sine(a, b):
+    """S(h)/h - 1."""
+    s, p = a + b, a * b
+    ss = s * s
+    row = fma(ss, _SINE_0[4], fma(s, _SINE_0[3], _SINE_0[2]))
+    row = s * fma(ss, row, fma(s, _SINE_0[1], _SINE_0[0]))
+    row_1 = fma(ss, fma(s, _SINE_1[3], _SINE_1[2]), fma(s, _SINE_1[1], _SINE_1[0]))
+    row_2 = fma(ss, _SINE_2[2], fma(s, _SINE_2[1], _SINE_2[0]))
+    return fma(p, fma(p, fma(p, _SINE_3, row_2), row_1), row)
 
 
 @inlined
 def _root_less_one(a):
     """sqrt(1 - a) - 1 without cancellation."""
-    return a * _horner(fma(fma(_ROOT[9], a, _ROOT[8]), a, _ROOT[7]), a, _ROOT)
+    aa = a * a
+    high = fma(aa, _ROOT[6], fma(a, _ROOT[5], _ROOT[4]))
+    return a * fma(aa, fma(aa, high, fma(a, _ROOT[3], _ROOT[2])), fma(a, _ROOT[1], _ROOT[0]))
 
 
 @inlined
-def _horner(last, x, c):
-    """c[0] + c[1] x + ... + c[6] x^6 + last x^7."""
-    p = fma(last, x, c[6])
-    p = fma(p, x, c[5])
-    p = fma(p, x, c[4])
-    p = fma(p, x, c[3])
-    p = fma(p, x, c[2])
-    p = fma(p, x, c[1])
-    return fma(p, x, c[0])
+def _over_root(a):
+    """1/(2 sqrt(1 - a))."""
+    aa = a * a
+    high = fma(aa, _INVERSE[4], fma(a, _INVERSE[3], _INVERSE[2]))
+    return fma(a, fma(aa, high, fma(a, _INVERSE[1], _INVERSE[0])), 0.5)
 
 
 @inlined
-def _turning(x, series, state, weights):
-    """chi' at the fraction x of the step."""
-    l1, l2, l3, f1, f2, f3, dot = weights
-    n1, n2, n3, d = _within(x, series, state)
-    n1, n2, n3 = l1 * n1, l2 * n2, l3 * n3
-    top = fma(2.0 * dot, d, n1 + n2 + n3)
-    return top / fma(2.0, d, fma(f1, n1, fma(f2, n2, f3 * n3)))
+def loaded(row):
+    """A state from a row of 14: wxyz and angular velocity, then the same again in lower halves."""
+    return (
+        (row[0], row[1], row[2], row[3]),
+        (row[4], row[5], row[6]),
+        (row[7], row[8], row[9], row[10]),
+        (row[11], row[12], row[13]),
+    )
 
 
 @inlined
+def stored(state, row):
+    """The opposite of `loaded`."""
+    q, w, q_low, w_low = state
+    for n in range(4):
+        row[n], row[7 + n] = q[n], q_low[n]
+    for n in range(3):
+        row[4 + n], row[11 + n] = w[n], w_low[n]
+
+
+@merged
 def advance(moments, k, h, state):
-    """Move a state by h seconds of free rotation.
+    """The state after h seconds of free rotation.
 
     Given
-        state   (14,) wxyz and angular velocity over the principal axes, then the same seven
-                again: what their doubles leave out
+        state   (4) wxyz, (3) angular velocity over the principal axes, and the same again: what
+                their doubles leave out
     """
-    count = pieces(k, (state[4], state[5], state[6]), h)
-    if not count > 0:
-        count = 1
-    part = h / count
-    for _ in range(count):
-        w = state[4], state[5], state[6]
-        s, x, y, z, d1, d2, d3 = increment(moments, k, w, part)
-        q0, q1, q2, q3 = state[0], state[1], state[2], state[3]
-        add(state, 0, q0 * s - q1 * x - q2 * y - q3 * z)
-        add(state, 1, q1 * s + q0 * x + q2 * z - q3 * y)
-        add(state, 2, q2 * s + q0 * y + q3 * x - q1 * z)
-        add(state, 3, q3 * s + q0 * z + q1 * y - q2 * x)
-        add(state, 4, d1)
-        add(state, 5, d2)
-        add(state, 6, d3)
+    rate = rates(k, state[1])
+    size, speed = _speed(state[1], rate)
+    count, part = 1, h
+    if not speed * (h * h) <= (LONGEST_PIECE * LONGEST_PIECE) * size:
+        count = pieces(k, state[1], h)
+        part = h / count
+    while True:
+        state = _moved(state, increment(moments, state[1], rate, part))
+        count -= 1
+        if not count > 0:
+            return state
+        rate = rates(k, state[1])
+
+
+@merged
+def _moved(state, by):
+    """A state and an increment."""
+    (a, b, c, d), _, _, _ = state
+    (s, x, y, z), change, n, rest = by
+    turn = (
+        fma(a, s, -b * x) - fma(c, y, d * z),
+        fma(b, s, a * x) + fma(c, z, -d * y),
+        fma(c, s, a * y) + fma(d, x, -b * z),
+        fma(d, s, a * z) + fma(b, y, -c * x),
+    )
+    return kicked(turned(state, turn, n), change, rest)
 
 
 @inlined
-def add(state, n, change):
-    """Compensated: what rounding leaves out of entry n is kept in entry n + 7."""
-    hi, lo = two_sum(state[n], state[n + 7] + change)
-    state[n], state[n + 7] = hi, lo
+def turned(state, change, n):
+    """A state with a change added to its quaternion, which is then made longer by n of itself."""
+    q, w, low, w_low = state
+    a, e = _add(q[0], low[0], change[0])
+    b, f = _add(q[1], low[1], change[1])
+    c, g = _add(q[2], low[2], change[2])
+    d, h = _add(q[3], low[3], change[3])
+    return (a, b, c, d), w, (fma(n, a, e), fma(n, b, f), fma(n, c, g), fma(n, d, h)), w_low
+
+
+@inlined
+def kicked(state, change, rest):
+    """A state with a change, and what that leaves out, added to its angular velocity."""
+    q, w, q_low, low = state
+    a, d = _add(w[0], low[0], change[0])
+    b, e = _add(w[1], low[1], change[1])
+    c, f = _add(w[2], low[2], change[2])
+    return q, (a, b, c), q_low, (d + rest[0], e + rest[1], f + rest[2])
+
+
+@inlined
+def _add(x, low, change):
+    """Compensated: what rounding leaves out of x is kept, and of `low` what the change is too
+    large for; for a change still smaller than that, to a rounding of it.
+    """
+    change, lost = quick_two_sum(change, low)
+    x, left = two_sum(x, change)
+    return x, left + lost
