@@ -27,10 +27,10 @@ and the part of w that the least turn leaves, which moves at right angles to l0 
     chi' = (w . l + w(t) . l0) / (1 + l . l0) = 2 T/L + (w(t) . l0 - (2 T/L) l . l0) / (1 + l . l0)
 
 The second term is the area on the unit sphere between the path of l and the arc that closes it
-(Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with weight
-S^2 find it to rounding: in S, by dt = dS/(c1 c3), since then nothing but square roots is taken at
-the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43, without its
-poles.
+(Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with the
+weight S^2 find it to rounding: in S, by dt = dS/(c1 c3), since then nothing but square roots is
+taken at the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43,
+without its poles.
 
 All of it is formed as increments, whose error is that of rounding times the angle turned: summed
 with compensation (`advance`), a thousand short steps are as good as one.
@@ -142,7 +142,7 @@ def increment(moments, w, rate, h):
     """
     i1, i2, i3 = moments
     w1, w2, w3 = w
-    (r1, r2, r3), e1, e3, kappa = rate
+    _, e1, e3, _ = rate
     m1, m2, m3 = i1 * w1, i2 * w2, i3 * w3
     square = fma(m1, m1, fma(m2, m2, m3 * m3))
     if not square > _NO_MOMENTUM:
