@@ -17,7 +17,7 @@ from functools import cache
 
 import numpy as np
 
-from attitude import epochs, frames, gates, propagation, quaternion, tdb
+from attitude import epochs, frames, gates, propagation, tdb
 from attitude.body import Body
 from attitude.crossing import first
 from attitude.errors import AttitudeError
@@ -114,9 +114,9 @@ class Arcs(Frozen):
     -----
     At a joint the state is that after it.  From joint to joint the state is carried in two
     doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
-    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over ICRF and
-    body axes (what is given in another frame is turned to ICRF and rounded once).  What an error
-    of the input becomes is another matter: each impulse at a wrong phase changes all that follows.
+    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
+    of any frame.  What an error of the input becomes is another matter: each impulse at a wrong
+    phase changes all that follows.
     The times of events are rounded to a double.
 
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
@@ -201,8 +201,7 @@ class Arcs(Frozen):
         ]
         self._check_order(times)
         body, spin = self.body, self.spin
-        q = np.zeros((4, 2))
-        q[:, 0] = spin.wxyz_icrf
+        q = frames.attitude_to_icrf(spin.frame, spin.wxyz)
         w = body.rates_about_principal_axes(spin.angular_velocity)
         self._set("_bodies", [body])
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
@@ -282,15 +281,11 @@ class Arcs(Frozen):
         change_axes(q, body._axes, body.principal_wxyz, 1.0)
         flow(record, body.moments_as_pairs, length, q, w)
         change_axes(q, body._axes, body.principal_wxyz, -1.0)
-        nothing = np.zeros(3)
+        in_body, in_space = np.zeros(3), np.zeros((3, 2))
         if change.frame == "body":
-            in_body, in_space = added, nothing
-        elif change.frame == "icrf":
-            in_body, in_space = nothing, added
+            in_body[:] = added
         else:
-            turn = frames.wxyz_to_icrf(change.frame)
-            in_body, in_space = nothing, quaternion.rotate(turn, added)
-        in_body, in_space = np.array(in_body), np.array(in_space)
+            in_space[:] = frames.vector_to_icrf(change.frame, added)
         strike(body.moments_as_pairs, body._axes, q, w, in_body, in_space)
         if isinstance(change, InertiaChange):
             new = change.body

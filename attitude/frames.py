@@ -17,21 +17,35 @@ Sources: the obliquity of IAU 1976 (Lieske et al., A&A 58, 1, 1977); the frame b
 Conventions (2003), eq. 5.33 with xi_0 = dpsi sin(eps_0), as in ERFA's bi00 and bp00.
 """
 
-import math
+from functools import cache
 
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.quaternion import multiply
+from attitude.frozen import frozen
 
 FRAMES = ("icrf", "gcrf", "eme2000", "ecliptic")
 
-_ARCSEC = math.pi / 648000.0
-_OBLIQUITY = 84381.448 * _ARCSEC
-# Offsets of the J2000 pole and equinox: d psi, d epsilon and d alpha of ERFA's bi00.
-_XI = -0.041775 * _ARCSEC * math.sin(_OBLIQUITY)
-_ETA = -0.0068192 * _ARCSEC
-_ALPHA = -0.0146 * _ARCSEC
+# Unit quaternions to ICRF.  ICRF to EME2000 is R1(-eta) R2(xi) R3(alpha), which turn the axes; read
+# as rotations of vectors, its inverse is the product of the same angles in reverse order.  The test
+# of this module works them out again from the angles.
+_NONE = "1", "0", "0", "0"
+_WXYZ = {
+    "icrf": _NONE,
+    "gcrf": _NONE,
+    "eme2000": (
+        "0.999999999999998425817661647920298663198567",
+        "0.000000016530205845506748563703187604926235439702",
+        "-0.0000000402810863199078291832111570618227943274495",
+        "-0.0000000353913980551413902931003075169337272554139",
+    ),
+    "ecliptic": (
+        "0.979153221428899202736752099100629948941129",
+        "0.203123038982310145841424903862925979590464",
+        "0",
+        "0",
+    ),
+}
 
 
 def matrix_to_icrf(frame):
@@ -49,12 +63,12 @@ def matrix_to_icrf(frame):
 
     Notes
     -----
-    Each entry is the rounded value of the definition, to 2 units of its last place.
+    Each entry is the rounded value of the definition.
 
     >>> matrix_to_icrf("ecliptic") @ (0.0, 0.0, 1.0)      # the pole of the ecliptic
     array([ 0.        , -0.39777716,  0.91748206])
     """
-    return _MATRICES[known(frame)]
+    return _matrix(known(frame))
 
 
 def wxyz_to_icrf(frame):
@@ -63,7 +77,31 @@ def wxyz_to_icrf(frame):
     >>> wxyz_to_icrf("icrf")
     array([1., 0., 0., 0.])
     """
-    return _QUATERNIONS[known(frame)]
+    return _quaternion(known(frame))
+
+
+def vector_to_icrf(frame, vector):
+    """Components (3,) in a frame as components in ICRF, each exact to a pair of doubles: (3, 2)."""
+    if _WXYZ[known(frame)] is _NONE:
+        return np.stack([vector, np.zeros(3)], axis=1)
+    given = [_fraction(each) for each in vector]
+    rows = _exact_matrix(known(frame))
+    return _pairs(sum(a * b for a, b in zip(row, given, strict=True)) for row in rows)
+
+
+def attitude_to_icrf(frame, wxyz):
+    """The quaternion (4,) of an attitude against a frame, against ICRF, in pairs: (4, 2)."""
+    if _WXYZ[known(frame)] is _NONE:
+        return np.stack([wxyz, np.zeros(4)], axis=1)
+    p, q = _exact(known(frame)), [_fraction(each) for each in wxyz]
+    return _pairs(
+        (
+            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+            p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+            p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+        )
+    )
 
 
 def known(frame, name="frame"):
@@ -81,34 +119,42 @@ def known(frame, name="frame"):
     )
 
 
-def _turned(axis, angle):
-    """Unit quaternion and matrix of the rotation of vectors by an angle about a basis axis."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    wxyz = np.zeros(4)
-    wxyz[0], wxyz[1 + axis] = math.cos(angle / 2.0), math.sin(angle / 2.0)
-    following, last = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(3)
-    matrix[following, following] = matrix[last, last] = cosine
-    matrix[last, following], matrix[following, last] = sine, -sine
-    return wxyz, matrix
+@cache
+def _quaternion(frame):
+    return frozen(np.array([float(each) for each in _WXYZ[frame]]))
 
 
-def _frames():
-    level = _turned(0, 0.0)
-    # ICRF to EME2000 is R1(-eta) R2(xi) R3(alpha), which turn the axes; read as rotations of
-    # vectors, its inverse is the product of the same angles in reverse order.
-    bias = [_turned(2, _ALPHA), _turned(1, _XI), _turned(0, -_ETA)]
-    eme2000 = (
-        multiply(multiply(bias[0][0], bias[1][0]), bias[2][0]),
-        bias[0][1] @ bias[1][1] @ bias[2][1],
+@cache
+def _matrix(frame):
+    return frozen(np.array([[float(each) for each in row] for row in _exact_matrix(frame)]))
+
+
+@cache
+def _exact(frame):
+    """The quaternion as fractions, right to 40 digits."""
+    return tuple(_fraction(each) for each in _WXYZ[frame])
+
+
+@cache
+def _exact_matrix(frame):
+    w, x, y, z = _exact(frame)
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
     )
-    found = {"icrf": level, "gcrf": level, "eme2000": eme2000, "ecliptic": _turned(0, _OBLIQUITY)}
-    for pair in found.values():
-        for array in pair:
-            array.setflags(write=False)
-    return {name: pair[0] for name, pair in found.items()}, {
-        name: pair[1] for name, pair in found.items()
-    }
 
 
-_QUATERNIONS, _MATRICES = _frames()
+def _fraction(number):
+    from fractions import Fraction
+
+    return Fraction(number)
+
+
+def _pairs(numbers):
+    """Fractions as pairs of doubles."""
+    found = []
+    for number in numbers:
+        high = float(number)
+        found.append((high, float(number - _fraction(high))))
+    return np.array(found)

@@ -48,7 +48,7 @@ def strike(moments, axes, q, w, in_body, in_space):
         axes      (3, 3, 2) columns: the principal axes in body axes, pairs
         q         (4, 2) body axes to inertial, pairs
         in_body   (3,) kg m2/s over the body axes
-        in_space  (3,) kg m2/s over the inertial axes
+        in_space  (3, 2) kg m2/s over the inertial axes, pairs
     Changed
         w         (3, 2) rad/s over the principal axes; infinite where there is no inertia
     """
@@ -129,9 +129,9 @@ def _to_unit_length(q):
 
 @inlined
 def _to_body(q, v):
-    """q* v q for doubles v, as pairs (3, 2)."""
+    """q* v q, both in pairs."""
     s, x, y, z = pair(q[0]), neg(pair(q[1])), neg(pair(q[2])), neg(pair(q[3]))
-    a, b, c = (v[0], 0.0), (v[1], 0.0), (v[2], 0.0)
+    a, b, c = pair(v[0]), pair(v[1]), pair(v[2])
     d, e, f = (
         sub(mul(y, c), mul(z, b)),
         sub(mul(z, a), mul(x, c)),
