@@ -16,6 +16,7 @@ from attitude.events.pace import Bounded, free
 from attitude.events.refine import refined
 from attitude.events.search import TOUCH, isolated, shifted
 from attitude.frozen import Frozen, frozen
+from attitude.unit_vector import unit_vector
 
 # Knots of a first look, in radians of the fastest rotation; as many are looked at together.
 _SPACING, _BLOCK = Bounded.spacing, 256
@@ -44,8 +45,8 @@ class AxisCrossesDirection(Frozen):
     within: float = None
 
     def __post_init__(self):
-        self._set("axis", frozen(_unit(self.axis, "axis")))
-        self._set("direction", frozen(_unit(self.direction, "direction")))
+        self._set("axis", frozen(unit_vector(self.axis, "axis")))
+        self._set("direction", frozen(unit_vector(self.direction, "direction")))
         self._set("angle", gates.number(self.angle, "angle", unit="rad"))
         _check_within(self)
 
@@ -87,7 +88,7 @@ class PointMeetsPlane(Frozen):
 
     def __post_init__(self):
         self._set("point", frozen(gates.real(self.point, "point", shape=(3,), unit="m")))
-        self._set("normal", frozen(_unit(self.normal, "normal")))
+        self._set("normal", frozen(unit_vector(self.normal, "normal")))
         self._set("offset", gates.number(self.offset, "offset", unit="m"))
         self._set("start", frozen(gates.real(self.start, "start", shape=(3,), unit="m")))
         velocity = gates.real(self.velocity, "velocity", shape=(3,), unit="m/s")
@@ -165,15 +166,6 @@ def _point(history, vector):
     """A body vector and its rate of change, over ICRF axes."""
     rate = np.cross(history.angular_velocity, vector)
     return quaternion.rotate(history.wxyz, vector), quaternion.rotate(history.wxyz, rate)
-
-
-def _unit(value, name):
-    vector = gates.real(value, name, shape=(3,))
-    size = np.max(np.abs(vector))
-    if size == 0.0:
-        raise AttitudeError(f"{name} is zero; give a vector of any other length.")
-    vector /= size
-    return vector / np.sqrt(vector @ vector)
 
 
 def _check_within(event):

@@ -15,7 +15,7 @@ PACKAGE = Path(attitude.__file__).parent
 # named here is free to import anything above the two doors, `cli` and `__init__`.
 HOUSE = (
     ("errors", "frozen", "gates", "chebyshev", "tdb", "dates", "instant", "readings", "epochs"),
-    ("quaternion", "frames"),
+    ("quaternion", "frames", "unit_vector"),
     ("solution", "representations"),
     ("propagation",),
     ("regime", "labelling", "dynamic_inertia", "published"),
@@ -25,13 +25,13 @@ HOUSE = (
     ("paths",),
     ("scattering", "light_curve", "scene"),
     ("events", "spectrum", "crossing", "arcs"),
-    ("torques", "schemes", "torqued_steps", "splitting", "referee"),
+    ("torques", "schemes", "ascending", "torqued_steps", "splitting", "referee"),
     ("catalog", "formats", "plots", "check"),
     ("cli", "__main__"),
 )
 # Within the solution, in the same way: from the machine up to the doors.
 SOLUTION = (
-    *("cache", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
+    *("cache", "lanes", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
     *("series", "coefficients", "rate_series", "classify", "constants", "attach", "uniform"),
     *("kernel", "motion", "step", "flow", "joints", "march", "arcs"),
 )

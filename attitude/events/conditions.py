@@ -8,7 +8,8 @@ import numpy as np
 
 from attitude import gates
 from attitude.errors import AttitudeError
-from attitude.events.directions import Aberrated, direction_of, source_of, unit_vector, values_at
+from attitude.events.directions import Aberrated, direction_of, source_of, values_at
+from attitude.unit_vector import unit_vector
 
 # The nominal radius of the Sun over the astronomical unit, 959.2 arcsec (IAU 2015 B3, 2012 B2).
 _SUN = 6.957e8
@@ -88,7 +89,7 @@ def in_cone(motion, axis, direction, half_angle):
     if not 0.0 < angle < np.pi:
         raise AttitudeError(f"half_angle is {angle!r} rad; give one above 0 and below pi.")
     seen = direction_of(direction, "direction", source)
-    return _of_one(source, Cone(_axis(axis, "axis"), seen, angle))
+    return _of_one(source, Cone(unit_vector(axis, "axis"), seen, angle))
 
 
 def illuminated(motion, normal, sun=None):
@@ -103,14 +104,14 @@ def illuminated(motion, normal, sun=None):
         Need not be given with a Scene.
     """
     source = source_of(motion)
-    return _of_one(source, Height(_axis(normal, "normal"), direction_of(sun, "sun", source)))
+    return _of_one(source, Height(unit_vector(normal, "normal"), direction_of(sun, "sun", source)))
 
 
 def visible(motion, normal, observer=None):
     """Whether the observer sees a facet's front; see `illuminated`."""
     source = source_of(motion)
     seen = direction_of(observer, "observer", source)
-    return _of_one(source, Height(_axis(normal, "normal"), seen))
+    return _of_one(source, Height(unit_vector(normal, "normal"), seen))
 
 
 def beyond_plane(motion, axis, normal):
@@ -147,8 +148,8 @@ def past_meridian(motion, axis, direction, pole=None):
         if not hasattr(source.motion, "momentum"):
             raise AttitudeError("this motion has no constant momentum; give a pole.")
         pole = source.motion.momentum
-    pole = _axis(pole, "pole")
-    east = np.cross(pole, _axis(direction, "direction"))
+    pole = unit_vector(pole, "pole")
+    east = np.cross(pole, unit_vector(direction, "direction"))
     if not np.sqrt(east @ east) > 1e-12:
         raise AttitudeError("direction is along the pole, which is on no meridian; give another.")
     return beyond_plane(motion, axis, east)
@@ -194,7 +195,7 @@ def glint(motion, normal, sun=None, observer=None, *, sun_radius=None, velocity=
     if velocity is not None:
         sun = Aberrated(sun, velocity, source, sent=False)
         observer = Aberrated(observer, velocity, source, sent=True)
-    normal = _axis(normal, "normal")
+    normal = unit_vector(normal, "normal")
     channels = Mirrored(normal, sun, observer, radius), Height(normal, observer)
     return Condition(source, channels, lambda signs: signs[0] & signs[1])
 
@@ -302,13 +303,9 @@ def _of_one(source, channel):
     return Condition(source, (channel,), lambda signs: signs[0])
 
 
-def _axis(value, name):
-    return unit_vector(gates.real(value, name, shape=(3,)), name)
-
-
 def axis_or_long(axis, source):
     if axis is not None:
-        return _axis(axis, "axis")
+        return unit_vector(axis, "axis")
     body = getattr(source.motion, "body", None)
     if body is None:
         raise AttitudeError("this motion has no body, whose long axis could be told; give an axis.")

@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude import epochs, gates, quaternion
 from attitude.errors import AttitudeError
+from attitude.unit_vector import unit_vector
 
 # Sampled less than a radian of its turning and the body's apart, a direction's differences are
 # close to its derivatives (2 sin(0.4)/0.8 = 0.97 of them); these are the margins taken.
@@ -31,7 +32,7 @@ class Fixed:
 
     def __init__(self, vector, name="direction"):
         vector = getattr(vector, "unit", vector) if _is_far(vector) else vector
-        self.vector = unit_vector(gates.real(vector, name, shape=(3,)), name)
+        self.vector = unit_vector(vector, name)
         self.name = name
 
     def icrf(self, moment):
@@ -299,14 +300,6 @@ def estimated(vectors, step):
 
 def _is_far(value):
     return getattr(value, "is_direction", False)
-
-
-def unit_vector(vector, name):
-    size = np.max(np.abs(vector))
-    if size == 0.0:
-        raise AttitudeError(f"{name} is zero; give a vector of any other length.")
-    vector = vector / size
-    return vector / np.sqrt(vector @ vector)
 
 
 def _units(vectors, name):

@@ -6,10 +6,10 @@ import numpy as np
 
 from attitude import epochs, frames, gates
 from attitude.epochs import Instant
-from attitude.errors import AttitudeError
 from attitude.frozen import Frozen, frozen
 from attitude.paths.bodies import SSB, body_name
 from attitude.paths.path import Path, since
+from attitude.unit_vector import unit_vector
 
 _J2000 = Instant(0.0)
 
@@ -121,12 +121,7 @@ def direction(vector, *, frame="icrf", name="direction"):
     >>> direction((0, 0, 2), name="Sun")
     <Sun, infinitely far towards (0, 0, 1)>
     """
-    vector = gates.real(vector, "vector", shape=(3,))
-    size = np.max(np.abs(vector))
-    if size == 0.0:
-        raise AttitudeError("vector is (0, 0, 0), which has no direction; give another.")
-    vector = vector / size  # so that its square neither over- nor underflows
-    return Direction(frames.matrix_to_icrf(frame) @ (vector / np.sqrt(vector @ vector)), name)
+    return Direction(frames.matrix_to_icrf(frame) @ unit_vector(vector, "vector"), name)
 
 
 def known_center(center):
