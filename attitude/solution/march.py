@@ -22,9 +22,9 @@ users by atomic instructions, for which all that is under way must be waited for
 
 import math
 
-import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 from attitude.solution.attach import product, turned_by
@@ -52,6 +52,20 @@ def _call(typingctx, address, t, wxyz, omega, given, parameters, out):
 
     i8, f8 = types.int64, types.float64
     return types.void(i8, f8, i8, i8, i8, i8, i8), codegen
+
+
+@intrinsic
+def _room(typingctx):
+    """The address of 16 doubles that last as long as the function that asks.
+
+    An array would be given back after it is last named, whoever has its address.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        room = cgutils.alloca_once(builder, ir.DoubleType(), size=16)
+        return builder.ptrtoint(room, ir.IntType(64))
+
+    return types.int64(), codegen
 
 
 @intrinsic
@@ -114,16 +128,12 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
-    work = np.zeros(16)
-    work_at, row = work.ctypes.data, 8 * given.shape[1]
-    samples = given.ctypes.data
+    work, samples, row = _room(), given.ctypes.data, 8 * given.shape[1]
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     now = loaded(state)
     for step in range(steps):
         t, first = start + step * h, samples + step * n * row
-        now, fault, when, turn = _step(
-            body, plan, torques, now, t, h, first, row, work_at, step > 0
-        )
+        now, fault, when, turn = _step(body, plan, torques, now, t, h, first, row, work, step > 0)
         if fault != FINE:
             return fault, when, turn
         if (step + 1) % every == 0:
@@ -147,8 +157,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         out      (T, 7) wxyz and angular velocity
     """
     n = scheme.shape[1] - 1
-    work = np.zeros(16)
-    work_at, row = work.ctypes.data, 8 * given.shape[2]
+    work, row = _room(), 8 * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     at, done, last = -1, 0, False
@@ -167,7 +176,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
             first, part = samples + (at * given.shape[1] + done * n) * row, h
         if not last or part != 0.0:
             now, fault, when, turn = _step(
-                body, plan, torques, now, t, part, first, row, work_at, False
+                body, plan, torques, now, t, part, first, row, work, False
             )
             if fault != FINE:
                 return fault, when, turn
@@ -188,15 +197,14 @@ def accelerations(c, models, states, times, given, out):
     """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
-    work = np.zeros(16)
-    work_at, samples = work.ctypes.data, given.ctypes.data
+    work, samples = _room(), given.ctypes.data
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
-        _see(body, state, work_at, 0.0, 0.0, 0.0)
-        if not _torque(torques, times[i], samples + 8 * i * given.shape[1], work_at):
+        _see(body, state, work, 0.0, 0.0, 0.0)
+        if not _torque(torques, times[i], samples + 8 * i * given.shape[1], work):
             return BAD_TORQUE, times[i], 0.0
-        a, b, d = _accelerations(body, work_at)
+        a, b, d = _accelerations(body, work)
         out[i, 0] = k1 * w2 * w3 + a
         out[i, 1] = k2 * w3 * w1 + b
         out[i, 2] = k3 * w1 * w2 + d
