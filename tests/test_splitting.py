@@ -412,6 +412,21 @@ def test_rounding_does_not_drive_the_energy():
     assert abs(means[1] / means[0] - 1.0) < 1e-14
 
 
+@pytest.mark.parametrize("unit", [2.0**-600, 2.0**400])
+def test_the_unit_of_the_moments_is_no_matter(unit):
+    """Moments, and a torque with them, times a power of two: the same bits."""
+    found = []
+    for size in (1.0, unit):
+        body, torque = (
+            Body(moments=np.array([2.6, 1.0, 2.0]) * size),
+            ConstantTorque((0, 0.1 * size, 0)),
+        )
+        spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(3, 1, 2))
+        found.append(TorquedRotation(body, spin, torque, step=0.05).at([1.0, -2.5]))
+    assert np.array_equal(found[0].wxyz, found[1].wxyz)
+    assert np.array_equal(found[0].angular_velocity, found[1].angular_velocity)
+
+
 def test_memory_has_a_bound(monkeypatch):
     """Every other kept state is given up when there are too many; the answer stays the same."""
     t = np.array([61.3, 3.2, 40.0, 0.02, 61.3, 61.31])

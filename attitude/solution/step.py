@@ -26,8 +26,8 @@ and the part of w that the least turn leaves, which moves at right angles to l0 
 
     chi' = (w . l + w(t) . l0) / (1 + l . l0) = 2 T/L + (w(t) . l0 - (2 T/L) l . l0) / (1 + l . l0)
 
-The second term is the area on the unit sphere between the path of l and the arc that closes it
-(Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with the
+The second term sums up to the area on the unit sphere between the path of l and the arc that closes
+it (Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with
 weight S^2 find it to rounding: in S, by dt = dS/(c1 c3), since then nothing but square roots is
 taken at the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43,
 without its poles.

@@ -1,0 +1,85 @@
+"""Several doubles as one value in compiled code."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from attitude.solution.lanes import at_least, bits_set_in_bytes, eight, lanes, root, summed_up
+from attitude.solution.machine import compiled, fma
+
+A = 0.1, 1.0 / 3.0, -2.5, 1.1
+B = 3.0, 0.7, 1e-9, -1.3
+EIGHT = tuple(np.random.default_rng(8).normal(size=8))
+
+
+@compiled
+def operations(a, b, x):
+    """Sums over four lanes, weighted so that lanes which changed places would show."""
+    p, q, weights = lanes(a), lanes(b), lanes((1.0, 2.0, 4.0, 8.0))
+    return (
+        summed_up((p + q) * weights),
+        summed_up((p - q) * weights),
+        summed_up(p * q * weights),
+        summed_up(p / q * weights),
+        summed_up((x - q) * weights),
+        summed_up((p * x) * weights),
+        summed_up((x / q) * weights),
+        summed_up(root(lanes((4.0, 9.0, 2.0, 0.0))) * weights),
+        summed_up(at_least(q, lanes((1.0, 1.0, 1.0, 1.0))) * weights),
+    )
+
+
+@compiled
+def fused(a, b, x):
+    """a b - (a b rounded) by lanes, and with doubles among them."""
+    p, q = lanes(a), lanes(b)
+    product = p * q
+    return summed_up(fma(p, q, product * -1.0)), summed_up(fma(p, x, (p * x) * -1.0))
+
+
+@compiled
+def of_eight(array, word):
+    read = eight(array, 1)
+    return summed_up(read), summed_up(bits_set_in_bytes(word) * read)
+
+
+def halves(numbers):
+    """The sum in the order of `summed_up`."""
+    numbers = np.asarray(numbers, float)
+    while len(numbers) > 1:
+        numbers = numbers[: len(numbers) // 2] + numbers[len(numbers) // 2 :]
+    return numbers[0]
+
+
+def test_arithmetic_is_that_of_each_lane():
+    a, b, w, x = np.array(A), np.array(B), np.array([1.0, 2.0, 4.0, 8.0]), 0.3
+    wanted = (
+        (a + b) * w,
+        (a - b) * w,
+        a * b * w,
+        a / b * w,
+        (x - b) * w,
+        (a * x) * w,
+        (x / b) * w,
+        np.sqrt([4.0, 9.0, 2.0, 0.0]) * w,
+        np.maximum(b, 1.0) * w,
+    )
+    assert operations(A, B, x) == tuple(halves(each) for each in wanted)
+
+
+def test_fma_of_lanes_rounds_once():
+    def left_out(p, q):
+        return float(Fraction(p) * Fraction(q) - Fraction(p * q))
+
+    found = fused(A, B, 0.7)
+    assert found[0] == halves([left_out(p, q) for p, q in zip(A, B, strict=True)]) != 0.0
+    assert found[1] == halves([left_out(p, 0.7) for p in A]) != 0.0
+
+
+def test_eight_are_read_from_any_place():
+    array = np.array([np.nan, *EIGHT, np.nan])
+    word = np.uint64(0xFF_7F_3F_1F_0F_07_03_01)  # the lowest byte has one bit
+    total, counted = of_eight(array, word)
+    assert total == halves(EIGHT)
+    assert counted == pytest.approx(np.dot(EIGHT, np.arange(1, 9)), rel=1e-15)
