@@ -162,10 +162,14 @@ def compare(integrators, body, spin, span, *, steps=(), tolerances=(1e-12,), epo
     integrators, steps, tolerances = map(_several, (integrators, steps, tolerances))
     if not isinstance(epochs, (int, np.integer)) or isinstance(epochs, bool) or epochs < 1:
         raise AttitudeError(f"epochs is {epochs!r}; give a whole number from 1.")
+    if not len(integrators):
+        raise AttitudeError("integrators is empty; give a name, a function, or several of them.")
     judge = _Judge(body, spin, span, epochs)
     runs = []
     for integrator in integrators:
         if isinstance(integrator, str) and integrator in _SCIPY:
+            if not len(tolerances):
+                raise AttitudeError("tolerances is empty; give those of scipy's integrators.")
             checked = [_tolerance(each) for each in tolerances]
             runs += [judge.scipy(integrator, tolerance) for tolerance in checked]
             continue
@@ -216,6 +220,10 @@ class _Judge:
         self.wxyz = quaternion.multiply(history.wxyz, turn)
         self.omega = history.angular_velocity @ body.principal_axes
         self.start = np.concatenate([self.wxyz[0], self.omega[0]])
+        ratios = self.moments / self.moments.min()
+        self.fastest = float(
+            np.sqrt(np.sum(ratios * self.omega[0] ** 2))
+        )  # rad/s, whatever follows
         moments, axes = ascending(body)
         wxyz = quaternion.multiply(history.wxyz[0], quaternion.from_matrix(axes))
         self.ordered = moments, np.concatenate([wxyz, history.angular_velocity[0] @ axes])
@@ -229,6 +237,11 @@ class _Judge:
         out = np.empty((self.epochs + 1, 7))
         kind = list(_SHIPPED).index(name)
         moments, start = self.ordered if name in _EXACT else (self.moments, self.start)
+        if name in _EXACT and not h * self.fastest <= _MOST_STEPS:
+            raise AttitudeError(
+                f"steps holds {h:g}, in which the body turns by up to {h * self.fastest:.3g} rad, "
+                "more than can be counted; give a shorter step."
+            )
         rivals.run(kind, moments, start, h, 1, out[:2])
         cost = _best(lambda: rivals.run(kind, moments, start, h, every, out))
         if name in _EXACT:

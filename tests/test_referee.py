@@ -104,6 +104,12 @@ def test_axes_that_are_not_principal():
         (lambda: compare("rk4", BODY, SPIN, 1.0, steps=STEPS, epochs=True), "whole number"),
         (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=(1e-17,)), "none below"),
         (lambda: compare(None, BODY, SPIN, 1.0), "integrators holds None"),
+        (lambda: compare([], BODY, SPIN, 1.0, steps=STEPS), "integrators is empty"),
+        (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=()), "tolerances is empty"),
+        (
+            lambda: compare("exact-step", BODY, SPIN, 2e16, steps=(2e16,), epochs=1),
+            "turns by up to",
+        ),
     ],
 )
 def test_bad_input_is_a_sentence(call, message):
