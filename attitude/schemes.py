@@ -69,7 +69,9 @@ class Scheme(Frozen):
     @property
     def evaluations(self):
         """Torque evaluations a step (the last kick's is the next step's first)."""
-        return int(np.count_nonzero(self.kicks[1:]) + 2 * np.count_nonzero(self.gradients))
+        asked = (self.kicks != 0.0) | (self.gradients != 0.0)
+        shared = int(asked[0] and asked[-1])
+        return int(np.count_nonzero(asked)) - shared + 2 * int(np.count_nonzero(self.gradients))
 
 
 def scheme(name):

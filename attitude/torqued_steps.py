@@ -15,6 +15,8 @@ LARGEST_TURN = 0.5 * np.pi
 _EVERY, _MOST = 32, 1 << 17
 # So many steps, or kicks of epochs asked for, are prepared at a time.
 _STEPS, _ROWS = 2048, 1 << 18
+# s; what would need others is no motion of a body.
+_LEAST_STEP, _LONGEST_STEP = 1e-70, 1e40
 # What a double counts without a gap.
 _MOST_STEPS = 2.0**53
 # Adaptive steps: fraction of the step that the error estimate allows, and how it may change.
@@ -76,6 +78,11 @@ class System:
 
     def check_step(self, step):
         """Raise the AttitudeError for a step that cannot resolve the rotation at the epoch."""
+        if not step <= _LONGEST_STEP:
+            raise AttitudeError(
+                f"step is {step:.3g} s; give one of at most {_LONGEST_STEP:.0e} s, which is longer "
+                "than the age of anything."
+            )
         rate = float(np.sqrt(self.start[4:7] @ self.start[4:7]))
         rate *= float(np.max(np.abs(self.scheme.flights)))
         if step * rate > LARGEST_TURN:
@@ -85,7 +92,7 @@ class System:
         """`rate`: of the turn between two torques over the length of the step, rad/s."""
         at = "at the epoch" if t == 0.0 else f"{t:.9g} s after the epoch"
         could = LARGEST_TURN / rate
-        if not could > 0.0:
+        if not could > _LEAST_STEP:
             raise AttitudeError(
                 f"{at} the body turns faster than any step could resolve ({rate:.3g} rad/s); check "
                 "the torque, or ask for earlier epochs only."

@@ -1,6 +1,7 @@
 """The short exact step, the splitting schemes around it, and what they conserve."""
 
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -172,6 +173,37 @@ def test_rounding_has_no_mean(moments):
     assert np.all(np.sqrt(sums[:, 1] / count) < 2e-17)
     # 6e-21: four standard errors of the mean of a million such
     assert np.all(np.abs(sums[:, 0]) < 4.0 * np.sqrt(sums[:, 1]))
+
+
+@pytest.mark.parametrize("moments", [(1.0, 2.0, 2.5), (0.2, 0.8, 0.8000001)])
+def test_rounding_has_no_mean_along_one_motion(moments):
+    """From one start and with one step S, e1 and e3 are always the same numbers.
+
+    Products with them that were rounded by themselves moved T by up to 1e-18 a step, 20 times what
+    the walk of its roundings leaves of the mean.
+    """
+    m, random, scores = np.array(moments), np.random.default_rng(5), []
+    for _ in range(12):
+        momentum = random.normal(size=3)
+        state = np.zeros(14)
+        state[0] = 1.0
+        state[4:7] = 10.0 * m[1] * momentum / np.sqrt(momentum @ momentum) / m
+        changes, before = [], state.copy()
+        for _ in range(16):
+            steps(m, 0.05, 4000, state)
+            changes.append(relative_change_of_energy(m, before, state))
+            before = state.copy()
+        mean, error = np.mean(changes), np.std(changes, ddof=1) / 4.0
+        scores.append(abs(mean) / error)
+    assert np.median(scores) < 2.0
+
+
+def relative_change_of_energy(m, before, after):
+    def energy(state):
+        w = [Fraction(x) + Fraction(low) for x, low in zip(state[4:7], state[11:14], strict=True)]
+        return sum(Fraction(i) * x * x for i, x in zip(m, w, strict=True))
+
+    return float(energy(after) / energy(before) - 1)
 
 
 # Schemes ------------------------------------------------------------------------------------------
@@ -410,6 +442,49 @@ def test_rounding_does_not_drive_the_energy():
         means.append(np.mean(jacobi))
     # the means scatter by 1.1e-13 / sqrt(20,000), and by what rounding walks in 1e7 free motions
     assert abs(means[1] / means[0] - 1.0) < 1e-14
+
+
+def test_a_last_kick_of_nothing_is_not_the_first_of_the_next_step():
+    """Ruth's third order (1983) ends without one; its first kick had the torque of the third."""
+    ruth = Scheme("ruth", 3, [7 / 24, 3 / 4, -1 / 24, 0], [2 / 3, -2 / 3, 1], [0] * 4, "Ruth 1983")
+    exact = eccentric(step=2e-4, scheme="suzuki").at(1.0).wxyz
+    found = [
+        np.max(np.abs(eccentric(step=step, scheme=ruth).at(1.0).wxyz - exact))
+        for step in (0.02, 0.01, 0.005)
+    ]
+    assert found[2] < 1e-6
+    assert np.log2(found[0] / found[1]) > 2.7 and np.log2(found[1] / found[2]) > 2.7
+
+
+@pytest.mark.parametrize("power", [-400, -250, -100, 100, 240])
+def test_rates_far_from_one(power):
+    """Units of time that no body has: the same motion, or a sentence."""
+    unit = 2.0**power
+    spin = Spin(
+        epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=np.array([0.3, 0.6, 0.2]) * unit
+    )
+    exact = np.zeros(14)
+    exact[0], exact[4:7] = 1.0, (0.3, 0.6, 0.2)
+    steps(np.array([1.0, 2.0, 2.5]), 2.0, 1, exact)
+
+    def found():
+        motion = TorquedRotation(
+            Body(moments=(1, 2, 2.5)), spin, ConstantTorque((0, 0, 0)), step=2.0 / unit
+        )
+        return motion.at(2.0 / unit)
+
+    if power < -130:
+        with pytest.raises(AttitudeError, match="at most 1e\\+40 s"):
+            found()
+    else:
+        assert np.max(np.abs(found().wxyz - exact[:4])) < 1e-15
+
+
+def test_rates_beyond_all_bodies_are_a_sentence():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e90, 2e90, 0))
+    motion = TorquedRotation(Body(moments=(1, 2, 2.5)), spin, ConstantTorque((0, 0, 0)), step=1e-91)
+    with pytest.raises(AttitudeError, match="faster than any step could resolve"):
+        motion.at(1e-91)
 
 
 @pytest.mark.parametrize("unit", [2.0**-600, 2.0**400])

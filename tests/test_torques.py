@@ -320,6 +320,24 @@ def test_a_compiled_function_that_fails_is_not_passed_over(function, depends_on_
         motion.at(3.0)
 
 
+def test_arrays_of_a_user_s_function_do_not_lie_where_the_loop_works():
+    """Any array of as many numbers as the loop keeps for itself had taken their place."""
+
+    def torque(scratch):
+        @numba.njit
+        def function(t, q, w):
+            if scratch:
+                room = np.full(16, 7.0)
+                return 0.1 * q[1] + 0.0 * room[3], 0.2 * q[2] - 0.1, 0.3 * q[0]
+            return 0.1 * q[1], 0.2 * q[2] - 0.1, 0.3 * q[0]
+
+        return CustomTorque(function, depends_on_rate=False)
+
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.2, 0.3))
+    motions = [TorquedRotation(BODY, spin, torque(scratch), step=0.05) for scratch in (True, False)]
+    assert np.array_equal(motions[0].at(40.0).wxyz, motions[1].at(40.0).wxyz)
+
+
 def test_what_a_user_s_function_raises_comes_through():
     def broken(t, wxyz, omega):
         if t > 1.0:

@@ -33,6 +33,8 @@ from attitude.solution.step import advance, gains, kicked, loaded, stored, turne
 
 FINE, BAD_TORQUE, TOO_LONG = 0, 1, 2
 _NOTHING = 0.0, 0.0, 0.0
+# (rad/s)^2; fourth powers of the rate are finite below.
+_FASTEST = 1e150
 # Kinds of torques, as in attitude.torques.torque.
 BY_RATE, SLIP = 1, 2
 
@@ -235,8 +237,9 @@ def _torques(models):
 
 @merged
 def _step(body, plan, torques, state, t, h, first, row, work, held):
-    """The state after one step, and as in `march`; `held`: work has the torque of its first kick.
+    """The state after one step, and as in `march`.
 
+    held         whether this step begins where the one before ended, whose last torque work has
     plan         the address of the scheme, and how many free motions it has
     first, row   address of the samples of the first kick, and bytes to those of the next
     work         address of 16 numbers for the torques: attitude and angular velocity that they see
@@ -244,17 +247,18 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
     """
     scheme, last = plan
     k, limit = gains(body[0]), body[4]
+    held = held and _number(scheme, last) != 0.0
     done = 0.0
     for j in range(last + 1):
-        part = _number(scheme, j)
-        if part != 0.0:
+        part, gradient = _number(scheme, j), _number(scheme, 2 * (last + 1) + j)
+        if part != 0.0 or gradient != 0.0:
             state, fine = _kick(
                 body,
                 torques,
                 state,
                 t + done * h,
                 part * h,
-                _number(scheme, 2 * (last + 1) + j) * h * h * h,
+                gradient * h * h * h,
                 first + j * row,
                 work,
                 held and j == 0,
@@ -266,7 +270,7 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
             flight = part * h
             w1, w2, w3 = state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
-            if flight * flight * speed > limit * limit:
+            if flight * flight * speed > limit * limit or speed > _FASTEST:
                 return state, TOO_LONG, t + done * h, abs(part) * math.sqrt(speed)
             state = advance(body[0], k, flight, state)
             done += part
@@ -422,7 +426,7 @@ def _slip(body, torques, state, t, h, samples, work):
                 dx, dy, dz = left[0] / i[0] - w[0], left[1] / i[1] - w[1], left[2] / i[2] - w[2]
             a, b, c, d = product(q, turn)
             change = a - q[0], b - q[1], c - q[2], d - q[3]
-            state = turned(state, change, 0.0)
+            state = turned(state, change, 0.0, (0.0, 0.0, 0.0, 0.0))
             state = kicked(state, (dx, dy, dz), _NOTHING)
     return state, True
 

@@ -49,8 +49,9 @@ from attitude.solution.twofloat import quick_two_sum, two_prod, two_sum
 # What one increment may cover: the change of the state over it, as an angle (see `pieces`).
 # Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
 LONGEST_PIECE = 0.1
-# Momenta below the root of this (moments at most 1): a spin of 1e-125 rad/s turns nothing.
-_NO_MOMENTUM = 1e-250
+# Momenta below the root of this (moments at most 1) come from rates that turn a body so little in
+# any time that their square is nothing.
+_NO_MOMENTUM = 1e-150
 # Gauss-Jacobi on (0, 1) with weight x^2, four points; their squares; weights over the squares.
 _POINTS = 0.20414858210322714, 0.4829527048956325, 0.7613992624481377, 0.9514994505530027
 _SQUARES = 0.041676643574758074, 0.23324331516600788, 0.5797288368565681, 0.9053512044026659
@@ -146,8 +147,9 @@ def increment(moments, w, rate, h):
     m1, m2, m3 = i1 * w1, i2 * w2, i3 * w3
     square = fma(m1, m1, fma(m2, m2, m3 * m3))
     if not square > _NO_MOMENTUM:
-        none = 0.0 * square  # NaN stays NaN
-        return (none, none, none, none), (none, none, none), none, (none, none, none)
+        none, half = 0.0 * square, 0.5 * h  # NaN stays NaN
+        turn = none, half * w1, half * w2, half * w3
+        return turn, (none, none, none), none, (none, none, none)
     hh = h * h
     s = fma(h, _sine(hh * e1[0], hh * e3[0]), h)
 
@@ -217,18 +219,19 @@ def _change(w, rate, s):
     ss, less = two_prod(s, s)
     a1, a3, g = e1[0] * ss, e3[0] * ss, kappa[0] * ss
     u1, u3 = _root_less_one(a1), _root_less_one(a3)
-    r1, r2, r3 = r1 * s, r2 * s, r3 * s
-    n1 = fma(w1, u3 + g, fma(r1, u1, r1))
-    n2 = fma(w2, fma(u1, u3, (u3 + g) + u1), r2)
-    n3 = fma(w3, u1 + g, fma(r3, u3, r3))
+    # S, u1 and u3 do not change along a free motion: no product or sum of theirs is rounded alone
+    (r1, x1), (r2, x2), (r3, x3) = two_prod(r1, s), two_prod(r2, s), two_prod(r3, s)
+    n1 = fma(r1, u1, fma(w1, u3, fma(w1, g, r1)))
+    n2 = fma(w2, u3, fma(w2, u1, fma(w2 * u1, u3, fma(w2, g, r2))))
+    n3 = fma(r3, u3, fma(w3, u1, fma(w3, g, r3)))
     more = g / (1.0 - g)  # over d = 1 - g, rounded once
     change = fma(n1, more, n1), fma(n2, more, n2), fma(n3, more, n3)
     v1, v3 = _left_out(e1, ss, less, a1, u1), _left_out(e3, ss, less, a3, u3)
     v = fma(kappa[0], ss, -g) + fma(kappa[0], less, kappa[1] * ss)
     rest = (
-        fma(w1, v3 + v, fma(r1, v1, n1 * v)),
-        fma(w2, (v1 + v3) + v, n2 * v),
-        fma(w3, v1 + v, fma(r3, v3, n3 * v)),
+        fma(w1, v3 + v, fma(r1, v1, fma(n1, v, x1))),
+        fma(w2, (v1 + v3) + v, fma(n2, v, x2)),
+        fma(w3, v1 + v, fma(r3, v3, fma(n3, v, x3))),
     )
     return change, rest
 
@@ -337,26 +340,43 @@ def advance(moments, k, h, state):
 @merged
 def _moved(state, by):
     """A state and an increment."""
-    (a, b, c, d), _, _, _ = state
-    (s, x, y, z), change, n, rest = by
-    turn = (
+    q, _, low, _ = state
+    turn, change, n, rest = by
+    # What n adds to the lower half is the same from step to step, and turns with the rest.
+    return kicked(turned(state, _product(q, turn), n, _product(low, turn)), change, rest)
+
+
+@inlined
+def _product(q, turn):
+    """The product of quaternions."""
+    a, b, c, d = q
+    s, x, y, z = turn
+    return (
         fma(a, s, -b * x) - fma(c, y, d * z),
         fma(b, s, a * x) + fma(c, z, -d * y),
         fma(c, s, a * y) + fma(d, x, -b * z),
         fma(d, s, a * z) + fma(b, y, -c * x),
     )
-    return kicked(turned(state, turn, n), change, rest)
 
 
 @inlined
-def turned(state, change, n):
-    """A state with a change added to its quaternion, which is then made longer by n of itself."""
+def turned(state, change, n, rest):
+    """A state with a change, and what that leaves out, added to its quaternion.
+
+    It is then made longer by n of itself.
+    """
     q, w, low, w_low = state
     a, e = _add(q[0], low[0], change[0])
     b, f = _add(q[1], low[1], change[1])
     c, g = _add(q[2], low[2], change[2])
     d, h = _add(q[3], low[3], change[3])
-    return (a, b, c, d), w, (fma(n, a, e), fma(n, b, f), fma(n, c, g), fma(n, d, h)), w_low
+    low = (
+        fma(n, a, e + rest[0]),
+        fma(n, b, f + rest[1]),
+        fma(n, c, g + rest[2]),
+        fma(n, d, h + rest[3]),
+    )
+    return (a, b, c, d), w, low, w_low
 
 
 @inlined
