@@ -3,6 +3,7 @@
 import hashlib
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -49,3 +50,8 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
 settings.register_profile("attitude", deadline=None)
 settings.register_profile("attitude-ci", deadline=None, derandomize=True)
 settings.load_profile("attitude-ci" if os.environ.get("CI") else "attitude")
+
+# A shell that runs the tests in the background tells them to ignore Ctrl-C, and with them every
+# process that they start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
