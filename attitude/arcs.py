@@ -116,8 +116,7 @@ class Arcs(Frozen):
     doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
     attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
     of any frame.  What an error of the input becomes is another matter: each impulse at a wrong
-    phase changes all that follows.
-    The times of events are rounded to a double.
+    phase changes all that follows.  The times of events are rounded to a double.
 
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """

@@ -29,10 +29,9 @@ FRAMES = ("icrf", "gcrf", "eme2000", "ecliptic")
 # Unit quaternions to ICRF.  ICRF to EME2000 is R1(-eta) R2(xi) R3(alpha), which turn the axes; read
 # as rotations of vectors, its inverse is the product of the same angles in reverse order.  The test
 # of this module works them out again from the angles.
-_NONE = "1", "0", "0", "0"
 _WXYZ = {
-    "icrf": _NONE,
-    "gcrf": _NONE,
+    "icrf": ("1", "0", "0", "0"),
+    "gcrf": ("1", "0", "0", "0"),
     "eme2000": (
         "0.999999999999998425817661647920298663198567",
         "0.000000016530205845506748563703187604926235439702",
@@ -82,24 +81,21 @@ def wxyz_to_icrf(frame):
 
 def vector_to_icrf(frame, vector):
     """Components (3,) in a frame as components in ICRF, each exact to a pair of doubles: (3, 2)."""
-    if _WXYZ[known(frame)] is _NONE:
-        return np.stack([vector, np.zeros(3)], axis=1)
-    given = [_fraction(each) for each in vector]
-    rows = _exact_matrix(known(frame))
-    return _pairs(sum(a * b for a, b in zip(row, given, strict=True)) for row in rows)
+    return _pairs(_exact_matrix(known(frame)) @ _fractions(vector))
 
 
 def attitude_to_icrf(frame, wxyz):
     """The quaternion (4,) of an attitude against a frame, against ICRF, in pairs: (4, 2)."""
-    if _WXYZ[known(frame)] is _NONE:
-        return np.stack([wxyz, np.zeros(4)], axis=1)
-    p, q = _exact(known(frame)), [_fraction(each) for each in wxyz]
+    # `quaternion.multiply` takes doubles
+    (a, b, c, d), (w, x, y, z) = _exact(known(frame)), _fractions(wxyz)
     return _pairs(
-        (
-            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-            p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-            p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+        np.array(
+            [
+                a * w - b * x - c * y - d * z,
+                a * x + b * w + c * z - d * y,
+                a * y - b * z + c * w + d * x,
+                a * z + b * y - c * x + d * w,
+            ]
         )
     )
 
@@ -121,40 +117,39 @@ def known(frame, name="frame"):
 
 @cache
 def _quaternion(frame):
-    return frozen(np.array([float(each) for each in _WXYZ[frame]]))
+    return frozen(np.array(_WXYZ[frame], dtype=float))
 
 
 @cache
 def _matrix(frame):
-    return frozen(np.array([[float(each) for each in row] for row in _exact_matrix(frame)]))
+    return frozen(_exact_matrix(frame).astype(float))
 
 
 @cache
 def _exact(frame):
-    """The quaternion as fractions, right to 40 digits."""
-    return tuple(_fraction(each) for each in _WXYZ[frame])
+    """The quaternion (4,) as fractions, right to 40 digits."""
+    return _fractions(_WXYZ[frame])
 
 
 @cache
 def _exact_matrix(frame):
     w, x, y, z = _exact(frame)
-    return (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
     )
 
 
-def _fraction(number):
+def _fractions(numbers):
     from fractions import Fraction
 
-    return Fraction(number)
+    return np.array([Fraction(each) for each in numbers])
 
 
-def _pairs(numbers):
+def _pairs(exact):
     """Fractions as pairs of doubles."""
-    found = []
-    for number in numbers:
-        high = float(number)
-        found.append((high, float(number - _fraction(high))))
-    return np.array(found)
+    high = exact.astype(float)
+    return np.stack([high, (exact - _fractions(high)).astype(float)], axis=-1)

@@ -33,7 +33,7 @@ HOUSE = (
 SOLUTION = (
     *("cache", "lanes", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
     *("series", "coefficients", "rate_series", "classify", "constants", "attach", "uniform"),
-    *("kernel", "motion", "step", "flow", "joints", "march", "arcs"),
+    *("kernel", "motion", "step", "flow", "joints", "addresses", "march", "arcs"),
 )
 PLACE = {name: (line, k) for line, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")

@@ -16,17 +16,12 @@ of seconds since the epoch, the attitude body to inertial, the angular velocity 
 what was sampled for it at that epoch (a position, say) and its parameters; it fills the torque
 over the body axes.
 
-The loops hand plain numbers and addresses to what they call, never an array: numba counts its
-users by atomic instructions, for which all that is under way must be waited for.
+The loops hand addresses to what they call, never an array (`solution.addresses`).
 """
 
 import math
 
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
-
+from attitude.solution.addresses import call, number, put, put_three, room, whole
 from attitude.solution.attach import product, turned_by
 from attitude.solution.machine import compiled, inlined, merged
 from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
@@ -37,72 +32,6 @@ _NOTHING = 0.0, 0.0, 0.0
 _FASTEST = 1e150
 # Kinds of torques, as in attitude.torques.torque.
 BY_RATE, SLIP = 1, 2
-
-
-@intrinsic
-def _call(typingctx, address, t, wxyz, omega, given, parameters, out):
-    """Call a torque; all but t are addresses."""
-
-    def codegen(context, builder, signature, arguments):
-        double = ir.DoubleType()
-        pointer = double.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [double] + [pointer] * 5)
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        rest = [builder.inttoptr(each, pointer) for each in arguments[2:]]
-        builder.call(function, [arguments[1], *rest])
-        return context.get_dummy_value()
-
-    i8, f8 = types.int64, types.float64
-    return types.void(i8, f8, i8, i8, i8, i8, i8), codegen
-
-
-@intrinsic
-def _room(typingctx):
-    """The address of 16 doubles that last as long as the function that asks.
-
-    An array would be given back after it is last named, whoever has its address.
-    """
-
-    def codegen(context, builder, signature, arguments):
-        room = cgutils.alloca_once(builder, ir.DoubleType(), size=16)
-        return builder.ptrtoint(room, ir.IntType(64))
-
-    return types.int64(), codegen
-
-
-@intrinsic
-def _number(typingctx, address, k):
-    """The double in place k from an address."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.load(_place(builder, ir.DoubleType(), *arguments))
-
-    return types.float64(types.int64, types.int64), codegen
-
-
-@intrinsic
-def _whole(typingctx, address, k):
-    """The whole number of 64 bits in place k from an address."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.load(_place(builder, ir.IntType(64), *arguments))
-
-    return types.int64(types.int64, types.int64), codegen
-
-
-@intrinsic
-def _put(typingctx, address, k, x):
-    """A double into place k from an address."""
-
-    def codegen(context, builder, signature, arguments):
-        builder.store(arguments[2], _place(builder, ir.DoubleType(), *arguments[:2]))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64, types.float64), codegen
-
-
-def _place(builder, kind, address, k):
-    return builder.gep(builder.inttoptr(address, kind.as_pointer()), [k])
 
 
 @compiled
@@ -130,7 +59,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
-    work, samples, row = _room(), given.ctypes.data, 8 * given.shape[1]
+    work, samples, row = room(), given.ctypes.data, 8 * given.shape[1]
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     now = loaded(state)
     for step in range(steps):
@@ -159,10 +88,10 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         out      (T, 7) wxyz and angular velocity
     """
     n = scheme.shape[1] - 1
-    work, row = _room(), 8 * given.shape[2]
+    work, row = room(), 8 * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
-    at, done, last = -1, 0, False
+    at, done = -1, 0
     now = kept = loaded(states[0])
     i = 0
     while i < len(place):
@@ -199,7 +128,7 @@ def accelerations(c, models, states, times, given, out):
     """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
-    work, samples = _room(), given.ctypes.data
+    work, samples = room(), given.ctypes.data
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
@@ -247,10 +176,10 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
     """
     scheme, last = plan
     k, limit = gains(body[0]), body[4]
-    held = held and _number(scheme, last) != 0.0
+    held = held and number(scheme, last) != 0.0
     done = 0.0
     for j in range(last + 1):
-        part, gradient = _number(scheme, j), _number(scheme, 2 * (last + 1) + j)
+        part, gradient = number(scheme, j), number(scheme, 2 * (last + 1) + j)
         if part != 0.0 or gradient != 0.0:
             state, fine = _kick(
                 body,
@@ -266,7 +195,7 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
             if not fine:
                 return state, BAD_TORQUE, t + done * h, 0.0
         if j < last:
-            part = _number(scheme, last + 1 + j)
+            part = number(scheme, last + 1 + j)
             flight = part * h
             w1, w2, w3 = state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
@@ -303,19 +232,19 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
 @inlined
 def _gradient(body, torques, state, t, cubed, samples, work):
     """The kick by the force gradient, after that by the torque in work[7:10], which stays."""
-    n1, n2, n3 = _number(work, 7), _number(work, 8), _number(work, 9)
+    n1, n2, n3 = number(work, 7), number(work, 8), number(work, 9)
     a, b, d = _accelerations(body, work)
     for k in range(3):
         row = body[3][k]
-        _put(work, 4 + k, row[0] * a + row[1] * b + row[2] * d)
+        put(work, 4 + k, row[0] * a + row[1] * b + row[2] * d)
     x = y = z = 0.0
     for model in range(torques[1]):
         a, b, d = _asked(torques, model, 4, t, samples, work)
         x, y, z = x + a, y + b, z + d
-    _put_three(work, 7, 2.0 * x, 2.0 * y, 2.0 * z)
+    put_three(work, 7, 2.0 * x, 2.0 * y, 2.0 * z)
     fine = _finite(work, 7)
     state = _apply(body, state, cubed, work)
-    _put_three(work, 7, n1, n2, n3)
+    put_three(work, 7, n1, n2, n3)
     return state, fine
 
 
@@ -325,12 +254,12 @@ def _see(body, state, work, d1, d2, d3):
     s, matrix = body[2], body[3]
     q, w, _, _ = state
     a, b, c, d = product(q, (s[0], -s[1], -s[2], -s[3]))
-    _put(work, 0, a)
-    _put_three(work, 1, b, c, d)
+    put(work, 0, a)
+    put_three(work, 1, b, c, d)
     w1, w2, w3 = w[0] + d1, w[1] + d2, w[2] + d3
-    _put(work, 4, matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3)
-    _put(work, 5, matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3)
-    _put(work, 6, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
+    put(work, 4, matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3)
+    put(work, 5, matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3)
+    put(work, 6, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
 
 
 @inlined
@@ -340,9 +269,9 @@ def _asked(torques, model, function, t, samples, work):
     The answer stays in work[10:13].
     """
     model = torques[0] + 40 * model
-    given = samples + 8 * _whole(model, 3)
-    _call(_whole(model, function), t, work, work + 32, given, _whole(model, 2), work + 80)
-    return _number(work, 10), _number(work, 11), _number(work, 12)
+    given = samples + 8 * whole(model, 3)
+    call(whole(model, function), t, work, work + 32, given, whole(model, 2), work + 80)
+    return number(work, 10), number(work, 11), number(work, 12)
 
 
 @inlined
@@ -350,23 +279,16 @@ def _torque(torques, t, samples, work):
     """work[7:10]: the sum of the torques; False if it is not a number."""
     x = y = z = 0.0
     for model in range(torques[1]):
-        if _whole(torques[0] + 40 * model, 1) != SLIP:
+        if whole(torques[0] + 40 * model, 1) != SLIP:
             a, b, c = _asked(torques, model, 0, t, samples, work)
             x, y, z = x + a, y + b, z + c
-    _put_three(work, 7, x, y, z)
+    put_three(work, 7, x, y, z)
     return _finite(work, 7)
 
 
 @inlined
-def _put_three(address, k, x, y, z):
-    _put(address, k, x)
-    _put(address, k + 1, y)
-    _put(address, k + 2, z)
-
-
-@inlined
 def _finite(address, k):
-    x, y, z = _number(address, k), _number(address, k + 1), _number(address, k + 2)
+    x, y, z = number(address, k), number(address, k + 1), number(address, k + 2)
     return abs(x) + abs(y) + abs(z) < math.inf
 
 
@@ -374,7 +296,7 @@ def _finite(address, k):
 def _accelerations(body, work):
     """The torque in work[7:10] as rates of change over the principal axes."""
     inverse, m = body[1], body[3]
-    a, b, c = _number(work, 7), _number(work, 8), _number(work, 9)
+    a, b, c = number(work, 7), number(work, 8), number(work, 9)
     return (
         inverse[0] * (m[0][0] * a + m[1][0] * b + m[2][0] * c),
         inverse[1] * (m[0][1] * a + m[1][1] * b + m[2][1] * c),
@@ -410,7 +332,7 @@ def _slip(body, torques, state, t, h, samples, work):
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
     for model in range(torques[1]):
-        if _whole(torques[0] + 40 * model, 1) == SLIP:
+        if whole(torques[0] + 40 * model, 1) == SLIP:
             q, w, _, _ = state
             momentum = i[0] * w[0], i[1] * w[1], i[2] * w[2]
             dx = dy = dz = 0.0
