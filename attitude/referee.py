@@ -226,9 +226,10 @@ class _Judge:
         )  # rad/s, whatever follows
         moments, axes = ascending(body)
         wxyz = quaternion.multiply(history.wxyz[0], quaternion.from_matrix(axes))
-        self.ordered = moments, np.concatenate([wxyz, history.angular_velocity[0] @ axes])
-        # from the principal axes as given to these
-        self.back = quaternion.multiply(quaternion.from_matrix(axes.T), turn)
+        start = np.concatenate([wxyz, history.angular_velocity[0] @ axes])
+        # moments, start, and the quaternion from the principal axes as given to these
+        back = quaternion.multiply(quaternion.from_matrix(axes.T), turn)
+        self.ordered = moments, start, back
 
     def shipped(self, name, step):
         from attitude.solution import rivals
@@ -236,17 +237,19 @@ class _Judge:
         every, h = self._fitted(step)
         out = np.empty((self.epochs + 1, 7))
         kind = list(_SHIPPED).index(name)
-        moments, start = self.ordered if name in _EXACT else (self.moments, self.start)
-        if name in _EXACT and not h * self.fastest <= _MOST_STEPS:
-            raise AttitudeError(
-                f"steps holds {h:g}, in which the body turns by up to {h * self.fastest:.3g} rad, "
-                "more than can be counted; give a shorter step."
-            )
+        moments, start, back = self.moments, self.start, None
+        if name in _EXACT:
+            moments, start, back = self.ordered
+            if not h * self.fastest <= _MOST_STEPS:
+                raise AttitudeError(
+                    f"steps holds {h:g}, in which the body turns by up to {h * self.fastest:.3g} "
+                    "rad, more than can be counted; give a shorter step."
+                )
         rivals.run(kind, moments, start, h, 1, out[:2])
         cost = _best(lambda: rivals.run(kind, moments, start, h, every, out))
-        if name in _EXACT:
-            out[:, :4] = quaternion.multiply(out[:, :4], self.back)
-            out[:, 4:] = quaternion.rotate(quaternion.conjugate(self.back), out[:, 4:])
+        if back is not None:
+            out[:, :4] = quaternion.multiply(out[:, :4], back)
+            out[:, 4:] = quaternion.rotate(quaternion.conjugate(back), out[:, 4:])
         finite = np.all(np.isfinite(out), axis=-1)
         if not np.all(finite):
             _refuse(name, int(np.argmin(finite)) * every * h, h)

@@ -156,6 +156,20 @@ def test_energy_and_momentum_do_not_drift(rates):
     assert abs(np.sum((state[:4] + state[7:11]) ** 2) - 1.0) < 1.1e-13
 
 
+def test_the_quaternion_keeps_its_length():
+    """Eight starts of 400,000 steps of 0.08 rad: it walks by 1e-20 a step at the most.
+
+    What rounding leaves out of a step, not turned with the next, made it 1.6e-19 a step longer.
+    """
+    m, random = np.array([1.0, 2.0, 2.5]), np.random.default_rng(8)
+    for _ in range(8):
+        state = np.zeros(14)
+        state[0], state[4:7] = 1.0, random.normal(size=3)
+        steps(m, 0.08 / np.hypot.reduce(state[4:7]), 400_000, state)
+        q = [Fraction(x) + Fraction(low) for x, low in zip(state[:4], state[7:11], strict=True)]
+        assert abs(float(sum(x * x for x in q) - 1)) < 1.2e-14
+
+
 @pytest.mark.parametrize("moments", [(1.0, 2.0, 2.5), (10.0, 20.0, 26.0), (3.0, 4.0, 5.0)])
 def test_rounding_has_no_mean(moments):
     """A million motions of 0.25 rad from momenta of all directions, which the motion leaves so.

@@ -41,6 +41,7 @@ in powers that double, and what only corrects a rounding goes to the lower halve
 
 import math
 
+from attitude.solution.attach import product
 from attitude.solution.lanes import lanes, root, summed_up
 from attitude.solution.machine import fma, inlined, merged
 from attitude.solution.turns import sincos
@@ -219,8 +220,8 @@ def _change(w, rate, s):
     ss, less = two_prod(s, s)
     a1, a3, g = e1[0] * ss, e3[0] * ss, kappa[0] * ss
     u1, u3 = _root_less_one(a1), _root_less_one(a3)
-    # S, u1 and u3 do not change along a free motion: no product or sum of theirs is rounded alone
-    (r1, x1), (r2, x2), (r3, x3) = two_prod(r1, s), two_prod(r2, s), two_prod(r3, s)
+    # u1 and u3 do not change along a free motion: no product or sum of theirs is rounded alone
+    r1, r2, r3 = r1 * s, r2 * s, r3 * s
     n1 = fma(r1, u1, fma(w1, u3, fma(w1, g, r1)))
     n2 = fma(w2, u3, fma(w2, u1, fma(w2 * u1, u3, fma(w2, g, r2))))
     n3 = fma(r3, u3, fma(w3, u1, fma(w3, g, r3)))
@@ -229,9 +230,9 @@ def _change(w, rate, s):
     v1, v3 = _left_out(e1, ss, less, a1, u1), _left_out(e3, ss, less, a3, u3)
     v = fma(kappa[0], ss, -g) + fma(kappa[0], less, kappa[1] * ss)
     rest = (
-        fma(w1, v3 + v, fma(r1, v1, fma(n1, v, x1))),
-        fma(w2, (v1 + v3) + v, fma(n2, v, x2)),
-        fma(w3, v1 + v, fma(r3, v3, fma(n3, v, x3))),
+        fma(w1, v3 + v, fma(r1, v1, n1 * v)),
+        fma(w2, (v1 + v3) + v, n2 * v),
+        fma(w3, v1 + v, fma(r3, v3, n3 * v)),
     )
     return change, rest
 
@@ -343,20 +344,7 @@ def _moved(state, by):
     q, _, low, _ = state
     turn, change, n, rest = by
     # What n adds to the lower half is the same from step to step, and turns with the rest.
-    return kicked(turned(state, _product(q, turn), n, _product(low, turn)), change, rest)
-
-
-@inlined
-def _product(q, turn):
-    """The product of quaternions."""
-    a, b, c, d = q
-    s, x, y, z = turn
-    return (
-        fma(a, s, -b * x) - fma(c, y, d * z),
-        fma(b, s, a * x) + fma(c, z, -d * y),
-        fma(c, s, a * y) + fma(d, x, -b * z),
-        fma(d, s, a * z) + fma(b, y, -c * x),
-    )
+    return kicked(turned(state, product(q, turn), n, product(low, turn)), change, rest)
 
 
 @inlined
