@@ -1,4 +1,7 @@
-"""The examples of docs/uses.md run as a reader would run them, and print what it quotes."""
+"""The examples of docs/impulses.md and docs/torques.md run as a reader would run them.
+
+They print what is quoted there.
+"""
 
 import re
 
