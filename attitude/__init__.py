@@ -5,23 +5,26 @@ Heavy packages are imported where they are used, so that ``import attitude`` cos
 
 from importlib import import_module
 
+from attitude import moved
 from attitude.errors import AttitudeError
 
 __version__ = "0.1.0"
 
+moved.install()
+
 _WHERE = {
-    "Arcs": "attitude.arcs",
+    "Arcs": "attitude.arcs.arcs",
     "AttitudeHistory": "attitude.history",
-    "AttitudeTable": "attitude.attitude_table",
+    "AttitudeTable": "attitude.attitude_table.table",
     "Body": "attitude.body",
-    "FreeRotation": "attitude.free_rotation",
-    "Impulse": "attitude.arcs",
-    "InertiaChange": "attitude.arcs",
+    "FreeRotation": "attitude.free_rotation.free_rotation",
+    "Impulse": "attitude.arcs.arcs",
+    "InertiaChange": "attitude.arcs.arcs",
     "Mode": "attitude.regime",
-    "Scene": "attitude.scene",
+    "Scene": "attitude.scene.scene",
     "Spin": "attitude.spin",
-    "TorquedRotation": "attitude.splitting",
-    "compare": "attitude.referee",
+    "TorquedRotation": "attitude.splitting.torqued_rotation",
+    "compare": "attitude.referee.referee",
     "fit": "attitude.fitting",
     "propagate": "attitude.propagation",
 }

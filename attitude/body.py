@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from attitude import gates, quaternion
+from attitude import quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.immutable import Frozen, frozen
 from attitude.solution.principal import PrincipalAxes
 
 # Asymmetry of a tensor, relative to its largest entry, that is taken for rounding.
@@ -71,14 +71,14 @@ class Body(Frozen):
         if (self.moments is None) == (self.tensor is None):
             raise AttitudeError("a Body takes either moments=(3 numbers) or tensor=(3 x 3).")
         if self.mass is not None:
-            self._set("mass", gates.positive(self.mass, "mass", unit="kg"))
+            self._set("mass", validation.positive(self.mass, "mass", unit="kg"))
         center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
-        center = gates.real(center, "center_of_mass", shape=(3,), unit="m")
+        center = validation.real(center, "center_of_mass", shape=(3,), unit="m")
         self._set("center_of_mass", frozen(center))
         if self.tensor is None:
-            self._from_moments(gates.real(self.moments, "moments", shape=(3,), unit=unit))
+            self._from_moments(validation.real(self.moments, "moments", shape=(3,), unit=unit))
         else:
-            self._from_tensor(gates.real(self.tensor, "tensor", shape=(3, 3), unit=unit))
+            self._from_tensor(validation.real(self.tensor, "tensor", shape=(3, 3), unit=unit))
         for array in (self.moments, self.tensor, self.principal_axes, self._moments, self._axes):
             frozen(array)
 
@@ -94,8 +94,8 @@ class Body(Frozen):
             m, in body axes, from any origin.  The inertia is that about the centre of mass: van
             Zon & Schofield (2006), eqs. 2.1 and 2.2.
         """
-        masses = gates.real(masses, "masses", unit=None if relative else "kg")
-        positions = gates.real(positions, "positions", unit=None if relative else "m")
+        masses = validation.real(masses, "masses", unit=None if relative else "kg")
+        positions = validation.real(positions, "positions", unit=None if relative else "m")
         if masses.ndim != 1 or positions.shape != (len(masses), 3) or len(masses) == 0:
             raise AttitudeError(
                 f"masses have shape {masses.shape} and positions {positions.shape}; give (N,) and "
@@ -122,10 +122,10 @@ class Body(Frozen):
         mass : float, optional
             kg.  Without it the moments are relative.
         """
-        axes = gates.real(axes, "axes", shape=(3,), unit=None if mass is None else "m")
+        axes = validation.real(axes, "axes", shape=(3,), unit=None if mass is None else "m")
         if np.any(axes <= 0.0):
             raise AttitudeError(f"axes are {axes.tolist()}; semi-axes must be greater than zero.")
-        kilograms = 1.0 if mass is None else gates.positive(mass, "mass", unit="kg")
+        kilograms = 1.0 if mass is None else validation.positive(mass, "mass", unit="kg")
         squares = axes**2
         moments = 0.2 * kilograms * (squares.sum() - squares)
         return cls(moments=moments, mass=mass, relative=mass is None)
@@ -147,7 +147,7 @@ class Body(Frozen):
             For what is no shape, a mesh that is open or inside out, and a density not above zero.
         """
         known = density is not None
-        density = gates.positive(density, "density", unit="kg/m3") if known else 1.0
+        density = validation.positive(density, "density", unit="kg/m3") if known else 1.0
         if not hasattr(shape, "mass_properties"):
             raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Mesh or Ellipsoid.")
         found = shape.mass_properties(density=density)

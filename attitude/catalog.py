@@ -25,11 +25,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.body import Body
-from attitude.dynamic_inertia import moments_from_ratios
 from attitude.errors import AttitudeError
-from attitude.free_rotation import FreeRotation
+from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.published.dynamic_inertia import moments_from_ratios
 from attitude.spin import Spin
 
 # The ways to give a state, and what each needs.
@@ -76,10 +76,12 @@ class Value:
             return self.value
         unit = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}.get(self.unit, self.unit)
         if self.unit is None or unit == self.unit:
-            return gates.real(self.value, self.name)[()]
+            return validation.real(self.value, self.name)[()]
         from astropy import units
 
-        return gates.real(np.array(self.value) * units.Unit(self.unit), self.name, unit=unit)[()]
+        return validation.real(np.array(self.value) * units.Unit(self.unit), self.name, unit=unit)[
+            ()
+        ]
 
     def __str__(self):
         value = self.value if isinstance(self.value, str) else _spelled(self.value)

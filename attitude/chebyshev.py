@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 
 # So many epochs are evaluated together that the four arrays of a recurrence stay in cache.
@@ -146,8 +146,8 @@ class Pieces:
         AttitudeError
             When the values are not finite or no number of pieces reaches the tolerance.
         """
-        start, stop = gates.number(start, "start"), gates.number(stop, "stop")
-        tolerance = gates.positive(tolerance, "tolerance")
+        start, stop = validation.number(start, "start"), validation.number(stop, "stop")
+        tolerance = validation.positive(tolerance, "tolerance")
         if not start < stop:
             raise AttitudeError(f"start is {start!r} and stop is {stop!r}; start must be less.")
         count = 1

@@ -12,11 +12,11 @@ import numpy as np
 
 from attitude import propagation, quaternion
 from attitude import representations as forms
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.free_rotation import FreeRotation
-from attitude.frozen import Frozen, frozen
+from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.immutable import Frozen, frozen
 from attitude.spin import Spin
 
 # Central differences of the model, whose own error is 1e-15: good to 1e-10 of the derivatives.
@@ -135,9 +135,9 @@ class _Records:
             )
 
     def _sigmas(self, value, name):
-        from attitude import gates
+        from attitude import validation
 
-        given = gates.real(value, name, finite=False)
+        given = validation.real(value, name, finite=False)
         if given.shape not in ((), self.t.shape) or not np.all(given > 0.0):
             raise AttitudeError(f"{name} is one number above zero, or one for each record.")
         return np.broadcast_to(given, self.t.shape)

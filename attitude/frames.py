@@ -22,7 +22,7 @@ from functools import cache
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.frozen import frozen
+from attitude.immutable import frozen
 
 FRAMES = ("icrf", "gcrf", "eme2000", "ecliptic")
 

@@ -4,9 +4,9 @@ from functools import cached_property
 
 import numpy as np
 
-from attitude import epochs, gates, quaternion
+from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.immutable import Frozen, frozen
 
 # Epochs from which on one vector is turned by the compiled loop, in 3 to 9 ns an epoch instead of
 # 10 to 16: below, loading it (4 ms, once) takes longer.
@@ -97,14 +97,14 @@ class AttitudeHistory(Frozen):
 
     def body_to_inertial(self, v):
         """Vectors (3,) or (S, 3) in body axes, as components (S, 3) in ICRF."""
-        v = gates.rows(v, "v", 3)
+        v = validation.rows(v, "v", 3)
         if _is_one_for_many(v, self.wxyz):
             return _one_for_many(v, quaternion.conjugate(self.wxyz))
         return quaternion.rotate(self.wxyz, v)
 
     def inertial_to_body(self, v):
         """Vectors (3,) or (S, 3) in ICRF, as components (S, 3) in body axes."""
-        v = gates.rows(v, "v", 3)
+        v = validation.rows(v, "v", 3)
         if _is_one_for_many(v, self.wxyz):
             return _one_for_many(v, self.wxyz)
         return quaternion.rotate(quaternion.conjugate(self.wxyz), v)
@@ -162,12 +162,12 @@ def _is_one_for_many(v, wxyz):
 
 def _one_for_many(v, wxyz):
     """The components (N, 3) over body axes of one inertial vector."""
-    from attitude.solution import rotation
+    from attitude.solution import vectors
 
     out = np.empty((3, len(wxyz)))
     # Read-only, as others call it: to numba a writable array is another type.
     given = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
-    rotation.to_body(*given, out)
+    vectors.to_body(*given, out)
     return out.T
 
 

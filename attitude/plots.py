@@ -6,9 +6,10 @@ combined; `overview` makes a figure of four.  No window is opened, and no global
 
 import numpy as np
 
-from attitude import frames, gates, labelling, propagation
-from attitude import polhode as curves
+from attitude import frames, propagation, validation
 from attitude.errors import AttitudeError
+from attitude.free_rotation import polhode as curves
+from attitude.published import conventions
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
 _NAMES = ("long axis", "middle axis", "short axis")
@@ -64,7 +65,7 @@ def new_figure(size):
 def time_span(motion, span=None):
     """The seconds to show: as given, or three turns of the slower phase."""
     if span is not None:
-        return gates.positive(span, "span", unit="s")
+        return validation.positive(span, "span", unit="s")
     regime = motion.regime
     slowest = [each for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(each)]
     if not slowest:
@@ -81,9 +82,9 @@ def polhode(axes, motion):
     Grey: the polhodes of other momenta of the same energy; black: the separatrix.
     """
     body = motion.body
-    order = labelling.order(body)
+    order = conventions.order(body)
     moments = body.moments[order]
-    turn = labelling.axes(body, "S")
+    turn = conventions.axes(body, "S")
     if moments[0] == 0.0:
         raise AttitudeError("one moment is zero; a rod has no ellipsoid of energy to draw on.")
     scale = np.degrees(1.0)
@@ -138,7 +139,7 @@ def sky(axes, motion, seconds, *, frame="ecliptic"):
     """Where the body axes and the momentum point among the stars (mollweide axes)."""
     history = motion.at(seconds)
     turn = frames.matrix_to_icrf(frame)
-    directions = labelling.axes(motion.body, "S")
+    directions = conventions.axes(motion.body, "S")
     for k, name in enumerate(_NAMES):
         if k != 1:
             path = history.body_to_inertial(directions[:, k]) @ turn
@@ -154,7 +155,7 @@ def sky(axes, motion, seconds, *, frame="ecliptic"):
 
 def rates(axes, motion, seconds):
     """Angular velocity over the axes of inertia against time, deg/s or deg/d."""
-    omega = motion.angular_velocity_at(seconds) @ labelling.axes(motion.body, "S")
+    omega = motion.angular_velocity_at(seconds) @ conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
     factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
     time, label = _time(seconds)

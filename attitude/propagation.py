@@ -9,11 +9,11 @@ from functools import cache
 
 import numpy as np
 
-from attitude import gates, tdb
+from attitude import pairs, validation
+from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
 from attitude.solution import codes
-from attitude.solution.layout import CONSTANTS
-from attitude.solution.uncollected import uncollected
+from attitude.solution.record import CONSTANTS
 
 # Bodies whose constants are in memory at a time: they stay in the second-level cache.
 _BLOCK = 256
@@ -96,14 +96,14 @@ def propagate(
     >>> wxyz[1].round(6)
     array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
-    moments = gates.rows(moments, "moments", 3)
-    wxyz0 = gates.rows(wxyz0, "wxyz0", 4)
-    omega0 = gates.rows(omega0, "omega0", 3, unit="rad/s")
-    t = gates.seconds(t, "t")
+    moments = validation.rows(moments, "moments", 3)
+    wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
+    omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")
+    t = validation.seconds(t, "t")
     scalar = t.ndim == 0
     t = t.reshape(1) if scalar else t
     if t_low is not None:
-        t_low = gates.seconds(t_low, "t_low")
+        t_low = validation.seconds(t_low, "t_low")
         t_low = np.broadcast_to(t_low, t.shape) if t_low.ndim == 0 else t_low
         if t_low.size != t.size:
             raise AttitudeError(
@@ -181,7 +181,7 @@ def evaluate(constants, t, t_low, wxyz, rates):
     if t_low is not None:
         # The kernels take t_low for the rounding of t; any two summands make such a pair.
         with np.errstate(invalid="ignore"):
-            t, t_low = tdb.two_sum(t, t_low)
+            t, t_low = pairs.two_sum(t, t_low)
     t, t_low = _writable(t), None if t_low is None else _writable(t_low)
     body = evaluate_all(constants, t, t_low, wxyz, rates)
     if body >= 0:

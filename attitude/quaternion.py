@@ -11,7 +11,7 @@ array([-2.,  1.,  0.])
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 
 # How far a matrix may be from a rotation (entries of R^T R - 1) to be taken for a rounded one.
@@ -91,7 +91,7 @@ def unit(wxyz, name="wxyz"):
     AttitudeError
         For another shape, numbers that are not finite, or zero length.
     """
-    q = gates.real(wxyz, name, shape=(4,))
+    q = validation.real(wxyz, name, shape=(4,))
     largest = np.max(np.abs(q))
     if largest == 0.0:
         raise AttitudeError(f"{name} is zero; give a quaternion (w, x, y, z) of any other length.")
@@ -111,7 +111,7 @@ def from_matrix(value, name="matrix"):
     """
     from scipy.spatial.transform import Rotation
 
-    given = gates.real(value, name, shape=(3, 3))
+    given = validation.real(value, name, shape=(3, 3))
     refuse_other_matrices(given, name)
     return Rotation.from_matrix(given).as_quat(canonical=True, scalar_first=True)
 
@@ -145,7 +145,7 @@ def from_euler(sequence, angles):
     from scipy.spatial.transform import Rotation
 
     sequence = known_sequence(sequence)
-    angles = gates.real(angles, "angles", shape=(3,), unit="rad")
+    angles = validation.real(angles, "angles", shape=(3,), unit="rad")
     return Rotation.from_euler(sequence, angles).as_quat(scalar_first=True)
 
 

@@ -10,11 +10,11 @@ from enum import IntEnum
 
 import numpy as np
 
-from attitude import gates, propagation
+from attitude import propagation, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.immutable import Frozen, frozen
 from attitude.solution import codes
-from attitude.solution.layout import CONSTANTS
+from attitude.solution.record import CONSTANTS
 
 # States whose constants are in memory at a time.
 _BLOCK = 256
@@ -94,7 +94,7 @@ def classify(moments, omega):
     'SHORT_AXIS'
     """
     from attitude.solution.classify import classify_all, refine_all
-    from attitude.solution.periods import modes_all
+    from attitude.solution.regimes import modes_all
 
     moments, omega, lead = _states(moments, omega)
     count = len(moments)
@@ -243,7 +243,7 @@ class Regime(Frozen):
     @property
     def mean_spin_rate(self):
         if "_mean" not in self.__dict__:
-            from attitude.solution.periods import mean_speeds
+            from attitude.solution.regimes import mean_speeds
 
             mean = np.empty(self._rows.size)
             mean_speeds(self._rows.reshape(-1), mean)
@@ -297,7 +297,7 @@ def regime_of(moments, constants):
 
 
 def _rows_of(moments, constants):
-    from attitude.solution.periods import REGIME, regimes_all
+    from attitude.solution.regimes import REGIME, regimes_all
 
     rows = np.zeros(len(constants), REGIME)
     regimes_all(moments, constants, rows)
@@ -326,8 +326,8 @@ def _constants(moments, omega, part, count):
 
 def _states(moments, omega):
     """Moments and rates as (N, 3) doubles, and their leading shape."""
-    moments = gates.rows(moments, "moments", 3)
-    omega = gates.rows(omega, "omega", 3, unit="rad/s")
+    moments = validation.rows(moments, "moments", 3)
+    omega = validation.rows(omega, "omega", 3, unit="rad/s")
     try:
         lead = np.broadcast_shapes(moments.shape[:-1], omega.shape[:-1])
     except ValueError as err:

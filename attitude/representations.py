@@ -17,7 +17,7 @@ array([[ 0.,  1.,  0.],
 
 import numpy as np
 
-from attitude import gates, quaternion
+from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 
 EULER_SEQUENCES = (
@@ -31,7 +31,7 @@ EULER_SEQUENCES = (
 
 def from_xyzw(xyzw):
     """Scalar first of scalar last: CCSDS Q1 Q2 Q3 QC, scipy, STK and ROS."""
-    return np.roll(gates.rows(xyzw, "xyzw", 4), 1, axis=-1)
+    return np.roll(validation.rows(xyzw, "xyzw", 4), 1, axis=-1)
 
 
 def to_xyzw(wxyz):
@@ -40,7 +40,7 @@ def to_xyzw(wxyz):
     >>> to_xyzw([1.0, 0.0, 0.0, 0.0])
     array([0., 0., 0., 1.])
     """
-    return np.roll(gates.rows(wxyz, "wxyz", 4), -1, axis=-1)
+    return np.roll(validation.rows(wxyz, "wxyz", 4), -1, axis=-1)
 
 
 def continuous(wxyz):
@@ -52,7 +52,7 @@ def continuous(wxyz):
     >>> continuous([[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0]])[:, 0]
     array([1., 1.])
     """
-    given = gates.rows(wxyz, "wxyz", 4)
+    given = validation.rows(wxyz, "wxyz", 4)
     if given.ndim < 2 or given.shape[-2] < 2:
         return given.copy()
     steps = np.sum(given[..., 1:, :] * given[..., :-1, :], axis=-1)
@@ -77,7 +77,7 @@ def unit(wxyz, name="wxyz", *, tolerance=None):
     AttitudeError
         For rows of zero length, that are not finite, or off by more than the tolerance.
     """
-    given = gates.rows(wxyz, name, 4)
+    given = validation.rows(wxyz, name, 4)
     with np.errstate(over="ignore", invalid="ignore"):
         largest = np.max(np.abs(given), axis=-1, keepdims=True)
         bad = ~((largest > 0.0) & (largest < np.inf))
@@ -111,7 +111,7 @@ def from_matrix(matrix, name="matrix"):
     """
     from scipy.spatial.transform import Rotation
 
-    given = gates.real(matrix, name, shape=(..., 3, 3))
+    given = validation.real(matrix, name, shape=(..., 3, 3))
     quaternion.refuse_other_matrices(given, name)
     flat = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(canonical=True)
     return from_xyzw(flat).reshape(*given.shape[:-2], 4)
@@ -119,12 +119,12 @@ def from_matrix(matrix, name="matrix"):
 
 def from_dcm(dcm):
     """Attitudes of direction cosine matrices: v_body = dcm @ v_inertial, the paper's A."""
-    return from_matrix(np.swapaxes(gates.real(dcm, "dcm", shape=(..., 3, 3)), -1, -2), "dcm")
+    return from_matrix(np.swapaxes(validation.real(dcm, "dcm", shape=(..., 3, 3)), -1, -2), "dcm")
 
 
 def to_matrix(wxyz):
     """(..., 3, 3): v_inertial = matrix @ v_body."""
-    return quaternion.matrix(gates.rows(wxyz, "wxyz", 4))
+    return quaternion.matrix(validation.rows(wxyz, "wxyz", 4))
 
 
 def to_dcm(wxyz):
@@ -147,7 +147,7 @@ def from_euler(sequence, angles):
         rad, in the order of the turns.
     """
     letters = _letters(sequence)
-    angles = gates.real(angles, "angles", shape=(..., len(letters)), unit="rad")
+    angles = validation.real(angles, "angles", shape=(..., len(letters)), unit="rad")
     out = np.zeros((*angles.shape[:-1], 4))
     out[..., 0] = 1.0
     for k, letter in enumerate(letters):
@@ -171,7 +171,7 @@ def to_euler(sequence, wxyz):
     letters = quaternion.known_sequence(sequence)
     if letters.islower():
         return to_euler(letters[::-1].upper(), wxyz)[..., ::-1]
-    w, *parts = np.moveaxis(gates.rows(wxyz, "wxyz", 4), -1, 0)
+    w, *parts = np.moveaxis(validation.rows(wxyz, "wxyz", 4), -1, 0)
     third, second, first = ("XYZ".index(letter) for letter in letters)
     symmetric = first == third
     if symmetric:
@@ -200,7 +200,7 @@ def euler_rates(sequence, angles, angular_velocity):
         At gimbal lock, where the rates of the outer angles do not exist.
     """
     axes = _turning_axes(sequence, angles)
-    omega = gates.rows(angular_velocity, "angular_velocity", 3)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3)
     volume = np.linalg.det(axes)  # the sine or cosine of the middle angle
     if np.any(np.abs(volume) < 1e-12):
         raise AttitudeError(
@@ -213,13 +213,13 @@ def euler_rates(sequence, angles, angular_velocity):
 def angular_velocity_from_euler_rates(sequence, angles, rates):
     """Angular velocity (..., 3), body axes, of the rates of Euler angles."""
     axes = _turning_axes(sequence, angles)
-    return (axes @ gates.rows(rates, "rates", 3)[..., None])[..., 0]
+    return (axes @ validation.rows(rates, "rates", 3)[..., None])[..., 0]
 
 
 def _turning_axes(sequence, angles):
     """Columns (..., 3, 3): the axis of each of the three turns, in body axes."""
     letters = quaternion.known_sequence(sequence)
-    angles = gates.real(angles, "angles", shape=(..., 3), unit="rad")
+    angles = validation.real(angles, "angles", shape=(..., 3), unit="rad")
     if letters.islower():
         return _turning_axes(letters[::-1].upper(), angles[..., ::-1])[..., ::-1]
     columns = []
@@ -237,7 +237,7 @@ def _turning_axes(sequence, angles):
 
 def from_rotation_vector(vector):
     """Attitudes of rotation vectors (..., 3): axis times angle in rad, body to inertial."""
-    vector = gates.real(vector, "vector", shape=(..., 3), unit="rad")
+    vector = validation.real(vector, "vector", shape=(..., 3), unit="rad")
     angle = np.sqrt(np.sum(vector * vector, axis=-1))
     half_sinc = 0.5 * np.sinc(angle / (2.0 * np.pi))
     return np.concatenate([np.cos(0.5 * angle)[..., None], half_sinc[..., None] * vector], -1)
@@ -251,8 +251,8 @@ def to_rotation_vector(wxyz):
 
 def from_axis_angle(axis, angle):
     """Attitudes of turns by angles (...) about axes (..., 3) of any length."""
-    axis = gates.real(axis, "axis", shape=(..., 3))
-    angle = gates.real(angle, "angle", unit="rad")
+    axis = validation.real(axis, "axis", shape=(..., 3))
+    angle = validation.real(angle, "angle", unit="rad")
     largest = np.max(np.abs(axis), axis=-1, keepdims=True)
     if np.any(largest == 0.0):
         raise AttitudeError("axis is zero; give a direction.")
@@ -265,7 +265,7 @@ def from_axis_angle(axis, angle):
 
 def to_axis_angle(wxyz):
     """Unit axes (..., 3) and angles (...) in [0, pi]; the axis of no turn is x."""
-    wxyz = gates.rows(wxyz, "wxyz", 4)
+    wxyz = validation.rows(wxyz, "wxyz", 4)
     turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
     vector = turned[..., 1:]
     largest = np.max(np.abs(vector), axis=-1, keepdims=True)
@@ -278,14 +278,14 @@ def to_axis_angle(wxyz):
 
 def from_mrp(mrp):
     """Attitudes of modified Rodrigues parameters (..., 3): axis times tan(angle / 4)."""
-    p = gates.real(mrp, "mrp", shape=(..., 3))
+    p = validation.real(mrp, "mrp", shape=(..., 3))
     square = np.sum(p * p, axis=-1, keepdims=True)
     return np.concatenate([1.0 - square, 2.0 * p], axis=-1) / (1.0 + square)
 
 
 def to_mrp(wxyz):
     """Modified Rodrigues parameters (..., 3) of length at most 1: never of the shadow set."""
-    wxyz = gates.rows(wxyz, "wxyz", 4)
+    wxyz = validation.rows(wxyz, "wxyz", 4)
     turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
     return turned[..., 1:] / (1.0 + turned[..., :1])
 
@@ -304,9 +304,9 @@ def from_pole(right_ascension, declination, spin_angle):
     array([1., 0., 0., 0.])
     """
     angles = [
-        gates.real(right_ascension, "right_ascension", unit="rad") + 0.5 * np.pi,
-        0.5 * np.pi - gates.real(declination, "declination", unit="rad"),
-        gates.real(spin_angle, "spin_angle", unit="rad"),
+        validation.real(right_ascension, "right_ascension", unit="rad") + 0.5 * np.pi,
+        0.5 * np.pi - validation.real(declination, "declination", unit="rad"),
+        validation.real(spin_angle, "spin_angle", unit="rad"),
     ]
     return from_euler("ZXZ", np.stack(np.broadcast_arrays(*angles), axis=-1))
 
@@ -322,25 +322,27 @@ def to_pole(wxyz):
 
 def quaternion_rate(wxyz, angular_velocity):
     """Rate of change (..., 4) in 1/s of attitudes: q' = q (0, w) / 2, w over the body axes."""
-    omega = gates.rows(angular_velocity, "angular_velocity", 3)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3)
     pure = np.concatenate([np.zeros((*omega.shape[:-1], 1)), omega], axis=-1)
-    return 0.5 * quaternion.multiply(gates.rows(wxyz, "wxyz", 4), pure)
+    return 0.5 * quaternion.multiply(validation.rows(wxyz, "wxyz", 4), pure)
 
 
 def angular_velocity_from_quaternion_rate(wxyz, rate):
     """Angular velocity (..., 3), body axes, of the rate of change (..., 4) of attitudes."""
-    rate = gates.rows(rate, "rate", 4)
+    rate = validation.rows(rate, "rate", 4)
     return 2.0 * quaternion.multiply(quaternion.conjugate(wxyz), rate)[..., 1:]
 
 
 def body_to_inertial_rates(wxyz, angular_velocity):
     """Components (..., 3) over the inertial axes of angular velocities over the body axes."""
-    return quaternion.rotate(gates.rows(wxyz, "wxyz", 4), angular_velocity)
+    return quaternion.rotate(validation.rows(wxyz, "wxyz", 4), angular_velocity)
 
 
 def inertial_to_body_rates(wxyz, angular_velocity):
     """Components (..., 3) over the body axes of angular velocities over the inertial axes."""
-    return quaternion.rotate(quaternion.conjugate(gates.rows(wxyz, "wxyz", 4)), angular_velocity)
+    return quaternion.rotate(
+        quaternion.conjugate(validation.rows(wxyz, "wxyz", 4)), angular_velocity
+    )
 
 
 # scipy --------------------------------------------------------------------------------------------

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.immutable import Frozen, frozen
 
 # Singular values below this part of the greatest are those of lines that the span cannot tell
 # apart, or that noise alone would fill.
@@ -106,7 +106,7 @@ class SeriesFit(Frozen):
 
     def __call__(self, t, curve=0):
         """The model at seconds t, with the constant term of a curve (a number, or one per t)."""
-        t = gates.real(t, "t", unit="s")
+        t = validation.real(t, "t", unit="s")
         curve = np.asarray(curve)
         if not (
             curve.dtype.kind in "iu"
@@ -114,7 +114,7 @@ class SeriesFit(Frozen):
             and np.all((curve >= 0) & (curve < len(self.offsets)))
         ):
             raise AttitudeError(
-                f"curve is {gates.shown(curve)}; give whole numbers from 0 to "
+                f"curve is {validation.shown(curve)}; give whole numbers from 0 to "
                 f"{len(self.offsets) - 1}, one for all epochs or one for each."
             )
         angles = _angles(t.reshape(-1), self.start, self.P_psi, self.P_phi, self.numbers)
@@ -179,8 +179,8 @@ def fit(t, values, P_psi, P_phi, *, order=2, errors=None, curve=None):
     """
     data = _Data(t, values, errors, curve)
     order = _orders(order)
-    psi = 1.0 / gates.positive(P_psi, "P_psi", unit="s")
-    phi = 1.0 / gates.positive(P_phi, "P_phi", unit="s")
+    psi = 1.0 / validation.positive(P_psi, "P_psi", unit="s")
+    phi = 1.0 / validation.positive(P_phi, "P_phi", unit="s")
     numbers = np.array(_numbers(order))
     data.refuse_few(numbers)
     solution, residuals, rank = data.solved(psi, phi, numbers)
@@ -234,11 +234,11 @@ def search(t, values, P_psi, P_phi, *, within=0.01, order=2, errors=None, curve=
     data.refuse_few(numbers)
     centre = np.array(
         [
-            1.0 / gates.positive(P_psi, "P_psi", unit="s"),
-            1.0 / gates.positive(P_phi, "P_phi", unit="s"),
+            1.0 / validation.positive(P_psi, "P_psi", unit="s"),
+            1.0 / validation.positive(P_phi, "P_phi", unit="s"),
         ]
     )
-    spread = gates.real(within, "within") * np.ones(2)
+    spread = validation.real(within, "within") * np.ones(2)
     if spread.shape != (2,) or not np.all((spread >= 0.0) & (spread < 1.0)):
         raise AttitudeError(f"within is {within!r}; give parts of the periods, from 0 to below 1.")
     span = np.ptp(data.t)
@@ -275,14 +275,14 @@ class _Data:
     """Values, weights and numbers of curves, checked."""
 
     def __init__(self, t, values, errors, curve):
-        self.t = gates.real(t, "t", unit="s")
+        self.t = validation.real(t, "t", unit="s")
         if self.t.ndim != 1 or not self.t.size:
             raise AttitudeError(f"t has shape {self.t.shape}; give a row of epochs, (N,).")
         shape = self.t.shape
-        self.values = gates.real(values, "values", shape=shape)
+        self.values = validation.real(values, "values", shape=shape)
         self.weights = np.ones(shape)
         if errors is not None:
-            given = gates.real(errors, "errors", shape=shape)
+            given = validation.real(errors, "errors", shape=shape)
             if not np.all(given > 0.0):
                 raise AttitudeError("errors holds a number that is not above zero; leave it out.")
             self.weights = 1.0 / given
@@ -365,8 +365,8 @@ def _frequencies(motion, convention):
             f"motion is {motion!r}; give a FreeRotation, or the pair (P_psi, P_phi)."
         ) from err
     return (
-        1.0 / gates.positive(P_psi, "P_psi", unit="s"),
-        1.0 / gates.positive(P_phi, "P_phi", unit="s"),
+        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
+        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
     )
 
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import epochs, frames, gates, published, quaternion
+from attitude import epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen
+from attitude.immutable import Frozen, frozen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,7 +43,7 @@ class Spin(Frozen):
         self._set("epoch", epochs.instant(self.epoch, "epoch"))
         self._set("frame", frames.known(self.frame))
         self._set("wxyz", frozen(quaternion.unit(self.wxyz)))
-        rate = gates.real(self.angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
+        rate = validation.real(self.angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
         self._set("angular_velocity", frozen(rate))
 
     @classmethod
@@ -86,7 +86,7 @@ class Spin(Frozen):
             Long-axis or short-axis mode.  Required: the periods do not tell.
         convention : "L" or "S"
             Whether phi and P_phi are those of the long or of the short axis (see
-            attitude.labelling and docs/conventions.md).  Required, for the same reason.
+            attitude.published.conventions and docs/conventions.md).  Required, for the same reason.
         P_psi, P_phi : float or Quantity
             s; rotation about the axis, and its mean circulation about the momentum.
         pole : (2,) array_like

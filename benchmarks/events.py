@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, events
-from attitude.solution.machine import compiled
+from attitude.compilation.decorators import entry_point
 from tests import states
 
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")
@@ -55,7 +55,7 @@ def searched(motion, axis, normal, sun, observer, span):
     return found, time.perf_counter() - begin
 
 
-@compiled
+@entry_point
 def sampled(wxyz, given, limits, states):
     """What is true at each sample, a bit for each condition."""
     axis, normal, sun, observer = given[0], given[1], given[2], given[3]
@@ -80,7 +80,7 @@ def sampled(wxyz, given, limits, states):
         states[i] = wide + 2.0 * narrow + 4.0 * (to_sun > 0.0) + 8.0 * bright
 
 
-@compiled
+@entry_point
 def changed(states, last, changes):
     """Changes: the number of the sample after, times 4, plus that of the condition."""
     count = 0

@@ -21,8 +21,9 @@ from skyfield.api import EarthSatellite
 from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
-from attitude import paths, tdb
-from attitude.epochs import instant
+from attitude import paths
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import instant
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import julian
 from attitude.paths.solar_system import installed_kernel
@@ -65,7 +66,7 @@ def row(label, path, start, span, count, references=()):
 
 def skyfield_at(start, seconds):
     jd1, jd2 = julian(start, seconds, np.zeros(1))
-    found = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
     return found
 
@@ -102,7 +103,7 @@ def on_the_ground():
     start = instant("2025-01-01")
 
     def of_astropy(seconds):
-        with iers.earth_orientation_table.set(tdb.earth_orientation()):
+        with iers.earth_orientation_table.set(time_scales.earth_orientation()):
             found = place.get_gcrs_posvel(astropy_at(start, seconds))[0]
         return found.xyz.to_value("m").T
 

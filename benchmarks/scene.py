@@ -20,7 +20,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from attitude import Body, FreeRotation, Spin, epochs, paths, tdb
+from attitude import Body, FreeRotation, Spin, epochs, paths
+from attitude.epochs import time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import julian
 from attitude.paths.solar_system import installed_kernel
@@ -76,7 +77,7 @@ def angle(a, b):
 def skyfield_at(start, seconds):
     """A skyfield Time of the same TDB."""
     jd1, jd2 = julian(start, seconds, np.zeros(1))
-    found = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
     return found
 

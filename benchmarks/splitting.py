@@ -33,15 +33,15 @@ from mpmath import mp, mpf
 from record import processor, writable_folder
 
 from attitude import Body, Spin, paths
-from attitude.arcs import Arcs, Impulse
-from attitude.referee import compare
-from attitude.schemes import SCHEMES
-from attitude.solution import rivals
-from attitude.solution.attach import turned_by
-from attitude.solution.machine import compiled, inlined
+from attitude.arcs.arcs import Arcs, Impulse
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.referee import integrators
+from attitude.referee.referee import compare
+from attitude.solution.given_axes import turned_by
 from attitude.solution.march import march
 from attitude.solution.step import advance, gains, loaded, stored
-from attitude.splitting import TorquedRotation
+from attitude.splitting.schemes import SCHEMES
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import ConstantTorque, GravityGradient
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error
@@ -68,7 +68,7 @@ def best(run, repeats):
 # Cost ---------------------------------------------------------------------------------------------
 
 
-@compiled
+@entry_point
 def flights(m, h, count, state):
     moments = m[0], m[1], m[2]
     k, now = gains(moments), loaded(state)
@@ -178,7 +178,7 @@ def circular_path():
     )
 
 
-@inlined
+@subroutine
 def gravity_kick(m, q, w, x, y, h):
     u = turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, 0.0))
     return (
@@ -188,7 +188,7 @@ def gravity_kick(m, q, w, x, y, h):
     )
 
 
-@inlined
+@subroutine
 def jacobi(m, q, w, x, y):
     u = turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, 0.0))
     kinetic = 0.5 * (m[0] * w[0] * w[0] + m[1] * w[1] * w[1] + m[2] * w[2] * w[2])
@@ -197,7 +197,7 @@ def jacobi(m, q, w, x, y):
     return kinetic + potential - normal
 
 
-@compiled
+@entry_point
 def classical(kind, m, start, points, orbits, out):
     """Kick-rotate-kick with the free motion of another scheme; extremes of each window in out.
 
@@ -215,7 +215,7 @@ def classical(kind, m, start, points, orbits, out):
         for _ in range(each):
             for k in range(steps):
                 w = gravity_kick(i, q, w, points[0, k], points[1, k], 0.5 * h)
-                q, w = rivals.one_step(kind, i, q, w, h)
+                q, w = integrators.one_step(kind, i, q, w, h)
                 w = gravity_kick(i, q, w, points[0, k + 1], points[1, k + 1], 0.5 * h)
                 error = jacobi(i, q, w, points[0, k + 1], points[1, k + 1]) / first - 1.0
                 least, most = min(least, error), max(most, error)
@@ -259,7 +259,7 @@ def circular_orbit(quick, output):
     print("largest relative error of T + V - n L, first and last window; of its mean, the drift in")
     print("all orbits, and how far the windows scatter about that")
     found = {}
-    for name, kind in (("dlm", rivals.DLM), ("reich", rivals.REICH)):
+    for name, kind in (("dlm", integrators.DLM), ("reich", integrators.REICH)):
         out = np.empty((windows, 2))
         begin = time.perf_counter()
         classical(kind, BODY.moments, start, points, orbits, out)
@@ -298,7 +298,7 @@ def other_spin(start, times):
     points, start = np.stack([np.cos(angles), np.sin(angles)]), start.copy()
     start[4:] *= times
     errors, costs, out = [], [], np.empty((1, 2))
-    for kind in (rivals.EXACT, rivals.DLM, rivals.REICH):
+    for kind in (integrators.EXACT, integrators.DLM, integrators.REICH):
         took = best(lambda kind=kind: classical(kind, BODY.moments, start, points, 40, out), 3)
         errors.append(spread(out))
         costs.append(took / (40 * steps))
@@ -342,7 +342,7 @@ def draw_circular(found, output):
 # Drift --------------------------------------------------------------------------------------------
 
 
-@compiled
+@entry_point
 def jacobis(m, states, points, begin, out):
     """T + V - n L of states (S, 14), at the points (2, steps an orbit) from number `begin` on."""
     i, orbit = (m[0], m[1], m[2]), points.shape[1]

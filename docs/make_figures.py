@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from attitude import Body, catalog, labelling, plots, quaternion
+from attitude import Body, catalog, plots, quaternion
+from attitude.published import conventions
 
 FIGURES = Path(__file__).parent / "figures"
 PHI, THETA, PSI = "#0072b2", "#d55e00", "#009e73"
@@ -28,7 +29,7 @@ def labellings():
     lengths = np.sqrt(2.5 * (body.moments.sum() - 2.0 * body.moments))
     for k, convention in enumerate("LS"):
         axes = figure.add_subplot(1, 2, k + 1, projection="3d")
-        turn = labelling.axes(body, convention)
+        turn = conventions.axes(body, convention)
         attitude = _matrix(np.radians(40.0), np.radians(55.0), np.radians(35.0))
         _ellipsoid(axes, attitude @ turn.T, lengths)
         names = ("x = B", "y = C", "z = A (long)") if convention == "L" else (
@@ -53,7 +54,7 @@ def labellings():
 
 
 def _matrix(phi, theta, psi):
-    return quaternion.matrix(labelling.euler_wxyz(phi, theta, psi))
+    return quaternion.matrix(conventions.euler_wxyz(phi, theta, psi))
 
 
 def _ellipsoid(axes, turn, lengths):

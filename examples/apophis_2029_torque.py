@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude import FreeRotation, Spin, catalog
 from attitude.paths import oem
-from attitude.splitting import TorquedRotation
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import GravityGradient
 
 DATA = Path(__file__).resolve().parent.parent / "data"

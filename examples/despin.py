@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from attitude import Spin
-from attitude.arcs import Arcs, Impulse, InertiaChange
+from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
+from attitude.arcs.triggers import AxisCrossesDirection
 from attitude.body import Body
-from attitude.crossing import AxisCrossesDirection
 from attitude.formats import spin_file
 
 DATA = Path(__file__).resolve().parent.parent / "data"

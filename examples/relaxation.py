@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude import FreeRotation, Mode, Spin
 from attitude.formats import spin_file
-from attitude.splitting import TorquedRotation
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import InternalDissipation
 
 DATA = Path(__file__).resolve().parent.parent / "data"

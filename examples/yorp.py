@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull
 
 from attitude import Body, Spin, paths, quaternion
 from attitude.shape import Ellipsoid, Mesh
-from attitude.splitting import TorquedRotation
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import SolarRadiation
 
 PICTURE = "yorp.png"

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from attitude.solution.machine import compiled, inlined
+from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution.step import advance, gains, loaded, stored
 from attitude.solution.twofloat import ZERO, add, mul, square, sub, two_prod, two_sum
 
 
-@compiled
+@entry_point
 def moved(m, times, states, sums):
     """Relative changes of T and L^2 over free motions from each state, one for each of `times`.
 
@@ -38,7 +38,7 @@ def moved(m, times, states, sums):
             sums[n, 1] += together[n] * together[n]
 
 
-@inlined
+@subroutine
 def _conserved(moments, state):
     """2 T and L^2, pairs."""
     energy = momentum = ZERO

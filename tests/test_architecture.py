@@ -11,31 +11,35 @@ import attitude
 
 PACKAGE = Path(attitude.__file__).parent
 
-# Each line may import from the lines above it, and within a line from the left.  What is not
-# named here is free to import anything above the two doors, `cli` and `__init__`.
+# Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "frozen", "gates", "chebyshev", "tdb", "dates", "instant", "readings", "epochs"),
-    ("quaternion", "frames", "unit_vector"),
-    ("solution", "representations"),
-    ("propagation",),
-    ("regime", "labelling", "dynamic_inertia", "published"),
-    ("polhode", "predictability", "precession"),
-    ("shape", "body", "spread", "spin"),
-    ("history", "free_rotation", "interpolation", "attitude_table", "fitting"),
+    ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
+    ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
+    ("solution", "epochs", "representations"),
+    ("propagation", "regime", "spectrum"),
+    ("shape", "body", "history"),
+    ("published", "spin"),
+    ("attitude_table", "free_rotation"),
     ("paths",),
     ("scattering", "light_curve", "scene"),
-    ("events", "spectrum", "crossing", "arcs"),
-    ("torques", "schemes", "ascending", "torqued_steps", "splitting", "referee"),
-    ("catalog", "formats", "plots", "check"),
+    ("torques", "splitting", "fitting", "referee"),
+    ("events", "arcs"),
+    ("catalog", "plots", "formats", "selftest"),
     ("cli", "__main__"),
 )
-# Within the solution, in the same way: from the machine up to the doors.
-SOLUTION = (
-    *("cache", "lanes", "machine", "codes", "layout", "twofloat", "expansion", "turns", "elliptic"),
-    *("series", "coefficients", "rate_series", "classify", "constants", "attach", "uniform"),
-    *("kernel", "motion", "step", "flow", "joints", "addresses", "march", "arcs"),
-)
-PLACE = {name: (line, k) for line, names in enumerate(HOUSE) for k, name in enumerate(names)}
+# Within these packages, in the same way: every file, from the bottom up.
+ORDERS = {
+    "compilation": (
+        *("deferral", "disk_cache", "instructions", "simd", "simd_lowering", "pointers"),
+        *("lowering", "decorators", "callbacks"),
+    ),
+    "solution": (
+        *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
+        *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
+        *("chain", "march", "regimes", "place_of_d", "principal", "vectors", "warm_up"),
+    ),
+}
+PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
 
 
@@ -61,7 +65,7 @@ def _imports(name, *, lazy=True):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{name} imports relatively"
-            # from attitude import gates: the module; from attitude.gates import real: its name
+            # from attitude import gates: the module; from attitude.validation import real: its name
             found |= {
                 full if (full := f"{node.module}.{alias.name}") in MODULES else node.module
                 for alias in node.names
@@ -90,34 +94,56 @@ def _room(name):
 def test_imports_point_up_the_house(name):
     """A row of the house knows those above it, and those on its left, lazily or not."""
     room = _room(name)
-    if room == "__init__" or room not in PLACE:
+    if room == "__init__":
         return
+    assert room in PLACE, f"{room} is not named in HOUSE; give it its place"
     for other in _imports(name) - {name}:
         there = _room(other)
-        if there != room and there in PLACE:
+        if there not in (room, "__init__"):
             assert PLACE[there] < PLACE[room], f"{name} imports {other}"
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) in ORDERS])
+def test_files_stand_in_order(name):
+    """Each file of the solution and of the compilation knows those before it only."""
+    room, here = _room(name), name.rpartition(".")[2]
+    if here == room:
+        return
+    order = ORDERS[room]
+    assert here in order, f"{name} is not named in ORDERS; give it its place"
+    for other in _imports(name):
+        there = other.rpartition(".")[2]
+        if _room(other) == room and there != room:
+            assert order.index(there) < order.index(here), f"{name} imports {other}"
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if _room(name) == "solution"])
 def test_the_solution_knows_numbers_only(name):
-    """No units, no time scales, no objects: nothing of the package but itself."""
+    """No units, no time scales, no objects: nothing of the package but itself and the compiler."""
     for other in _imports(name):
-        assert other.startswith("attitude.solution"), f"{name} imports {other}"
-    here = name.rpartition(".")[2]
-    if here in SOLUTION:
-        for other in _imports(name):
-            there = other.rpartition(".")[2]
-            if there in SOLUTION:
-                assert SOLUTION.index(there) < SOLUTION.index(here), f"{name} imports {other}"
+        assert _room(other) in ("solution", "compilation"), f"{name} imports {other}"
 
 
-def test_every_room_of_the_house_that_is_named_first_exists():
-    """So that a renamed file does not leave the test of directions empty."""
+def test_every_name_of_the_order_exists():
+    """A renamed file must not leave the test of directions empty."""
     for names in HOUSE:
         for name in names:
             assert (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file(), name
-    for name in SOLUTION:
-        assert (PACKAGE / "solution" / f"{name}.py").is_file(), name
+    for room, names in ORDERS.items():
+        for name in names:
+            assert (PACKAGE / room / f"{name}.py").is_file(), name
+
+
+COMPILERS = ("numba", "llvmlite")
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) != "compilation"])
+def test_only_the_compilation_knows_the_compiler(name):
+    for node in ast.walk(ast.parse(MODULES[name].read_text())):
+        found = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        found += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        for each in found:
+            assert each.partition(".")[0] not in COMPILERS, f"{name} imports {each}"
 
 
 def test_no_cycles():

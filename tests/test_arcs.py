@@ -7,8 +7,8 @@ import pytest
 from mpmath import mp, mpf
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, propagation, quaternion
-from attitude.arcs import Arcs, Impulse, InertiaChange
-from attitude.crossing import AxisCrossesDirection, PointMeetsPlane
+from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
+from attitude.arcs.triggers import AxisCrossesDirection, PointMeetsPlane
 from attitude.solution.flow import flow
 from tests import states
 from tests.oracle import Oracle, conjugate, multiply, rate_error, rotation_error

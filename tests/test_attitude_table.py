@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
 
 SPIN = Spin(epoch="2026-01-01T00:00:00", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.02, 0.1))
 MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)

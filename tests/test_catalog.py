@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, FreeRotation, Mode, Spin, catalog
-from attitude.dynamic_inertia import possible
-from attitude.precession import symmetric_moments
+from attitude.published.dynamic_inertia import possible
+from attitude.published.regular_precession import symmetric_moments
 from attitude.regime import regimes
 
 EPOCH = {"epoch": "2026-01-01"}

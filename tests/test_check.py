@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude import check, cli
-from attitude.solution import ahead
+from attitude import cli, selftest
+from attitude.solution import warm_up
 from tests.oracle import Oracle, rotation_error
 
 
@@ -23,12 +23,12 @@ def test_this_installation_passes(capsys):
 def test_every_family_of_states_is_in_the_file():
     from tests import states
 
-    assert {state["family"] for state in check.reference_states()} == set(states.FAMILIES)
+    assert {state["family"] for state in selftest.reference_states()} == set(states.FAMILIES)
 
 
 def test_stored_answers_are_the_exact_ones():
     """To all 30 digits, for one state of each family."""
-    for state in check.reference_states()[::2]:
+    for state in selftest.reference_states()[::2]:
         moments, wxyz0, omega0, t = (
             [float.fromhex(x) for x in state[key]] for key in ("moments", "wxyz0", "omega0", "t")
         )
@@ -41,10 +41,10 @@ def test_stored_answers_are_the_exact_ones():
 
 def test_errors_are_measured_as_the_oracle_measures_them():
     """Against the 40-digit angle, for an answer that is made wrong on purpose."""
-    state = dict(check.reference_states()[0])
-    assert check.errors_of(state)[0] < 2e-15
+    state = dict(selftest.reference_states()[0])
+    assert selftest.errors_of(state)[0] < 2e-15
     turned = [[str(mpf(x) + mpf("1e-9") * k) for k, x in enumerate(row)] for row in state["wxyz"]]
-    wrong = check.errors_of({**state, "wxyz": turned})[0]
+    wrong = selftest.errors_of({**state, "wxyz": turned})[0]
     expected = max(
         rotation_error([float(x) for x in row], [mpf(x) for x in other])
         for row, other in zip(state["wxyz"], turned, strict=True)
@@ -55,7 +55,7 @@ def test_errors_are_measured_as_the_oracle_measures_them():
 @pytest.mark.parametrize("fault", [1e-13, np.nan, "sign"])
 def test_a_wrong_installation_fails(monkeypatch, capsys, fault):
     """Exit code 1 for an error above the promise, a NaN, or a wrong sign."""
-    real = check.propagate
+    real = selftest.propagate
 
     def broken(*state, **settings):
         answer = real(*state, **settings)
@@ -66,15 +66,15 @@ def test_a_wrong_installation_fails(monkeypatch, capsys, fault):
             wxyz[-1, 0] += fault
         return wxyz, omega
 
-    monkeypatch.setattr(check, "propagate", broken)
+    monkeypatch.setattr(selftest, "propagate", broken)
     assert cli.main(["check"]) == 1
     assert "FAILED" in capsys.readouterr().out
 
 
 _TWO_HALVES = """
 from numba.core import event
-from attitude import check
-from attitude.solution import ahead
+from attitude import selftest
+from attitude.solution import warm_up
 
 class Count(event.Listener):
     names = []
@@ -84,11 +84,11 @@ class Count(event.Listener):
         pass
 
 event.register("numba:compile", Count())
-ahead._cores = lambda: 2
-ahead.compile_ahead()
+warm_up._cores = lambda: 2
+warm_up.compile_ahead()
 assert "classify_all" in Count.names and "hyperbolic" not in Count.names, Count.names
 Count.names.clear()
-assert check.check().passed
+assert selftest.check().passed
 assert not Count.names, Count.names
 """
 
@@ -100,9 +100,9 @@ def test_two_processes_compile_all_that_the_check_needs(tmp_path):
 
 
 def test_a_single_core_compiles_at_the_first_use(monkeypatch):
-    monkeypatch.setattr(ahead, "_cores", lambda: 1)
+    monkeypatch.setattr(warm_up, "_cores", lambda: 1)
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: pytest.fail("another process"))
-    ahead.compile_ahead()
+    warm_up.compile_ahead()
 
 
 def test_interrupted_it_leaves_no_other_process(monkeypatch):
@@ -122,9 +122,9 @@ def test_interrupted_it_leaves_no_other_process(monkeypatch):
     def interrupted():
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ahead, "_cores", lambda: 2)
+    monkeypatch.setattr(warm_up, "_cores", lambda: 2)
     monkeypatch.setattr(subprocess, "Popen", Other)
-    monkeypatch.setattr(ahead, "compile_stages", interrupted)
+    monkeypatch.setattr(warm_up, "compile_stages", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        ahead.compile_ahead()
+        warm_up.compile_ahead()
     assert done == ["killed", "waited for"]

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import attitude
-from attitude import Body, FreeRotation, Spin, cli, epochs, report
+from attitude import Body, FreeRotation, Spin, cli, epochs
 from attitude.cli import grid, table
 from attitude.formats import spin_file
+from attitude.free_rotation import description
 
 ROOT = Path(__file__).resolve().parent.parent
 TOUTATIS = str(ROOT / "data" / "spin" / "toutatis.toml")
@@ -297,7 +298,7 @@ def test_nutation_is_what_the_motion_does(path):
     t = np.linspace(0.0, motion.period_psi, 20001)
     along = motion.at(t).body_to_inertial(axis) @ motion.momentum / np.linalg.norm(motion.momentum)
     angles = np.arccos(np.abs(along))
-    low, high = re.search(r"nutation +(\S+) to (\S+) deg", report.description(motion)).groups()
+    low, high = re.search(r"nutation +(\S+) to (\S+) deg", description.description(motion)).groups()
     # Printed with six digits; sampled to 1e-4 of the period, in second order 1e-7 rad.
     found = np.degrees([angles.min(), angles.max()])
     assert [float(low), float(high)] == pytest.approx(found, rel=5e-6, abs=1e-5)

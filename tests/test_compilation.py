@@ -6,8 +6,8 @@ import numba
 import pytest
 from numba.core import event
 
-from attitude.solution import interrupts
-from attitude.solution.cache import kept_on_disk
+from attitude.compilation import deferral
+from attitude.compilation.disk_cache import kept_on_disk
 
 
 def twice(x):
@@ -53,15 +53,15 @@ def test_a_full_disk_is_no_cache(folder, monkeypatch):
 
 
 def test_an_interrupt_waits_for_the_end_of_the_outermost():
-    interrupts.begin()
-    interrupts.begin()
+    deferral.hold_interrupts()
+    deferral.hold_interrupts()
     signal.raise_signal(signal.SIGINT)
-    interrupts.end()
+    deferral.release_interrupts()
     with pytest.raises(KeyboardInterrupt):
-        interrupts.end()
+        deferral.release_interrupts()
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    interrupts.begin()
-    interrupts.end()
+    deferral.hold_interrupts()
+    deferral.release_interrupts()
 
 
 def test_a_handler_of_the_user_s_own_stays(monkeypatch):
@@ -72,9 +72,9 @@ def test_a_handler_of_the_user_s_own_stays(monkeypatch):
 
     before = signal.signal(signal.SIGINT, note)
     try:
-        interrupts.begin()
+        deferral.hold_interrupts()
         signal.raise_signal(signal.SIGINT)
-        interrupts.end()
+        deferral.release_interrupts()
         assert seen == [signal.SIGINT] and signal.getsignal(signal.SIGINT) is note
     finally:
         signal.signal(signal.SIGINT, before)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError
-from attitude.formats.damit_light_curve import (
-    AU,
+from attitude.formats.damit.light_curve import (
     DamitLightCurve,
     from_positions,
     read_damit_light_curves,
     write_damit_light_curves,
 )
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M as AU
 
 FILE = """\
 2

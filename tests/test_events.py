@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, events
-from attitude.arcs import Arcs, Impulse
-from attitude.attitude_table import AttitudeTable
+from attitude.arcs.arcs import Arcs, Impulse
+from attitude.attitude_table.table import AttitudeTable
 from attitude.events.directions import Aberrated, Fixed, source_of
 from benchmarks import events as benchmark
 

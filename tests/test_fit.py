@@ -5,7 +5,7 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
 from attitude import representations as forms
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
 from attitude.fitting import fit
 
 STATES = {

@@ -9,8 +9,9 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, quaternion
 from attitude import representations as forms
-from attitude.attitude_table import AttitudeTable
-from attitude.formats import aem, attitude_types
+from attitude.attitude_table.table import AttitudeTable
+from attitude.formats import aem
+from attitude.formats.ccsds import attitude_types
 
 DATA = Path(__file__).parent / "data"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -164,7 +165,7 @@ def test_relative_to_an_orbit(tmp_path):
         with pytest.raises(AttitudeError, match="orbit="):
             aem.read(path)
     # radial is x of RTN and -z of LVLH; the momentum z of RTN and -y of LVLH
-    from attitude.formats import axes
+    from attitude.formats.ccsds import axes
 
     epoch, zero = SPIN.epoch, np.zeros(1)
     rtn = axes.named("RTN").to_icrf(epoch, zero, zero, Circle())
@@ -179,7 +180,7 @@ def test_itrf_is_that_of_astropy():
     from astropy.coordinates import ITRS, TEME, CartesianRepresentation
     from astropy.time import Time
 
-    from attitude.formats import axes
+    from attitude.formats.ccsds import axes
 
     time = Time("2020-06-01T12:34:56")
     vector = np.array([0.3, -0.5, 0.8])
@@ -221,7 +222,7 @@ def test_several_segments_and_meta_data_are_kept(tmp_path):
 
 
 def test_a_motion_is_written_piece_by_piece(tmp_path, monkeypatch):
-    from attitude.formats import records
+    from attitude.formats import sources as records
 
     monkeypatch.setattr(records, "PIECE", 7)
     one = written(tmp_path, MOTION, t=np.arange(60) / 3.0, creation_date="x").read_text()
@@ -493,7 +494,7 @@ def test_rates_that_no_body_has_are_refused(tmp_path):
 
 def slowly(path, monkeypatch):
     """The same file, every record of it by the parser."""
-    from attitude.formats import aem_xml
+    from attitude.formats.aem import xml as aem_xml
 
     with monkeypatch.context() as patched:
         patched.setattr(aem_xml, "_MOST_PATTERNS", 0)
@@ -526,7 +527,7 @@ BETWEEN = [
 
 @pytest.mark.parametrize("piece", [37, 500, 1 << 20])
 def test_what_is_between_records_is_parsed(tmp_path, monkeypatch, piece):
-    from attitude.formats import xml_events
+    from attitude.textfiles import xml as xml_events
 
     monkeypatch.setattr(xml_events, "_PIECE", piece)
     path = written(tmp_path, xml=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, quaternion
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
 
 spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
 from attitude.formats import ck  # noqa: E402

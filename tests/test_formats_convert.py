@@ -8,7 +8,8 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths, quaternion
 from attitude.cli import convert
-from attitude.formats import aem, ccsds_epochs, spin_file, which
+from attitude.formats import aem, detect, spin_file
+from attitude.formats.ccsds import epochs as ccsds_epochs
 from tests.kernels import DATA, kernel
 
 STATE = {"wxyz": (1, 2, 3, 4), "angular_velocity": (0.001, 0.002, 0.015)}
@@ -48,7 +49,7 @@ def test_every_table_into_every_other(tmp_path, spin, endings):
     for first, second in itertools.product(endings, endings):
         out = tmp_path / f"b.{second}"
         run(tmp_path / f"a.{first}", out)
-        assert apart(which.read(out).wxyz, true) < 2e-13  # UTC of 1e-12 s at 0.015 rad/s
+        assert apart(detect.read(out).wxyz, true) < 2e-13  # UTC of 1e-12 s at 0.015 rad/s
 
 
 def test_a_table_is_fitted_and_becomes_a_motion(tmp_path, spin, capsys):
@@ -86,7 +87,7 @@ def test_c_kernels(tmp_path, spin, capsys):
     for ending in (*ENDINGS, "bc"):
         run(tmp_path / "a.bc", tmp_path / f"b.{ending}", *at)
         if ending != "bc":
-            found = which.read(tmp_path / f"b.{ending}")
+            found = detect.read(tmp_path / f"b.{ending}")
             assert len(found) == 61 and found.angular_velocity is not None
             assert apart(found.wxyz, MOTION.at(found.history.time).wxyz) < 2e-10
             run(tmp_path / f"b.{ending}", tmp_path / "c.bc", "--tolerance", "1e-6")
@@ -143,7 +144,7 @@ def test_motions_into_everything(tmp_path):
             continue  # DAMIT has no body: below
         out = tmp_path / f"b.{second}"
         run(tmp_path / f"a.{first}", out, *words)
-        found = which.read(out)
+        found = detect.read(out)
         time = steady.at(np.arange(0.0, 61.0, 10.0)).time if not words else found.history.time
         # JD0 of DAMIT is one double: 2e-5 s, at 0.01 rad/s
         assert apart(found.at(time).wxyz, steady.at(time).wxyz) < (
@@ -167,10 +168,10 @@ def test_names_sources_and_comments_go_along(tmp_path):
     run(tmp_path / "b.apm", tmp_path / "c.apm.xml")
     run(tmp_path / "c.apm.xml", tmp_path / "c.aem", "--stop", "60", "--step", "10")
     run(tmp_path / "c.aem", tmp_path / "c.xml")
-    meta = which.read(tmp_path / "c.xml").meta
+    meta = detect.read(tmp_path / "c.xml").meta
     assert meta["object_name"] == "Tumbler" and meta["comments"] == ("a paper", "one", "and two")
     run(tmp_path / "c.xml", tmp_path / "c.ecsv")
-    assert which.read(tmp_path / "c.ecsv").meta["object_name"] == "Tumbler"
+    assert detect.read(tmp_path / "c.ecsv").meta["object_name"] == "Tumbler"
     run(tmp_path / "c.apm.xml", tmp_path / "d.toml")
     found = spin_file.read(tmp_path / "d.toml")
     assert (found.name, found.note) == ("Tumbler", "a paper one and two")
@@ -184,7 +185,7 @@ def test_types_versions_frames(tmp_path, spin):
     ):
         run(spin, tmp_path / words[0], "--stop", "100", "--step", "10", *words[1:])
         assert (
-            apart(which.read(tmp_path / words[0]).wxyz, MOTION.at(np.arange(11.0) * 10).wxyz)
+            apart(detect.read(tmp_path / words[0]).wxyz, MOTION.at(np.arange(11.0) * 10).wxyz)
             < 1e-13
         )
 
@@ -268,13 +269,13 @@ def relative(tmp_path):
 def test_axes_of_the_orbit_of_a_tle(tmp_path, relative):
     true, given = relative
     run(given, tmp_path / "a.csv", "--orbit", ENVISAT)
-    found = which.read(tmp_path / "a.csv")
+    found = detect.read(tmp_path / "a.csv")
     assert apart(found.wxyz, true.wxyz) < 1e-14
     assert np.max(np.abs(found.angular_velocity - true.angular_velocity)) < 1e-14
     # Out again, into the same axes and into others, with --orbit-of by number.
     for out, *words in (("b.aem",), ("c.aem", "--frame", "LVLH"), ("d.a", "--frame", "VVLH")):
         run(given, tmp_path / out, "--orbit", ENVISAT, "--orbit-of", "27386", *words)
-        found = which.read(tmp_path / out, orbit=paths.tle(ENVISAT))
+        found = detect.read(tmp_path / out, orbit=paths.tle(ENVISAT))
         assert apart(found.wxyz, true.wxyz) < 1e-11  # STK's seconds: 1e-10 s at 0.015 rad/s
 
 
@@ -284,7 +285,7 @@ def test_axes_of_the_orbit_of_an_oem_that_spans_just_the_attitudes(tmp_path):
     aem.write(tmp_path / "rtn.aem", true, frame="RTN", orbit=ELLIPSE)
     (tmp_path / "orbit.oem").write_text(oem_of(ELLIPSE, true.epoch, T))
     run(tmp_path / "rtn.aem", tmp_path / "a.csv", "--orbit", tmp_path / "orbit.oem")
-    found = which.read(tmp_path / "a.csv")
+    found = detect.read(tmp_path / "a.csv")
     assert apart(found.wxyz, true.wxyz) < 1e-14
     off = np.max(np.abs(found.angular_velocity - true.angular_velocity), axis=1)
     assert np.all(off[1:-1] < 1e-14)  # rad/s
@@ -300,7 +301,7 @@ def test_axes_of_the_orbit_of_an_spk(tmp_path):
     aem.write(tmp_path / "lvlh.aem", PASS.at(T), frame="LVLH_INERTIAL", orbit=moon)
     for name in ("moon", "301"):
         run(tmp_path / "lvlh.aem", tmp_path / "a.csv", "--orbit", kernel_file, "--orbit-of", name)
-        assert apart(which.read(tmp_path / "a.csv").wxyz, PASS.at(T).wxyz) < 1e-14
+        assert apart(detect.read(tmp_path / "a.csv").wxyz, PASS.at(T).wxyz) < 1e-14
     for words, sentence in (
         ((), "may hold many bodies; give the one"),
         (("--orbit-of", "-123456"), "-123456"),

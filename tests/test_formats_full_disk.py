@@ -102,9 +102,9 @@ def test_an_interrupt_leaves_nothing(tmp_path):
                 raise KeyboardInterrupt
             return MOTION.at(t, low)
 
-    from attitude.formats import records
+    from attitude.formats import sources
 
-    size = records.PIECE
+    size = sources.PIECE
     with pytest.raises(KeyboardInterrupt):
         aem.write(tmp_path / "a.aem", Interrupted(), t=np.arange(2.0 * size) / size * 300.0)
     assert os.listdir(tmp_path) == []

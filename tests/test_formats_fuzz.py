@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude.formats import aem, apm, damit, spin_file, stk, tables, which
+from attitude.formats import aem, apm, damit, detect, spin_file, stk, tables
 
 DATA = Path(__file__).parent / "data"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -130,7 +130,7 @@ def hunted(tmp_path, name, mutation):
     path.write_bytes(mutation(data))
     start = time.monotonic()
     try:
-        found = which.read(path)
+        found = detect.read(path)
         found.at(found.history.time[:1] if hasattr(found, "history") else 0.0)
     except AttitudeError as err:
         assert str(err)
@@ -167,13 +167,13 @@ def test_many_mutated_files(tmp_path, name, mutation):
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
-@given(data=st.binary(max_size=400), ending=st.sampled_from([*which.ENDINGS, ".txt"]))
+@given(data=st.binary(max_size=400), ending=st.sampled_from([*detect.ENDINGS, ".txt"]))
 def test_any_bytes(tmp_path, data, ending):
     path = tmp_path / f"any{ending}"
     path.write_bytes(data)
     if ending == ".bc" or data.startswith(b"DAF/CK"):
         return
     try:
-        which.read(path)
+        detect.read(path)
     except AttitudeError as err:
         assert str(err)

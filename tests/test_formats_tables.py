@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
 from attitude.formats import tables
 
 SPIN = Spin(epoch="2016-12-31T23:59:50.25", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -58,11 +58,11 @@ def test_segments_and_interpolation_are_kept(tmp_path, ending):
 
 
 def test_a_motion_is_written_piece_by_piece(tmp_path, monkeypatch):
-    from attitude.formats import records
+    from attitude.formats import sources
 
     for ending in ("csv", "parquet"):
         skip_without_pyarrow(ending)
-        monkeypatch.setattr(records, "PIECE", 7)
+        monkeypatch.setattr(sources, "PIECE", 7)
         path = tmp_path / f"a.{ending}"
         tables.write(path, MOTION, t=np.arange(60) / 3.0)
         assert np.array_equal(tables.read(path).wxyz, HISTORY.wxyz)

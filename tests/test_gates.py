@@ -7,7 +7,7 @@ import pytest
 from astropy import units as u
 from astropy.table import Column, QTable
 
-from attitude import AttitudeError, gates
+from attitude import AttitudeError, validation
 
 UNKNOWN = u.Unit("furlongs", parse_strict="silent")
 
@@ -28,7 +28,7 @@ UNKNOWN = u.Unit("furlongs", parse_strict="silent")
     ],
 )
 def test_numbers_of_any_kind_become_float64_in_si(value):
-    array = gates.real(value, "value", shape=(3,), unit="m")
+    array = validation.real(value, "value", shape=(3,), unit="m")
     assert type(array) is np.ndarray and array.dtype == np.float64
     assert np.allclose(array, (1.0, 2.5, 3.0), rtol=3e-16)
     array[0] = 7.0  # a new array, that the caller may keep
@@ -36,11 +36,11 @@ def test_numbers_of_any_kind_become_float64_in_si(value):
 
 def test_a_gate_never_changes_a_value():
     given = np.array([0.1, -0.0, 5e-324, 1.7976931348623157e308])
-    assert gates.real(given, "given").tobytes() == given.tobytes()
-    assert gates.real([2**53 - 1, -(2**53)], "given").tolist() == [2**53 - 1, -(2**53)]
+    assert validation.real(given, "given").tobytes() == given.tobytes()
+    assert validation.real([2**53 - 1, -(2**53)], "given").tolist() == [2**53 - 1, -(2**53)]
     given[0] = 5.0
-    assert gates.rows(given, "given", 4) is given
-    assert gates.seconds(given, "given") is given
+    assert validation.rows(given, "given", 4) is given
+    assert validation.seconds(given, "given") is given
 
 
 @pytest.mark.parametrize(
@@ -74,43 +74,43 @@ def test_a_gate_never_changes_a_value():
 )
 def test_what_is_no_number_is_told(value, options, message):
     with pytest.raises(AttitudeError, match=message):
-        gates.real(value, "x", **options)
+        validation.real(value, "x", **options)
 
 
 def test_rows():
-    assert gates.rows([[1, 2, 3]], "x", 3).shape == (1, 3)
-    assert np.isnan(gates.rows((math.nan, 1, 2), "x", 3)[0])  # the compiled solution tells
+    assert validation.rows([[1, 2, 3]], "x", 3).shape == (1, 3)
+    assert np.isnan(validation.rows((math.nan, 1, 2), "x", 3)[0])  # the compiled solution tells
     with pytest.raises(AttitudeError, match=r"x has shape \(2,\); give \(..., 3\)"):
-        gates.rows((1, 2), "x", 3)
+        validation.rows((1, 2), "x", 3)
     with pytest.raises(AttitudeError, match=r"x has shape \(\)"):
-        gates.rows(1.0, "x", 3)
+        validation.rows(1.0, "x", 3)
 
 
 def test_seconds():
-    assert gates.seconds(1.5, "t").shape == ()
-    assert gates.seconds(np.float64(1.5), "t") == 1.5
-    assert gates.seconds([1, 2] * u.h, "t").tolist() == [3600.0, 7200.0]
-    assert gates.seconds("2 min", "t") == 120.0
-    assert np.isnan(gates.seconds([1.0, math.nan], "t")[1])
+    assert validation.seconds(1.5, "t").shape == ()
+    assert validation.seconds(np.float64(1.5), "t") == 1.5
+    assert validation.seconds([1, 2] * u.h, "t").tolist() == [3600.0, 7200.0]
+    assert validation.seconds("2 min", "t") == 120.0
+    assert np.isnan(validation.seconds([1.0, math.nan], "t")[1])
 
 
 def test_one_number():
-    assert gates.number("2 km", "x", unit="m") == 2000.0
-    assert gates.positive(np.float32(0.5), "x") == 0.5
+    assert validation.number("2 km", "x", unit="m") == 2000.0
+    assert validation.positive(np.float32(0.5), "x") == 0.5
     for value in (0.0, -1.0):
         with pytest.raises(AttitudeError, match=f"x is {value}; it must be greater than zero"):
-            gates.positive(value, "x")
+            validation.positive(value, "x")
 
 
 def test_one_of():
-    assert gates.one_of("a", "x", ("a", "b")) == "a"
+    assert validation.one_of("a", "x", ("a", "b")) == "a"
     with pytest.raises(AttitudeError, match="x is 'c'; it must be one of 'a', 'b'"):
-        gates.one_of("c", "x", ("a", "b"))
+        validation.one_of("c", "x", ("a", "b"))
     with pytest.raises(AttitudeError, match="must be one of"):
-        gates.one_of(["a"], "x", ("a", "b"))
+        validation.one_of(["a"], "x", ("a", "b"))
 
 
 def test_long_values_are_shortened():
     with pytest.raises(AttitudeError) as caught:
-        gates.real(["x" * 1000], "x")
+        validation.real(["x" * 1000], "x")
     assert len(str(caught.value)) < 200

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude.solution.turns import LONGEST, exp2_of_minus, negated_if_odd, phase, sincos
+from attitude.solution.phases import LONGEST, exp2_of_minus, negated_if_odd, phase, sincos
 
 U = 2.0**-53
 

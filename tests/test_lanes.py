@@ -5,15 +5,16 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from attitude.solution.lanes import at_least, bits_set_in_bytes, eight, lanes, root, summed_up
-from attitude.solution.machine import compiled, fma
+from attitude.compilation.decorators import entry_point
+from attitude.compilation.instructions import fma
+from attitude.compilation.simd import at_least, bits_set_in_bytes, eight, lanes, root, summed_up
 
 A = 0.1, 1.0 / 3.0, -2.5, 1.1
 B = 3.0, 0.7, 1e-9, -1.3
 EIGHT = tuple(np.random.default_rng(8).normal(size=8))
 
 
-@compiled
+@entry_point
 def operations(a, b, x):
     """Sums over four lanes, weighted so that lanes which changed places would show."""
     p, q, weights = lanes(a), lanes(b), lanes((1.0, 2.0, 4.0, 8.0))
@@ -30,7 +31,7 @@ def operations(a, b, x):
     )
 
 
-@compiled
+@entry_point
 def fused(a, b, x):
     """a b - (a b rounded) by lanes, and with doubles among them."""
     p, q = lanes(a), lanes(b)
@@ -38,7 +39,7 @@ def fused(a, b, x):
     return summed_up(fma(p, q, product * -1.0)), summed_up(fma(p, x, (p * x) * -1.0))
 
 
-@compiled
+@entry_point
 def of_eight(array, word):
     read = eight(array, 1)
     return summed_up(read), summed_up(bits_set_in_bytes(word) * read)

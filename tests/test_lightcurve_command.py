@@ -9,7 +9,7 @@ import pytest
 
 from attitude import cli, light_curve, scattering
 from attitude.formats import mission
-from attitude.formats.damit_light_curve import read_damit_light_curves
+from attitude.formats.damit.light_curve import read_damit_light_curves
 from attitude.shape import Ellipsoid
 from tests.test_examples import is_picture, run
 

@@ -8,7 +8,7 @@ from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
 from attitude import paths
-from attitude.epochs import instant
+from attitude.epochs.inputs import instant
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import julian

@@ -11,8 +11,9 @@ from astropy.time import Time
 from astropy.utils import iers
 from skyfield.api import EarthSatellite, wgs84
 
-from attitude import paths, tdb
-from attitude.epochs import instant
+from attitude import paths
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import instant
 from attitude.errors import AttitudeError
 from attitude.paths.earth_rotation import rotation_angle
 from attitude.paths.moving_pole import (
@@ -169,7 +170,7 @@ def test_a_satellite_that_has_decayed_is_refused_with_the_epoch():
 @pytest.mark.parametrize("series, pole", [(erfa_series, pole_of_date), (teme_series, pole_of_teme)])
 def test_the_fitted_pole_is_that_of_the_series(series, pole):
     seconds = np.random.default_rng(2).uniform(-8e8, 9e8, 50)
-    exact = series(*tdb.jd_from_seconds(seconds, 0.0 * seconds))
+    exact = series(*time_scales.jd_from_seconds(seconds, 0.0 * seconds))
     # 1e-15 rad are 7e-9 m at 7000 km; skyfield's angle in days and hours itself rounds by 1e-13.
     assert np.abs(pole(seconds, 0.0 * seconds) - exact)[:2].max() < 2e-15
     assert np.abs(pole(seconds, 0.0 * seconds) - exact)[2].max() < 3e-13
@@ -177,7 +178,7 @@ def test_the_fitted_pole_is_that_of_the_series(series, pole):
 
 def test_the_rotation_angle_is_erfas():
     seconds = np.random.default_rng(3).uniform(-1e9, 1e9, 1000)
-    jd = tdb.jd_from_seconds(seconds, 0.0 * seconds)
+    jd = time_scales.jd_from_seconds(seconds, 0.0 * seconds)
     away = rotation_angle(seconds, 0.0 * seconds) - erfa.era00(*jd)
     assert np.abs(np.arctan2(np.sin(away), np.cos(away))).max() < 2e-14  # a date in days: 7e-12 s
 
@@ -191,7 +192,7 @@ def test_a_site_is_where_astropy_has_it_on_the_same_table(longitude, latitude, h
     position, velocity = path.state(at, seconds)
     location = EarthLocation.from_geodetic(longitude * u.deg, latitude * u.deg, height * u.m)
     time = Time(*julian(at, seconds, NO_LOW), format="jd", scale="tdb")
-    with iers.earth_orientation_table.set(tdb.earth_orientation()):
+    with iers.earth_orientation_table.set(time_scales.earth_orientation()):
         theirs = location.get_gcrs_posvel(time)
     assert np.abs(position - theirs[0].xyz.to_value("m").T).max() < 1e-4
     assert np.abs(velocity - theirs[1].xyz.to_value("m/s").T).max() < 1e-6

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attitude import paths
-from attitude.epochs import instant
+from attitude.epochs.inputs import instant
 from attitude.errors import AttitudeError
 
 START = instant("2026-01-01 TDB")

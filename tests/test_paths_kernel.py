@@ -9,8 +9,8 @@ from astropy.time import Time
 from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
-from attitude import paths, tdb
-from attitude.epochs import Instant, instant
+from attitude import pairs, paths
+from attitude.epochs.inputs import Instant, instant
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import julian
@@ -80,7 +80,7 @@ def test_no_epoch_is_rounded_to_one_double():
     path = paths.body("earth", kernel("de421"))
     # The same epoch through three instants and splits of the seconds.
     near, far = instant("2026-03-01 TDB"), instant("1965-05-05T05:05:05.123 TDB")
-    apart = tdb.add((near.seconds, near.low), -far.seconds, -far.low)
+    apart = pairs.add((near.seconds, near.low), -far.seconds, -far.low)
     low = 3.1e-8
     one = path.position(near, 0.0, low)
     other = path.position(far, apart[0], apart[1] + low)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import paths
-from attitude.epochs import Instant
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 
 spiceypy = pytest.importorskip("spiceypy", reason="spiceypy is not installed")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from attitude import paths
-from attitude.epochs import instant
+from attitude.epochs.inputs import instant
 from attitude.errors import AttitudeError
 from tests.kernels import DATA, kernel
 

@@ -198,9 +198,10 @@ def test_another_process_reads_the_cache():
     code = (
         "from attitude import propagate\n"
         "propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])\n"
-        "from attitude.solution import cache, motion\n"
-        "stats = [f.stats for f in vars(motion).values() if hasattr(f, 'stats')]\n"
-        "print(cache._stamp(), sum(sum(s.cache_misses.values()) for s in stats), "
+        "from attitude.compilation import disk_cache\n"
+        "from attitude.solution import motion\n"
+        "stats = [f.dispatcher.stats for f in vars(motion).values() if hasattr(f, '_run')]\n"
+        "print(disk_cache._stamp(), sum(sum(s.cache_misses.values()) for s in stats), "
         "sum(sum(s.cache_hits.values()) for s in stats))"
     )
     stamps = []

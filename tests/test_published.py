@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from astropy import units as u
 
-from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, labelling, quaternion
-from attitude.dynamic_inertia import longest_P_phi, moments_from_ratios, possible
-from attitude.precession import symmetric_moments, total_spin
+from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
+from attitude.published import conventions
+from attitude.published.dynamic_inertia import longest_P_phi, moments_from_ratios, possible
+from attitude.published.regular_precession import symmetric_moments, total_spin
+from attitude.published.uncertainty import spread
 from attitude.regime import regimes
-from attitude.spread import spread
 
 APOPHIS = Body(moments=(0.61, 0.965, 1.0), relative=True)
 POLE = np.radians([250.0, -75.0])
@@ -85,7 +86,7 @@ def test_published_to_state_to_published():
     random, seen = Random(12), set()
     for _ in range(400):
         body = random_body(random)
-        moments = body.moments[labelling.order(body)]
+        moments = body.moments[conventions.order(body)]
         mode, convention = random.choice(("LAM", "SAM")), random.choice("LS")
         P_psi = 10.0 ** random.uniform(-3, 8)
         P_phi = longest_P_phi(moments, mode, convention, P_psi) * random.uniform(0.5, 0.98)
@@ -134,7 +135,7 @@ def test_labels_do_not_depend_on_the_order_of_the_moments():
                 atol=1e-13,
             )
             labels = [
-                motion.at(t).body_to_inertial(labelling.axes(body, convention)[:, 2])
+                motion.at(t).body_to_inertial(conventions.axes(body, convention)[:, 2])
                 for motion, body in ((straight, APOPHIS), (turned, other))
             ]
             np.testing.assert_allclose(*labels, atol=1e-12)
@@ -299,8 +300,8 @@ def test_relaxed_rotators_are_those_of_damit():
         assert motion.mode is Mode.PRINCIPAL_AXIS
         t = 1234.5
         turn = quaternion.multiply(
-            labelling.pole_wxyz(POLE),
-            labelling.euler_wxyz(math.radians(40.0) + 2 * math.pi * t / 21600.0, 0.0, 0.0),
+            conventions.pole_wxyz(POLE),
+            conventions.euler_wxyz(math.radians(40.0) + 2 * math.pi * t / 21600.0, 0.0, 0.0),
         )
         matrix = quaternion.matrix(turn)
         ours = np.linalg.inv(

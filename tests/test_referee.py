@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, Spin
-from attitude.referee import compare
+from attitude.referee.referee import compare
 
 BODY = Body(moments=(10, 20, 26))
 SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(2, 1, 5))

@@ -5,17 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from attitude import (
-    AttitudeError,
-    Body,
-    FreeRotation,
-    Spin,
-    epochs,
-    light_curve,
-    paths,
-    scattering,
-    tdb,
-)
+from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, light_curve, paths, scattering
+from attitude.epochs import time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import Path, julian
 from attitude.scene import Scene
@@ -68,7 +59,7 @@ def unit(vectors):
 
 def skyfield_at(seconds, start=START):
     jd1, jd2 = julian(start, seconds, np.zeros(1))
-    found = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
     return found
 
@@ -374,7 +365,7 @@ def test_lit_fraction_is_the_uncovered_share_of_the_disc(limb_degrees):
     from attitude.scene import shadow
 
     radius, limb = 6.4e6, np.radians(limb_degrees)
-    disc = np.arcsin(shadow.SUN_RADIUS / AU)
+    disc = np.arcsin(shadow.SUN_RADIUS_M / AU)
     apart = np.array([abs(limb - disc) * 0.9, *(limb + disc * np.array([-0.6, 0.0, 0.7, 1.1]))])
     apart = np.abs(apart)
     where = radius / np.sin(limb) * np.stack([np.cos(apart), np.sin(apart), 0 * apart])
@@ -455,8 +446,8 @@ def test_all_kinds_of_epochs_are_the_same():
 
 def test_motions_of_other_kinds_drive_a_scene():
     """Arcs without a change, and a table of its attitudes: the same as the free rotation."""
-    from attitude.arcs import Arcs
-    from attitude.attitude_table import AttitudeTable
+    from attitude.arcs.arcs import Arcs
+    from attitude.attitude_table.table import AttitudeTable
 
     times = np.linspace(1.0, 2.0, 7)
     fixed = {"center": None, "observer": SOUTH, "sun": EAST}
@@ -572,9 +563,7 @@ def test_magnitudes_follow_a_phase_function():
         view.brightness[:2], shape, "lommel-seeliger", view.phase_angle[:2], function
     )
     assert view.reduced_magnitude[:2] == pytest.approx(expected, abs=1e-12)
-    modulus = 5 * np.log10(
-        view.sun_distance * view.observer_distance / light_curve.magnitudes.AU**2
-    )
+    modulus = 5 * np.log10(view.sun_distance * view.observer_distance / AU**2)
     assert view.magnitude[:2] == pytest.approx(expected + modulus[:2], abs=1e-12)
     assert np.isnan(view.magnitude[2])
     with pytest.raises(AttitudeError, match="function of the phase angle"):

@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude.epochs import Instant
-from attitude.formats import measured, spin_file
-from attitude.formats.aside import written_whole
+from attitude.epochs.inputs import Instant
+from attitude.formats import spin_file
+from attitude.textfiles import quantities
+from attitude.textfiles.atomic_write import written_whole
 from tests import states
 
 GOOD = {
@@ -284,7 +285,7 @@ def test_no_text_is_more_than_an_error(text):
     with suppress(AttitudeError):
         spin_file.parse(text)
     with suppress(AttitudeError):
-        measured.in_unit(text, "x", "s")
+        quantities.in_unit(text, "x", "s")
 
 
 # Files that appear whole --------------------------------------------------------------------------

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, paths, quaternion, torqued_steps
-from attitude.schemes import SCHEMES, Scheme, scheme
-from attitude.solution.machine import compiled
+from attitude import AttitudeError, Body, FreeRotation, Spin, paths, quaternion
+from attitude.compilation.decorators import entry_point
 from attitude.solution.step import (
     LONGEST_PIECE,
     advance,
@@ -20,7 +19,9 @@ from attitude.solution.step import (
     rates,
     stored,
 )
-from attitude.splitting import TorquedRotation
+from attitude.splitting import steps as torqued_steps
+from attitude.splitting.schemes import SCHEMES, Scheme, scheme
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
 from tests import states
 from tests.gragg import EccentricOrbit, integrate
@@ -31,7 +32,7 @@ BODY = Body(moments=(10, 20, 26))
 MOMENTS = BODY.moments
 
 
-@compiled
+@entry_point
 def steps(m, h, count, state):
     moments = m[0], m[1], m[2]
     k, now = gains(moments), loaded(state)
@@ -40,13 +41,13 @@ def steps(m, h, count, state):
     stored(now, state)
 
 
-@compiled
+@entry_point
 def how_many(m, w, h):
     moments = m[0], m[1], m[2]
     return pieces(gains(moments), (w[0], w[1], w[2]), h)
 
 
-@compiled
+@entry_point
 def one_piece(m, w, h):
     moments = m[0], m[1], m[2]
     w = w[0], w[1], w[2]

@@ -8,8 +8,9 @@ import pytest
 from astropy import units
 
 from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
+from attitude.compilation.pointers import C_FUNCTION
 from attitude.shape import Mesh
-from attitude.splitting import TorquedRotation
+from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import (
     ConstantTorque,
     CustomTorque,
@@ -79,7 +80,7 @@ def called(door, wxyz, y, place, parameters):
     out = np.zeros(3)
     given = [np.array(each, dtype=float) for each in (wxyz, y, place, parameters)]
     pointer = ctypes.POINTER(ctypes.c_double)
-    door.ctypes(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
+    C_FUNCTION(door.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
     return out
 
 

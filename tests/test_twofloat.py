@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from attitude.compilation.instructions import fma, rint
 from attitude.propagation import constants_of
-from attitude.solution import codes, expansion, twofloat
-from attitude.solution.machine import fma, rint
+from attitude.solution import codes, twofloat
 
 U = Fraction(1, 2**53)
 
@@ -184,15 +184,15 @@ def test_pi(pair, name):
 def _sum_of(terms, row):
     n = 0
     for x in terms:
-        n = expansion.added(row, n, x)
-    return n, expansion.rounded(row, n)
+        n = twofloat.added(row, n, x)
+    return n, twofloat.rounded(row, n)
 
 
 @numba.njit(error_model="numpy")
 def _products_of(factors, row):
     n = 0
     for w, x, y, z in factors:
-        n = expansion.product_added(row, n, w, x, y, z)
+        n = twofloat.product_added(row, n, w, x, y, z)
     return n
 
 

@@ -12,17 +12,17 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    from attitude import check
+    from attitude import selftest
 
     try:
-        result = check.check()
+        result = selftest.check()
     except (OSError, KeyError, ValueError) as err:
         if isinstance(err, AttitudeError):
             raise
         raise AttitudeError(
             f"the reference states of the installation cannot be read ({err}); install it anew."
         ) from err
-    print(*check.versions(), sep="\n")
+    print(*selftest.versions(), sep="\n")
     if arguments.families:
         for family, error, rate_error in result.worst:
             print(f"  {family:<32} {error:8.1e} rad   rates {rate_error:8.1e}")
@@ -36,6 +36,6 @@ def run(arguments):
         f"{result.ratio:.2f} times numpy.sin on this machine."
     )
     verdict = "passed" if result.passed else "FAILED"
-    print(f"{verdict}: {check.LARGEST_ERROR:.0e} is promised. {result.seconds:.1f} s.")
+    print(f"{verdict}: {selftest.LARGEST_ERROR:.0e} is promised. {result.seconds:.1f} s.")
     if not result.passed:
         raise SystemExit(1)

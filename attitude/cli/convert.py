@@ -62,19 +62,19 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    from attitude.formats import which
+    from attitude.formats import detect
 
-    wanted = which.to_write(arguments.output)
+    wanted = detect.to_write(arguments.output)
     # The tolerance of lengths is for files of attitudes; of a C-kernel that is written, not.
     tolerance = None if wanted == "ck" else arguments.tolerance
     path = orbit.path_of(arguments)
-    if path is not None and {wanted, which.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
+    if path is not None and {wanted, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
             "--orbit is for AEM, APM and STK files, whose attitudes may be relative to axes of the "
             "orbit; leave it out."
         )
     reading = {"body": arguments.body, "kernels": arguments.kernels, "orbit": path}
-    found = which.opened(arguments.input, tolerance=tolerance, **reading)
+    found = detect.opened(arguments.input, tolerance=tolerance, **reading)
     with ExitStack() as stack:
         if hasattr(found.motion, "close"):
             stack.enter_context(found.motion)  # SPICE's kernels are unloaded at the end
@@ -82,10 +82,10 @@ def run(arguments):
 
 
 def _convert(arguments, wanted, found, path):
-    from attitude.formats import which
+    from attitude.formats import detect
 
     motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
-    if wanted in which.OF_MOTIONS:
+    if wanted in detect.OF_MOTIONS:
         _write_motion(arguments, wanted, motion, found.said)
     elif wanted == "ck":
         _write_kernel(arguments, motion)
@@ -93,7 +93,7 @@ def _convert(arguments, wanted, found, path):
         records = _records(arguments, motion)
         if _is_motion(motion):
             records.meta.update(_names(found.said))
-        which.write(arguments.output, records, **_settings(arguments, wanted, path))
+        detect.write(arguments.output, records, **_settings(arguments, wanted, path))
 
 
 def _is_motion(source):
@@ -116,7 +116,7 @@ def _fitted(arguments, source):
 
 def _sampled(arguments, source):
     """A table of what a C-kernel holds at the epochs that were asked for."""
-    from attitude.attitude_table import AttitudeTable
+    from attitude.attitude_table.table import AttitudeTable
 
     records = _records(arguments, source)
     history = source.at(records.seconds, records.low)
@@ -127,7 +127,7 @@ def _sampled(arguments, source):
 
 
 def _write_motion(arguments, wanted, motion, said):
-    from attitude.formats import which
+    from attitude.formats import detect
 
     sampled = () if arguments.fit else ("start", "stop", "step")
     _refuse(arguments, (*sampled, "type"), f"a file like {arguments.output}")
@@ -144,7 +144,7 @@ def _write_motion(arguments, wanted, motion, said):
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
         settings = _labels(said) if wanted == "spin" else {}
-    which.write_motion(arguments.output, motion, **settings)
+    detect.write_motion(arguments.output, motion, **settings)
 
 
 def _names(said):
@@ -190,7 +190,7 @@ def _write_kernel(arguments, source):
 
 def _records(arguments, source):
     """What is written: the records of a table, or some of a motion."""
-    from attitude.formats.records import Records
+    from attitude.formats.sources import Records
 
     if _is_table(source) and arguments.step is None:
         _refuse(arguments, ("start", "stop"), "records as they are, without --step")

@@ -17,7 +17,7 @@ def add_arguments(parser):
 
 
 def run(arguments):
-    from attitude.report import description
+    from attitude.free_rotation.description import description
 
     entry = target.incomplete(arguments)
     if entry is not None:

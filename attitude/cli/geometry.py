@@ -83,7 +83,7 @@ def dates(view, digits):
     """The first two columns of a view: texts of UTC, and a list of TDB seconds."""
     import numpy as np
 
-    from attitude.formats import ccsds_epochs
+    from attitude.formats.ccsds import epochs as ccsds_epochs
 
     hi, lo = view.seconds, np.zeros(view.shape) if view.low is None else view.low
     return ccsds_epochs.texts(view.epoch, hi, lo, "utc", digits), hi.tolist()
@@ -154,13 +154,13 @@ def _header(kind, mission):
     from astropy.units import Quantity
 
     from attitude.cli import table
-    from attitude.formats import measured
+    from attitude.textfiles import quantities
 
     row = table.first_row("2000-01-01T00:00:00")
     for name, unit, about in labels:
         is_flag = name.startswith("in_")
         row[name] = (
-            Quantity([1.0], measured.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
+            Quantity([1.0], quantities.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
         )
         row[name].info.description = about
     row.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}

@@ -12,9 +12,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from attitude import epochs, tdb
+from attitude import epochs, pairs
+from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import measured
+from attitude.textfiles import quantities
 
 # Beyond this a table is a mistake: a terabyte of text.
 _MOST_ROWS = 10**10
@@ -54,14 +55,18 @@ class Grid:
         """
         number = np.arange(first, min(first + count, self.count), dtype=np.float64)
         elapsed = _times(number, self.step)
-        offset = tdb.add((self.start.seconds, self.start.low), -self.epoch.seconds, -self.epoch.low)
-        seconds = tdb.add(offset, *elapsed)
+        offset = pairs.add(
+            (self.start.seconds, self.start.low), -self.epoch.seconds, -self.epoch.low
+        )
+        seconds = pairs.add(offset, *elapsed)
         if self.uniform_in == "tdb":
             return seconds
         tt0 = _tt(self.start)
-        change = tdb.difference_at(*tdb.add(tt0, *elapsed)) - tdb.difference_at(*tt0)
+        change = time_scales.difference_at(*pairs.add(tt0, *elapsed)) - time_scales.difference_at(
+            *tt0
+        )
         # The difference from an array and from one number may differ by 5e-15 s.
-        return tdb.add(seconds, np.where(number == 0.0, 0.0, change))
+        return pairs.add(seconds, np.where(number == 0.0, 0.0, change))
 
     @property
     def digits(self):
@@ -115,7 +120,7 @@ def grid(epoch, start, stop, step):
 
 def duration(text, name):
     """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d"."""
-    numbers, unit = measured.numbers_and_unit(text, name)
+    numbers, unit = quantities.numbers_and_unit(text, name)
     if len(numbers) != 1:
         raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
     length = Fraction(numbers[0])
@@ -124,7 +129,7 @@ def duration(text, name):
 
         try:
             # The shortest decimal of the factor: 0.001 s for a ms, not the double nearest to it.
-            length *= Fraction(repr(float(measured.unit_of(unit, name).to("s"))))
+            length *= Fraction(repr(float(quantities.unit_of(unit, name).to("s"))))
         except units.UnitConversionError as err:
             raise AttitudeError(
                 f'{name} is {text!r}; give a time, like "10 s", "1 h" or "3 d".'
@@ -160,8 +165,8 @@ def _instant(moment, epoch, scale, name, text):
         elif moment == 0:
             found = epoch
         else:
-            tt = tdb.add(_tt(epoch), hi, lo)
-            found = epochs.Instant(*map(float, tdb.tdb_from("tt", *map(np.float64, tt))))
+            tt = pairs.add(_tt(epoch), hi, lo)
+            found = epochs.Instant(*map(float, time_scales.tdb_from("tt", *map(np.float64, tt))))
     if not _FIRST <= found.seconds < _LAST:
         raise _out_of_calendar(name, text)
     return found
@@ -172,7 +177,7 @@ def _out_of_calendar(name, text):
 
 
 def _tt(instant):
-    return tdb.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+    return time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
 
 
 def _exact(pair):
@@ -186,7 +191,7 @@ def _times(number, step):
     while rest:
         part = _leading(rest)
         rest -= Fraction(part)
-        hi, lo = tdb.add((hi, lo), number * part)
+        hi, lo = pairs.add((hi, lo), number * part)
         if abs(rest) * 2**140 < abs(step):
             break
     return hi, lo

@@ -48,7 +48,7 @@ def add_arguments(parser):
 
 def run(arguments):
     from attitude.formats import mission as missions
-    from attitude.formats.aside import written_whole
+    from attitude.textfiles.atomic_write import written_whole
 
     kind = output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
     picture = _picture(arguments.figure)
@@ -112,7 +112,7 @@ class _Curve:
         import numpy as np
 
         from attitude import epochs
-        from attitude.formats import damit_light_curve as damit
+        from attitude.formats.damit import light_curve as damit
 
         reduced, hi, lo, sun, observer = (self._joined(name) for name in _DAMIT)
         if not np.all(np.isfinite(reduced)):

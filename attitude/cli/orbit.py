@@ -60,7 +60,7 @@ def path_of(arguments):
 
 
 def _kind(file):
-    from attitude.formats.lines import unreadable
+    from attitude.textfiles.lines import unreadable
 
     try:
         with open(file, "rb") as stream:

@@ -32,6 +32,6 @@ def opened(name):
     """The file of --output, which appears whole or not at all; without one standard output."""
     if name is None:
         return nullcontext(sys.stdout)
-    from attitude.formats.aside import written_whole
+    from attitude.textfiles.atomic_write import written_whole
 
     return written_whole(name, "--output")

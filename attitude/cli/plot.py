@@ -31,14 +31,14 @@ def add_arguments(parser):
 
 def run(arguments):
     from attitude import plots
-    from attitude.formats import measured
+    from attitude.textfiles import quantities
 
     found = target.opened(arguments)
     name = arguments.output or _file_name(found.name, arguments.target)
     output.kind_of(name, output.PICTURES)
     span = None
     if arguments.span is not None:
-        span = measured.in_unit(arguments.span, "--span", "s")
+        span = quantities.in_unit(arguments.span, "--span", "s")
     figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.name)
     try:
         figure.savefig(name, dpi=150)

@@ -2,7 +2,8 @@
 
 import io
 
-from attitude.formats import ccsds_epochs, csv_rows
+from attitude.formats import csv_rows
+from attitude.formats.ccsds import epochs as ccsds_epochs
 
 
 def header(kind, motion, *, rates):

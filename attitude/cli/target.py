@@ -97,13 +97,13 @@ def _from_file(arguments):
 
 
 def _given(arguments):
-    from attitude.formats import measured
+    from attitude.textfiles import quantities
 
     given = {}
     for option, name, unit, _ in _NUMBERS:
         words = getattr(arguments, name)
         if words is not None:
-            found = measured.in_unit(" ".join(words), option, unit)
+            found = quantities.in_unit(" ".join(words), option, unit)
             given[name] = found[()] if found.size > 1 else float(found.reshape(()))
     for _, name, _ in _WORDS:
         given[name] = getattr(arguments, name)

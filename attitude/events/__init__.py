@@ -24,8 +24,8 @@ from attitude.events.conditions import (
 )
 from attitude.events.directions import Moving
 from attitude.events.discrete import find_discrete, shadow_state, stream
+from attitude.events.events import Events
 from attitude.events.extrema import Quantity, brightness, find_maxima, find_minima, separation
-from attitude.events.record import Events
 from attitude.events.search import TOUCH
 
 __all__ = [

@@ -6,14 +6,14 @@ of its first two derivatives from the pace of the motion and the drift of the di
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.events.directions import Aberrated, direction_of, source_of, values_at
-from attitude.unit_vector import unit_vector
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SUN_RADIUS_M
+from attitude.validation import unit_vector
 
 # The nominal radius of the Sun over the astronomical unit, 959.2 arcsec (IAU 2015 B3, 2012 B2).
-_SUN = 6.957e8
-SUN_RADIUS = np.arcsin(_SUN / 149597870700.0)
+SUN_RADIUS = np.arcsin(SUN_RADIUS_M / ASTRONOMICAL_UNIT_M)
 
 
 class Condition:
@@ -85,7 +85,7 @@ def in_cone(motion, axis, direction, half_angle):
     (array([13.70796327, 17.70796327]), array([ True, False]))
     """
     source = source_of(motion)
-    angle = gates.number(half_angle, "half_angle", unit="rad")
+    angle = validation.number(half_angle, "half_angle", unit="rad")
     if not 0.0 < angle < np.pi:
         raise AttitudeError(f"half_angle is {angle!r} rad; give one above 0 and below pi.")
     seen = direction_of(direction, "direction", source)
@@ -185,7 +185,7 @@ def glint(motion, normal, sun=None, observer=None, *, sun_radius=None, velocity=
     source = source_of(motion)
     radius = sun_radius
     if sun_radius is not None:
-        radius = gates.number(sun_radius, "sun_radius", unit="rad")
+        radius = validation.number(sun_radius, "sun_radius", unit="rad")
     elif source.scene is None or getattr(source.scene.sun, "is_direction", False):
         radius = SUN_RADIUS
     if radius is not None and not 0.0 < radius < 0.5 * np.pi:
@@ -258,7 +258,7 @@ class Mirrored:
         """1 - cos(radius)."""
         if self._radius is not None:
             return 2.0 * np.sin(0.5 * self._radius) ** 2
-        sine = _SUN / moment.view.sun_distance
+        sine = SUN_RADIUS_M / moment.view.sun_distance
         return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
 
     def bounds(self, pace, drifts):

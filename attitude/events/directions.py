@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from attitude import epochs, gates, quaternion
+from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.unit_vector import unit_vector
+from attitude.physical_constants import SPEED_OF_LIGHT_M_S
+from attitude.validation import unit_vector
 
 # Sampled less than a radian of its turning and the body's apart, a direction's differences are
 # close to its derivatives (2 sin(0.4)/0.8 = 0.97 of them); these are the margins taken.
 _MARGINS = (1.5, 2.0, 3.0)
-_LIGHT = 299792458.0
 
 
 class Drift(NamedTuple):
@@ -59,9 +59,9 @@ class Moving:
 
     def __init__(self, function, rate=None, acceleration=None, name="direction"):
         self.function, self.name = function, name
-        self.rate = None if rate is None else gates.number(rate, "rate")
+        self.rate = None if rate is None else validation.number(rate, "rate")
         self.acceleration = (
-            None if acceleration is None else gates.number(acceleration, "acceleration")
+            None if acceleration is None else validation.number(acceleration, "acceleration")
         )
 
     def icrf(self, moment):
@@ -131,17 +131,17 @@ class Aberrated:
         self.name = direction.name
         self._velocity = velocity
         if isinstance(velocity, str):
-            gates.one_of(velocity, "velocity", ("center",))
+            validation.one_of(velocity, "velocity", ("center",))
             if source.scene is None or source.scene.center is None:
                 raise AttitudeError(
                     'velocity is "center", but there is no scene with a center; give it in m/s.'
                 )
         elif not callable(velocity):
-            self._velocity = gates.real(velocity, "velocity", shape=(3,), unit="m/s")
+            self._velocity = validation.real(velocity, "velocity", shape=(3,), unit="m/s")
         self._fixed = isinstance(direction, Fixed) and isinstance(self._velocity, np.ndarray)
 
     def icrf(self, moment):
-        b = self._sign / _LIGHT * self._velocity_at(moment)
+        b = self._sign / SPEED_OF_LIGHT_M_S * self._velocity_at(moment)
         square = np.sum(b * b, axis=-1, keepdims=True)
         if not np.all(square < 1.0):
             raise AttitudeError(
@@ -262,7 +262,7 @@ def direction_of(given, name, source):
         return given
     if source.scene is not None and (given is None or isinstance(given, str)):
         chosen = name if given is None else given
-        return OfScene(gates.one_of(chosen, name, ("sun", "observer")))
+        return OfScene(validation.one_of(chosen, name, ("sun", "observer")))
     if given is None or isinstance(given, str):
         raise AttitudeError(
             f"{name} is {given!r}; a motion alone does not know where it is: give an ICRF vector, "

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from attitude import epochs, gates
+from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.events.conditions import Condition
-from attitude.events.record import Events
+from attitude.events.events import Events
 from attitude.events.search import crossings, difference, one_source
 
 # Samples of a plain function in a block.
@@ -160,13 +160,13 @@ def plain_step(step):
             "a plain function does not say how fast it changes; give step=, the spacing in s at "
             "which it is sampled."
         )
-    return gates.positive(step, "step", unit="s")
+    return validation.positive(step, "step", unit="s")
 
 
 def _of_function(start, stop, f, step, epoch, tolerance):
     step = plain_step(step)
     tolerance = (
-        1e-9 * step if tolerance is None else gates.positive(tolerance, "tolerance", unit="s")
+        1e-9 * step if tolerance is None else validation.positive(tolerance, "tolerance", unit="s")
     )
     own = getattr(f, "epoch", None)
     if own is not None and epoch is not None:
@@ -190,8 +190,8 @@ def plain_span(start, stop, epoch):
         epoch = epochs.instant(epoch)
         begin, end = (hi + lo for hi, lo in span(epoch, start, stop))
         return begin, end, epoch
-    begin = gates.number(start, "start", unit="s")
-    end = gates.number(stop, "stop", unit="s")
+    begin = validation.number(start, "start", unit="s")
+    end = validation.number(stop, "stop", unit="s")
     if end < begin:
         raise AttitudeError(f"stop is {begin - end:.9g} s before start; exchange them.")
     return begin, end, None

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.events.conditions import axis_or_long, chord_squared, dot, turning
 from attitude.events.directions import Fixed, direction_of, source_of, values_at
 from attitude.events.discrete import plain_span, plain_step, span
-from attitude.events.pace import Sampled, pieces
+from attitude.events.events import Events
 from attitude.events.peaks import peaks
-from attitude.events.record import Events
+from attitude.events.rate_bounds import Sampled, pieces
 from attitude.events.search import crossings
 
 # Samples of a quantity whose derivatives have no bounds, in rad of the rotation.
@@ -141,7 +141,7 @@ def _extrema(start, stop, f, step, epoch, sign):
     if step is None:
         rate = limit.guess(f.source, begin)
         step = _SAMPLES / rate if rate > 0.0 else max(end[0] - begin[0], 1.0) / 64.0
-    step = gates.positive(step, "step", unit="s")
+    step = validation.positive(step, "step", unit="s")
     return _joined(f.epoch, peaks(f, begin, end, step, sign))
 
 

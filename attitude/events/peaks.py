@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from attitude import tdb
+from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.events.search import difference, shifted
 
@@ -61,7 +61,7 @@ def peaks(f, start, stop, step, sign):
         found = _refined(value, s[left[own]], s[right[own]], step)
         if len(found):
             yield *shifted(base, found), sign * value(found)
-        base = tdb.add(base, size * step)
+        base = pairs.add(base, size * step)
         done += size
 
 

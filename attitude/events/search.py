@@ -17,11 +17,11 @@ Time within a block is a single double from the block's start, a pair of doubles
 
 import numpy as np
 
-from attitude import tdb
+from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.events.conditions import Condition, same_source
-from attitude.events.pace import Pace, pieces
-from attitude.events.refine import refined
+from attitude.events.rate_bounds import Pace, pieces
+from attitude.events.root_finding import refined
 
 # Crossings nearer to each other than this, in rad of the fastest rotation, may be taken for none.
 TOUCH = 1e-6
@@ -110,7 +110,7 @@ def blocks(source, channels, start, stop):
                         for channel in channels
                     ],
                 )
-            base = end if last else tdb.add(base, length)
+            base = end if last else pairs.add(base, length)
             rate = fastest if fastest > 0.0 else rate
 
 
@@ -156,12 +156,12 @@ def _divided(evaluate, a, b, p, q):
 
 def shifted(base, s):
     """The pairs base + s."""
-    hi, lo = tdb.add(base, s)
+    hi, lo = pairs.add(base, s)
     return hi, np.broadcast_to(lo, hi.shape) + 0.0
 
 
 def difference(start, stop):
-    hi, lo = tdb.add(stop, -start[0], -start[1])
+    hi, lo = pairs.add(stop, -start[0], -start[1])
     return float(hi + lo)
 
 

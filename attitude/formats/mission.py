@@ -45,11 +45,12 @@ import os
 import re
 from dataclasses import dataclass
 
-from attitude import gates, paths
+from attitude import paths, validation
 from attitude.errors import AttitudeError
-from attitude.formats import measured, spin_file, toml_text
-from attitude.formats.toml_text import refuse_unknown, text_of, way_of
+from attitude.formats import spin_file
 from attitude.scene import Scene, View
+from attitude.textfiles import quantities, toml
+from attitude.textfiles.toml import refuse_unknown, text_of, way_of
 
 _TEXTS = ("name", "source", "note")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
@@ -89,7 +90,7 @@ class Column:
             return 1.0
         from astropy.units import Unit
 
-        return float(Unit(own).to(measured.unit_of(self.unit, "columns")))
+        return float(Unit(own).to(quantities.unit_of(self.unit, "columns")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,7 @@ def read(path):
         that it names, quantities that do not exist; each begins with the name of the file.
     """
     path = os.fspath(path)
-    return parse(toml_text.read(path, "mission file"), path, folder=os.path.dirname(path))
+    return parse(toml.read(path, "mission file"), path, folder=os.path.dirname(path))
 
 
 def parse(text, origin="text", *, folder="."):
@@ -141,7 +142,7 @@ def parse(text, origin="text", *, folder="."):
     >>> mission.scene.at(mission.times["epochs"]).phase_angle.round(6), mission.columns[0].unit
     (array([1.570796]), 'deg')
     '''
-    content = toml_text.parsed(text, origin)
+    content = toml.parsed(text, origin)
     try:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}
@@ -174,7 +175,7 @@ def column(text):
     if unit and unit != own:
         from astropy import units
 
-        if not own or not units.Unit(own).is_equivalent(measured.unit_of(unit, "columns")):
+        if not own or not units.Unit(own).is_equivalent(quantities.unit_of(unit, "columns")):
             raise AttitudeError(
                 f"columns holds {text!r}, but {name} is "
                 + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
@@ -254,8 +255,8 @@ def _kepler(value, name):
 
 
 def _pair(value, name):
-    found = measured.in_unit(value, name, "rad") if isinstance(value, str) else value
-    found = gates.real(found, name, unit="rad")
+    found = quantities.in_unit(value, name, "rad") if isinstance(value, str) else value
+    found = validation.real(found, name, unit="rad")
     if found.shape != (2,):
         raise AttitudeError(
             f'{name} is {value!r}; give longitude and latitude, as in "15.49, 47.07 deg".'

@@ -25,11 +25,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from attitude import gates, scattering, shape
+from attitude import scattering, shape, validation
 from attitude.errors import AttitudeError
-from attitude.formats import measured
-from attitude.formats.toml_text import refuse_unknown, way_of
 from attitude.light_curve import magnitudes
+from attitude.textfiles import quantities
+from attitude.textfiles.toml import refuse_unknown, way_of
 
 # What leads each way to give a shape, and what may go with it.
 _SHAPES = {
@@ -112,7 +112,7 @@ def shape_of(given, body, opened):
             raise AttitudeError(f"[shape] {key} does not go with {way}; leave it out.")
     found = {}
     if "shadows" in given:
-        found["shadows"] = gates.one_of(given["shadows"], "[shape] shadows", (True, False))
+        found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
     if way == "file":
         path = opened(given["file"], "[shape] file")
         rest = {key: given[key] for key in ("unit", "format") if key in given}
@@ -170,7 +170,7 @@ def scale_of(given):
     found = {"phase_function": _phase_function(given)}
     if "sun_magnitude" in given:
         band = given["sun_magnitude"]
-        found["sun_magnitude"] = gates.number(band, "[magnitude] sun_magnitude", unit="mag")
+        found["sun_magnitude"] = validation.number(band, "[magnitude] sun_magnitude", unit="mag")
     if found["phase_function"] is not None and "sun_magnitude" in given:
         raise AttitudeError(
             "[magnitude] has both h and sun_magnitude, but h tells the brightness by itself; leave "
@@ -190,14 +190,14 @@ def magnitude_of(given, scene):
                     f"{getattr(place, 'name', place)}, whose distance is known; leave it out."
                 )
             value = _number(given[key], f"[magnitude] {key}", "m")
-            distances[key] = gates.positive(value, f"[magnitude] {key}", unit="m")
+            distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
     far = [
         key
         for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
         if getattr(place, "is_direction", False) and key not in distances
     ]
     kind = given.get("kind", "reduced" if far else "apparent")
-    gates.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
+    validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
     if kind == "apparent" and far:
         raise AttitudeError(
             f"an apparent magnitude needs {' and '.join(far)} where there is a direction; give it "
@@ -277,7 +277,9 @@ def _phase_function(given):
             )
         return None
     numbers = {
-        key: gates.number(_number(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}")
+        key: validation.number(
+            _number(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
+        )
         for key in ("h", *names)
     }
     if names in ([], ["g"]):
@@ -310,5 +312,5 @@ def _table(given, where, units):
 def _number(value, name, unit):
     """A number or list of a file, or text with a unit, as floats in the unit."""
     if isinstance(value, str):
-        return measured.in_unit(value, name, unit)[()]
-    return gates.real(value, name, unit=unit)[()]
+        return quantities.in_unit(value, name, unit)[()]
+    return validation.real(value, name, unit=unit)[()]

@@ -43,11 +43,12 @@ import numpy as np
 from attitude import epochs
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.formats import spin_sections, toml_text
-from attitude.formats.aside import written_whole
-from attitude.free_rotation import FreeRotation
-from attitude.frozen import Frozen
+from attitude.formats import spin_sections
+from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.immutable import Frozen
 from attitude.spin import Spin
+from attitude.textfiles import toml
+from attitude.textfiles.atomic_write import written_whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,7 @@ def read(path):
         refuse; each begins with the name of the file.
     """
     path = os.fspath(path)
-    return parse(toml_text.read(path, "spin file"), path)
+    return parse(toml.read(path, "spin file"), path)
 
 
 def parse(text, origin="text"):
@@ -106,10 +107,10 @@ def parse(text, origin="text"):
     ... """).spin
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 0.10472, 1.5708, 0.10472 rad/s in body axes>
     '''
-    content = toml_text.parsed(text, origin)
+    content = toml.parsed(text, origin)
     try:
-        toml_text.refuse_unknown(content, ("name", "source", "note", "body", "spin"), "the file")
-        labels = {key: toml_text.text_of(content, key) for key in ("name", "source", "note")}
+        toml.refuse_unknown(content, ("name", "source", "note", "body", "spin"), "the file")
+        labels = {key: toml.text_of(content, key) for key in ("name", "source", "note")}
         return of_sections(content, **labels)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err

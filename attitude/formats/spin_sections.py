@@ -5,12 +5,12 @@ See `spin_file` for the keys; sections of the same kind stand in mission files.
 
 import re
 
-from attitude import epochs, gates
+from attitude import epochs, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.formats import measured
-from attitude.formats.toml_text import listed, refuse_unknown
 from attitude.spin import Spin
+from attitude.textfiles import quantities
+from attitude.textfiles.toml import listed, refuse_unknown
 
 # The ways to give a body or an attitude: what leads each, what it needs, what may go with it.
 _BODIES = {
@@ -141,13 +141,13 @@ def _epoch(value):
 
 def _numbers(section, where, key, shape, unit):
     name = f"[{where}] {key}"
-    return gates.real(_converted(section[key], name, unit), name, shape=shape, unit=unit)
+    return validation.real(_converted(section[key], name, unit), name, shape=shape, unit=unit)
 
 
 def _converted(value, name, unit):
     """Text and lists of it as nested lists of floats in the unit."""
     if isinstance(value, str):
-        return measured.in_unit(value, name, unit).tolist()
+        return quantities.in_unit(value, name, unit).tolist()
     if isinstance(value, list):
         kinds = {_kind(each) for each in value}
         if len(kinds) > 1:

@@ -15,16 +15,19 @@ import re
 
 import numpy as np
 
-from attitude import interpolation, quaternion, tdb
+from attitude import pairs, quaternion
 from attitude import representations as forms
-from attitude.epochs import Instant
+from attitude.attitude_table import interpolation
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import axes, ccsds_epochs
-from attitude.formats import records as sources
-from attitude.formats.aside import written_whole
-from attitude.formats.attitude_types import Convention
-from attitude.formats.lines import NoNumber, numbers, opened
-from attitude.formats.segment import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.formats import sources
+from attitude.formats.ccsds import axes
+from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds.attitude_types import Convention
+from attitude.formats.rows import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.textfiles.atomic_write import written_whole
+from attitude.textfiles.lines import NoNumber, numbers, opened
 
 # Section -> CCSDS attitude type of its columns, and whether the scalar stands first.
 _SECTIONS = {
@@ -197,8 +200,8 @@ class _Reader:
             raise self._lines.fault("its time is not finite.", places[k])
         if self._kind.startswith("DCM"):
             values = self._quaternions(values, places)
-        tai = tdb.add(self._epoch, seconds)
-        rows.add_times(*tdb.tdb_from("tai", *tai), values, places, self._lines.fault)
+        tai = pairs.add(self._epoch, seconds)
+        rows.add_times(*time_scales.tdb_from("tai", *tai), values, places, self._lines.fault)
 
     def _quaternions(self, values, places):
         try:
@@ -223,8 +226,8 @@ class _Reader:
             instant = ccsds_epochs.instant(iso, "utc")
         except ccsds_epochs.BadEpoch as err:
             raise lines.fault(f"ScenarioEpoch is {text[:40]!r}: {err.reason}.", line) from err
-        tt = tdb.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
-        return tdb.add(tt, -tdb.TT_MINUS_TAI)
+        tt = time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+        return pairs.add(tt, -time_scales.TT_MINUS_TAI)
 
     def _whole(self, keyword, default):
         text = self._keywords.get(keyword)
@@ -329,18 +332,18 @@ def _whole_second(part):
     """The whole second of UTC at or before the first record, as STK writes it; and what turns a
     piece of history into seconds of TAI from it."""
     seconds, low = part.first_and_last()
-    hi, lo = tdb.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
+    hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
     text = text.partition(".")[0]
     whole = ccsds_epochs.instant(text, "utc")
-    tai0 = tdb.tt_from_tdb(np.float64(whole.seconds), np.float64(whole.low))
+    tai0 = time_scales.tt_from_tdb(np.float64(whole.seconds), np.float64(whole.low))
     date = datetime.date.fromisoformat(text[:10])
     shown = f"{date.day} {_MONTHS[date.month - 1]} {date.year:04d} {text[11:]}.000000000"
 
     def shift(history):
         rest = 0.0 if history.low is None else history.low
-        epochs = tdb.add((history.seconds, rest), history.epoch.seconds, history.epoch.low)
-        hi, lo = tdb.add(tdb.tt_from_tdb(*epochs), -tai0[0], -tai0[1])
+        epochs = pairs.add((history.seconds, rest), history.epoch.seconds, history.epoch.low)
+        hi, lo = pairs.add(time_scales.tt_from_tdb(*epochs), -tai0[0], -tai0[1])
         return hi + lo
 
     return shown, shift

@@ -16,16 +16,17 @@ import warnings
 
 import numpy as np
 
-from attitude import epochs, tdb
+from attitude import epochs, pairs
 from attitude import representations as forms
-from attitude.attitude_table import AttitudeTable
+from attitude.attitude_table.table import AttitudeTable
+from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import ccsds_epochs, csv_rows
-from attitude.formats import records as sources
-from attitude.formats.aside import written_whole
+from attitude.formats import csv_rows, sources
+from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.csv_rows import ATTITUDE, RATES
-from attitude.formats.lines import NoNumber, numbers, opened
-from attitude.formats.segment import TOLERANCE, Rows, known_tolerance
+from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
+from attitude.textfiles.atomic_write import written_whole
+from attitude.textfiles.lines import NoNumber, numbers, opened
 
 KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
 _BATCH = 16384
@@ -170,7 +171,7 @@ def _times(table, origin):
         found = [pair for pair in pairs if set(pair) <= set(table.colnames)]
         if found:
             jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in found[0])
-            return tdb.seconds_from_jd(jd1, jd2)
+            return time_scales.seconds_from_jd(jd1, jd2)
         if "utc" not in table.colnames:
             raise AttitudeError(
                 f"{origin}: it has no epochs; give a Time column, or jd1 and jd2 (TDB), or utc."
@@ -184,7 +185,7 @@ def _times(table, origin):
 
 
 def _columns(table, name, names, origin, unit):
-    from attitude import gates
+    from attitude import validation
 
     try:
         if name in table.colnames:
@@ -193,7 +194,7 @@ def _columns(table, name, names, origin, unit):
             given = np.stack([_plain(table[each], unit) for each in names], axis=-1)
         else:
             return None
-        return gates.real(given, name, shape=(len(table), len(names)), unit=unit)
+        return validation.real(given, name, shape=(len(table), len(names)), unit=unit)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError) as err:  # astropy, of units that are none
@@ -215,7 +216,7 @@ def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
         degree = None if degree is None else int(degree)
         epoch = epochs.Instant(float(hi[0]), float(lo[0]))
-        hi, lo = tdb.add((hi, lo), -epoch.seconds, -epoch.low)
+        hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         parts = []
         for start, stop in zip(starts, [*starts[1:], len(hi)], strict=True):
             k = slice(start, stop)
@@ -255,7 +256,7 @@ def _write_csv(path, source, t, rates):
 
 
 def _read_csv(path, tolerance):
-    from attitude.formats.axes import named
+    from attitude.formats.ccsds.axes import named
 
     with opened(path) as lines:
         names = _csv_names(lines)
@@ -281,7 +282,7 @@ def _read_csv(path, tolerance):
         _take_csv(rows, batch, at, where, places, wanted, lines)
         if not rows.count:
             raise lines.fault("the file has no rows.")
-        from attitude.formats.attitude_types import Convention
+        from attitude.formats.ccsds.attitude_types import Convention
 
         how = Convention(scalar_first=True, in_radians=True)
         told = {"tolerance": tolerance, "meta": {"format": "CSV"}}
@@ -351,8 +352,8 @@ def _write_parquet(path, source, t, rates):
         for part in parts:
             for history in part.pieces():
                 low = 0.0 if history.low is None else history.low
-                time = tdb.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
-                columns = [*tdb.jd_from_seconds(*time), *history.wxyz.T]
+                time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
+                columns = [*time_scales.jd_from_seconds(*time), *history.wxyz.T]
                 if rates:
                     columns += [*history.angular_velocity.T]
                 arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]

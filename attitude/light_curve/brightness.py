@@ -89,7 +89,7 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
     vary = has_phase and np.any(law.phase(np.array([0.0, 1.0, 2.0])) != 1.0)
 
     if vary:
-        from attitude.solution.separation import separation
+        from attitude.solution.vectors import separation
 
     def work(begin, end):
         parts = components(sun, observer, begin, end)

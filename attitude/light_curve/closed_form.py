@@ -16,8 +16,8 @@ pi - 1e-8.  Compiled without fastmath, so that no sum is taken in another order.
 
 import math
 
-from attitude.scattering.machine import merged
-from attitude.solution.machine import as_bits, compiled, from_bits
+from attitude.compilation.decorators import entry_point, reduction_inlined
+from attitude.compilation.instructions import as_bits, from_bits
 
 _LN2 = 0.6931471805599453
 # The bits of sqrt(1/2), and those of the exponent.
@@ -25,7 +25,7 @@ _ROOT = 0x3FE6A09E667F3BCD
 _EXPONENT = -0x10000000000000
 
 
-@compiled
+@entry_point
 def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
     """factor times the integral, for each epoch; no branch and no call in the loop."""
     ia, ib, ic = 1.0 / a, 1.0 / b, 1.0 / c
@@ -49,7 +49,7 @@ def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
         out[t] = scale * 2.0 * m * inverse * _dimming(square, y)
 
 
-@merged
+@reduction_inlined
 def _dimming(square, y):
     """G from x^2 and 1 - x^2: the series below x = 1/4, where the closed form would lose digits.
 
@@ -63,7 +63,7 @@ def _dimming(square, y):
     return _series(near) if square < 0.0625 else closed
 
 
-@merged
+@reduction_inlined
 def _series(u):
     """Sum of 2 u^(k-1) / (4 k^2 - 1) from k = 1: 12 terms leave 2e-17 at u = 1/16."""
     s = 2.0 / 575.0
@@ -80,7 +80,7 @@ def _series(u):
     return s * u + 2.0 / 3.0
 
 
-@merged
+@reduction_inlined
 def _log(r):
     """Natural logarithm of a positive normal number, to 2e-16 or 2e-16 of it.
 

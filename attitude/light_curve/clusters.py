@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Facets in a cluster: one vector instruction (`solution.lanes`).  More would leave more of them.
+# Facets in a cluster: one vector instruction (`compilation.simd`).  More would leave more of them.
 SIZE = 8
 # Numbers kept of a facet, each in rows of SIZE: two slopes, height along the axis, area.
 ROWS = 4

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M
 from attitude.scattering.parameters import together
 
 # The astronomical unit (IAU 2012 B2), m.
-AU = 149597870700.0
 # The Sun in Johnson V, Vega magnitudes: Willmer, ApJS 236, 47, 2018, table 3.
 SUN_V = -26.76
 
@@ -40,13 +40,13 @@ def reduced_magnitude(brightness, *, sun_magnitude=SUN_V):
     >>> round(float(reduced_magnitude(1.0 * 664.5e3**2)), 2)
     0.0
     """
-    array = gates.real(brightness, "brightness", unit="m2/sr", finite=False)
+    array = validation.real(brightness, "brightness", unit="m2/sr", finite=False)
     if not np.all((array >= 0.0) & (array < np.inf)):
         bad = array[~((array >= 0.0) & (array < np.inf))].flat[0]
         raise AttitudeError(f"brightness holds {bad}; it must be finite and not negative, m2/sr.")
-    sun_magnitude = gates.number(sun_magnitude, "sun_magnitude", unit="mag")
+    sun_magnitude = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
     with np.errstate(divide="ignore"):
-        return sun_magnitude + 5.0 * np.log10(AU) - 2.5 * np.log10(array)
+        return sun_magnitude + 5.0 * np.log10(ASTRONOMICAL_UNIT_M) - 2.5 * np.log10(array)
 
 
 def apparent_magnitude(brightness, sun_distance, observer_distance, *, sun_magnitude=SUN_V):
@@ -66,10 +66,10 @@ def distance_modulus(sun_distance, observer_distance):
     """Apparent minus reduced magnitude, 5 log10 of the product of both distances (m) in au."""
     moduli = {}
     for value, name in ((sun_distance, "sun_distance"), (observer_distance, "observer_distance")):
-        array = gates.real(value, name, unit="m")
+        array = validation.real(value, name, unit="m")
         if not np.all(array > 0.0):
             raise AttitudeError(f"{name} holds {np.min(array)}; distances are greater than zero.")
-        moduli[name] = 5.0 * np.log10(array / AU)
+        moduli[name] = 5.0 * np.log10(array / ASTRONOMICAL_UNIT_M)
     one, other = together(**moduli)
     return one + other
 
@@ -77,4 +77,4 @@ def distance_modulus(sun_distance, observer_distance):
 def dimming(lit):
     """Magnitudes by which a body is fainter that a fraction of the Sun's disc lights; inf for 0."""
     with np.errstate(divide="ignore"):
-        return -2.5 * np.log10(gates.real(lit, "lit", finite=False))
+        return -2.5 * np.log10(validation.real(lit, "lit", finite=False))

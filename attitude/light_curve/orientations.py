@@ -7,7 +7,7 @@ so that the body is as bright as a sphere of the same surface.
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.light_curve.brightness import brightness as brightness_of
 from attitude.scattering import LommelSeeliger
@@ -43,7 +43,7 @@ def mean_brightness(shape, law, alpha):
             f"the mean over all orientations is known for Lambert's and Lommel-Seeliger's laws, "
             f"not for {law!r}; it has a phase function of its own, so ask for magnitudes without H."
         )
-    alpha = gates.real(alpha, "alpha", unit="rad")
+    alpha = validation.real(alpha, "alpha", unit="rad")
     if not np.all((alpha >= 0.0) & (alpha <= np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
     if not isinstance(shape, (Ellipsoid, Mesh)):
@@ -74,10 +74,10 @@ def phased_magnitude(brightness, shape, law, alpha, function):
         ``function(alpha) - 2.5 log10(brightness / mean_brightness)``; inf where the body shows
         nothing.
     """
-    brightness = gates.real(brightness, "brightness", unit="m2/sr")
+    brightness = validation.real(brightness, "brightness", unit="m2/sr")
     if np.any(brightness < 0.0):
         raise AttitudeError(f"brightness holds {np.min(brightness)}; it must not be negative.")
-    alpha = gates.real(alpha, "alpha", unit="rad")
+    alpha = validation.real(alpha, "alpha", unit="rad")
     brightness, alpha = together(brightness=brightness, alpha=alpha)
     mean = mean_brightness(shape, law, alpha)
     shown = (brightness > 0.0) & (mean > 0.0)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from attitude.compilation.decorators import reduction, reduction_inlined, reduction_subroutine
 from attitude.light_curve.sums import evened
-from attitude.scattering.machine import called, merged, summed
 
 
-@summed
+@reduction
 def paint(corners, normals, points, members, shift, resolution, both, masks, place):
     """Fill the columns of `masks` from `place` on: those of the facets `members` (-1: empty)."""
     sky = np.empty((members.size, masks.shape[0]), np.uint8)
@@ -30,7 +30,7 @@ def paint(corners, normals, points, members, shift, resolution, both, masks, pla
             masks[i, place + m] = sky[m, i]
 
 
-@called
+@reduction_subroutine
 def _risen(corners, normal, origin, size, above):
     """Which facets have a corner above the plane; within rounding of it is not above."""
     count = 0
@@ -47,7 +47,7 @@ def _risen(corners, normal, origin, size, above):
     return count
 
 
-@called
+@reduction_subroutine
 def _hide(triangle, own, normal, both, shift, resolution, clear, sky):
     """Clear a bit of the cells whose direction from `own` meets the triangle above the plane."""
     ax, ay, az = triangle[0, 0] - own[0], triangle[0, 1] - own[1], triangle[0, 2] - own[2]
@@ -71,12 +71,12 @@ def _hide(triangle, own, normal, both, shift, resolution, clear, sky):
               _cycled(_cycled(n)), turn, shift, resolution, clear, sky)  # fmt: skip
 
 
-@merged
+@reduction_inlined
 def _cycled(v):
     return v[1], v[2], v[0]
 
 
-@called
+@reduction_subroutine
 def _on_faces(axis, pw, pu, pv, e0, e1, e2, n, turn, shift, resolution, clear, sky):
     """Both faces of one axis; components are (along the axis, the next, the one after)."""
     for side in range(2):
@@ -109,7 +109,7 @@ def _on_faces(axis, pw, pu, pv, e0, e1, e2, n, turn, shift, resolution, clear, s
                     sky[i] &= clear
 
 
-@merged
+@reduction_inlined
 def _cut(slope, level, left, right):
     """The part of left..right where slope u + level > 0."""
     if slope > 0.0:
@@ -119,13 +119,13 @@ def _cut(slope, level, left, right):
     return (left, right) if level > 0.0 else (right, left)
 
 
-@merged
+@reduction_inlined
 def _next(u, half, shift):
     """The first cell whose place on the face is not below u."""
     return int(np.ceil((1.0 + evened(u)) * half - 0.5 - shift))
 
 
-@merged
+@reduction_inlined
 def _tangent(s):
     """The inverse of `evened`."""
     u = ((1.0 + abs(s)) * (1.0 + abs(s)) - 1.0) / 3.0

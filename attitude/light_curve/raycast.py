@@ -32,7 +32,7 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
     Two rays a facet, point and epoch that is lit and turned to the observer: some 1e6 a second.
     A share of the facet counts when its point sees both Sun and observer.
     """
-    from attitude.solution.separation import separation
+    from attitude.solution.vectors import separation
 
     require_mesh(mesh)
     law = known_law(law)

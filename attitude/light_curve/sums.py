@@ -9,12 +9,13 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import reduction, reduction_inlined
+from attitude.compilation.instructions import bits_set, lowest_bit
+from attitude.compilation.simd import at_least, bits_set_in_bytes, eight, lanes, summed_up
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
 from attitude.scattering.codes import WIDTH
 from attitude.scattering.compiled import element, of_phase
-from attitude.scattering.machine import bits_set, lowest_bit, merged, summed
-from attitude.solution.lanes import at_least, bits_set_in_bytes, eight, lanes, summed_up
 
 # In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: a body that
 # shows nothing sums to less than _NOTHING.
@@ -28,10 +29,10 @@ _PLACES = np.uint64(SIZE)
 _ROW_1, _ROW_2, _ROW_3 = (np.uint64(k * SIZE) for k in (1, 2, 3))
 _WORD = np.uint64(WORD)
 
-cell_scale = merged(_cell_scale)
+cell_scale = reduction_inlined(_cell_scale)
 
 
-@merged
+@reduction_inlined
 def _looked_up(cells, x, y, z):
     """The row of a direction in `Clusters.sky`.
 
@@ -45,7 +46,7 @@ def _looked_up(cells, x, y, z):
     return np.uint64((i * cells + j) * cells + k)
 
 
-@merged
+@reduction_inlined
 def _laid_out(ways, first, x, y, z):
     """A direction for clusters of every axis: see `Clusters.axes`."""
     ways[first], ways[first + 1], ways[first + 2] = x, y, z
@@ -53,18 +54,18 @@ def _laid_out(ways, first, x, y, z):
     ways[first + 5], ways[first + 6], ways[first + 7] = -x, -y, -z
 
 
-@merged
+@reduction_inlined
 def _cosines(x, y, ways, way, own):
     """Those between normals of slopes x and y and a direction, over the normals' heights."""
     return x * ways[way] + y * ways[way + _1] + ways[own]
 
 
-@merged
+@reduction_inlined
 def _length(x, y, z):
     return math.sqrt(x * x + y * y + z * z)
 
 
-@summed
+@reduction
 def stray(x, y, z):
     """Sum of (|v|^2 - 1)^2 over vectors given by component; NaN if any holds NaN."""
     total = 0.0
@@ -74,7 +75,7 @@ def stray(x, y, z):
     return total
 
 
-@summed
+@reduction
 def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
@@ -110,7 +111,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         out[t] = total if total > _NOTHING else 0.0
 
 
-@summed
+@reduction
 def by_facet(blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out):
     """Sum of mu0 mu (r / mu0) dA for laws that are evaluated facet by facet.
 
@@ -157,7 +158,7 @@ def by_facet(blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, s
         out[t] = total
 
 
-@merged
+@reduction_inlined
 def cell(x, y, z, resolution):
     """The cell of a direction on the cube of `visibility`."""
     ax, ay, az = abs(x), abs(y), abs(z)
@@ -174,7 +175,7 @@ def cell(x, y, z, resolution):
     return ((2 * face + side) * resolution + row) * resolution + column
 
 
-@merged
+@reduction_inlined
 def evened(u):
     """Place on a face from a tangent, both -1 to 1, so that cells have nearly equal angles.
 

@@ -22,16 +22,16 @@ from attitude.paths.astropy_body import from_astropy
 from attitude.paths.composed import body, relative
 from attitude.paths.compressed import Compressed, compress
 from attitude.paths.ground import observatory, site
-from attitude.paths.kernel import spk
 from attitude.paths.mpc_line import mpc_orbit
 from attitude.paths.oem_file import oem
 from attitude.paths.path import Path
 from attitude.paths.satellite import omm, tle
 from attitude.paths.skyfield_path import from_skyfield
 from attitude.paths.solar_system import ephemeris
-from attitude.paths.straight import Direction, direction, fixed, uniform
+from attitude.paths.spk import spk
 from attitude.paths.tabulated import table
 from attitude.paths.two_body import kepler
+from attitude.paths.uniform import Direction, direction, fixed, uniform
 
 __all__ = [
     "Compressed",

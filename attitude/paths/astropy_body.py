@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude.epochs import Instant
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path, julian
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import chebyshev, epochs, gates, tdb
+from attitude import chebyshev, epochs, pairs, validation
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path, since, spelled
 from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
@@ -87,7 +87,7 @@ def compress(path, start, stop, tolerance=1e-3):
     20 to 40 ns an epoch at 1e6 epochs.  What a path does between all samples is not seen.
     """
     start, stop = epochs.instant(start, "start"), epochs.instant(stop, "stop")
-    tolerance = gates.positive(tolerance, "tolerance", unit="m")
+    tolerance = validation.positive(tolerance, "tolerance", unit="m")
     length, rest = since(stop, start)
     length = float(length + rest)
     if not length > 0.0:
@@ -158,7 +158,7 @@ def _fit(path, start, width, numbers, length, tolerance):
     extrema = np.cos(np.pi * np.arange(_COUNT + 1) / _COUNT)
     x = np.concatenate([chebyshev.nodes(_COUNT), extrema])
     # Two doubles: at 1e9 s one would round by 1e-7 s, which is 4 mm at 30 km/s.
-    hi, lo = tdb.two_sum((numbers * width)[:, None], width * (0.5 * (x + 1.0)))
+    hi, lo = pairs.two_sum((numbers * width)[:, None], width * (0.5 * (x + 1.0)))
     # The end of the span may round past itself, where the path may be unknown.
     hi, lo = np.where(hi + lo > length, length, hi), np.where(hi + lo > length, 0.0, lo)
     position, velocity = _sampled(path, start, hi.ravel(), lo.ravel())

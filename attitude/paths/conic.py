@@ -17,7 +17,8 @@ Source: Stumpff (1959); Danby, Fundamentals of Celestial Mechanics (1988), secti
 
 import math
 
-from attitude.solution.machine import compiled, fma, inlined
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.instructions import fma
 from attitude.solution.twofloat import two_sum
 
 # Below this |z| Stumpff's series is summed; above, their closed forms lose less than 3 bits.
@@ -26,7 +27,7 @@ _SERIES = 1.0
 _MOST_STEPS = 100
 
 
-@inlined
+@subroutine
 def _stumpff(z):
     """c1, c2, c3 of z."""
     if abs(z) < _SERIES:
@@ -45,7 +46,7 @@ def _stumpff(z):
     return sine / root, 2.0 * half * half / -z, (sine - root) / (root * -z)
 
 
-@inlined
+@subroutine
 def _solve(t, q, e, k, b):
     """The universal variable s >= 0 of a time t >= 0 since the pericentre."""
     if t == 0.0:
@@ -78,7 +79,7 @@ def _solve(t, q, e, k, b):
     return s
 
 
-@compiled
+@entry_point
 def states(hi, lo, base_hi, base_lo, period, q, e, k, basis, position, velocity):
     """Position and velocity (3, N) in m and m/s.
 

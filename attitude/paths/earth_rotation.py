@@ -16,8 +16,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from attitude import tdb
-from attitude.epochs import Instant
+from attitude import pairs
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import pole_of_date, timescale, to_gcrs
 from attitude.paths.path import spelled
@@ -44,13 +45,13 @@ def to_celestial(hi, lo, vector, *, long_term=False, name="the ground site"):
     AttitudeError
         Outside of the table, unless long_term.
     """
-    tt = tdb.add((hi, lo), -tdb.difference_at(hi, lo))
-    tai = tdb.add(tt, -tdb.TT_MINUS_TAI)
+    tt = pairs.add((hi, lo), -time_scales.difference_at(hi, lo))
+    tai = pairs.add(tt, -time_scales.TT_MINUS_TAI)
     ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
-    ut1 = tdb.add(tai, ut1_minus_tai)
+    ut1 = pairs.add(tai, ut1_minus_tai)
     x, y, s = pole_of_date(hi, lo)
     # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
-    centuries = tt[0] / (36525.0 * tdb.DAY)
+    centuries = tt[0] / (36525.0 * time_scales.DAY)
     intermediate = _without_polar_motion(vector, x_pole, y_pole, -47e-6 * _ARCSEC * centuries)
     angle = rotation_angle(*ut1)
     position = to_gcrs(x, y, angle - s, intermediate)
@@ -60,8 +61,8 @@ def to_celestial(hi, lo, vector, *, long_term=False, name="the ground site"):
 
 def rotation_angle(hi, lo):
     """The Earth rotation angle at UT1 seconds past J2000, to 1e-15 of a turn (ERFA's era00)."""
-    whole = np.rint(hi / tdb.DAY)
-    part = ((hi - whole * tdb.DAY) + lo) / tdb.DAY
+    whole = np.rint(hi / time_scales.DAY)
+    part = ((hi - whole * time_scales.DAY) + lo) / time_scales.DAY
     turns = 0.7790572732640 + part + 0.00273781191135448 * (whole + part)
     return 2.0 * np.pi * (turns - np.floor(turns))
 
@@ -81,7 +82,7 @@ def _without_polar_motion(vector, x_pole, y_pole, locator):
 def table_span():
     """The first and last epoch of the installed IERS table, as Instants."""
     tai = _table()[0][[0, -1]]
-    hi, lo = tdb.tdb_from("tai", tai, np.zeros(2))
+    hi, lo = time_scales.tdb_from("tai", tai, np.zeros(2))
     return tuple(Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
 
 
@@ -104,8 +105,8 @@ def _orientation(tai, tt, long_term, name):
             "astropy-iers-data, or give long_term=True for a model that errs by some hundred "
             "metres within years."
         )
-    time = timescale().tt_jd(*tdb.jd_from_seconds(tt[0][outside], tt[1][outside]))
-    found[0][outside] = tdb.TT_MINUS_TAI - time.delta_t
+    time = timescale().tt_jd(*time_scales.jd_from_seconds(tt[0][outside], tt[1][outside]))
+    found[0][outside] = time_scales.TT_MINUS_TAI - time.delta_t
     for pole in found[1:]:
         pole[outside] = 0.0
     return found
@@ -117,7 +118,7 @@ def _table():
 
     UT1 - TAI has no leap seconds, so that the interpolation from day to day crosses them.
     """
-    table = tdb.earth_orientation()
+    table = time_scales.earth_orientation()
     day = np.asarray(table["MJD"].to_value("d"), dtype=np.float64)
     ut1_minus_utc = np.asarray(table["UT1_UTC"].to_value("s"), dtype=np.float64)
     poles = [
@@ -126,8 +127,8 @@ def _table():
     ]
     known = np.isfinite(ut1_minus_utc) & np.isfinite(poles[0]) & np.isfinite(poles[1])
     day, ut1_minus_utc = day[known], ut1_minus_utc[known]
-    tai = tdb.tai_from_utc_day(day, np.zeros_like(day))[0]
-    utc_minus_tai = (day - 51544.5) * tdb.DAY - tai
+    tai = time_scales.tai_from_utc_day(day, np.zeros_like(day))[0]
+    utc_minus_tai = (day - 51544.5) * time_scales.DAY - tai
     columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
     for column in columns:
         column.setflags(write=False)

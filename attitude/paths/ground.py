@@ -9,15 +9,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from attitude import gates, tdb
+from attitude import pairs, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen
+from attitude.immutable import Frozen
 from attitude.paths.earth_rotation import table_span, to_celestial
 from attitude.paths.path import Path
+from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M
 
 # WGS84, NGA.STND.0036 (2014).
-_EQUATOR = 6378137.0
-_FLATTENING = 1.0 / 298.257223563
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,7 +63,7 @@ class Site(Frozen, Path):
         return self._celestial(instant, hi, lo, self.itrs)
 
     def _celestial(self, instant, hi, lo, vector):
-        at = tdb.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         return to_celestial(*at, vector, long_term=self.long_term, name=self.name)
 
 
@@ -94,9 +93,9 @@ def site(longitude, latitude, height=0.0, *, name="site", long_term=False):
     10 m, which is the polar motion that skyfield leaves out.  0.3 microseconds an epoch.  The
     difference between lengths in GCRS and BCRS (some cm) is left out, as both do.
     """
-    longitude = gates.number(longitude, "longitude", unit="rad")
-    latitude = gates.number(latitude, "latitude", unit="rad")
-    height = gates.number(height, "height", unit="m")
+    longitude = validation.number(longitude, "longitude", unit="rad")
+    latitude = validation.number(latitude, "latitude", unit="rad")
+    height = validation.number(height, "height", unit="m")
     if abs(latitude) > 0.5 * math.pi:
         raise AttitudeError(
             f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
@@ -109,8 +108,8 @@ def site(longitude, latitude, height=0.0, *, name="site", long_term=False):
             math.sin(latitude),
         ]
     )
-    squeeze = (1.0 - _FLATTENING) ** 2
-    radius = _EQUATOR / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
+    squeeze = (1.0 - EARTH_FLATTENING) ** 2
+    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
     itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
     return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
 
@@ -151,9 +150,9 @@ def observatory(code, *, long_term=False):
     longitude = math.radians(entry["Longitude"])
     rho_cos, rho_sin = entry["cos"], entry["sin"]
     direction = np.array([math.cos(longitude), math.sin(longitude), 0.0])
-    itrs = _EQUATOR * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
+    itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
     # The normal of the ellipsoid through the place, whose height is small against its radius.
-    up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - _FLATTENING) ** 2])
+    up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
     size = math.sqrt(up @ up)
     up = up / size if size else np.array([0.0, 0.0, 1.0])
     return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))

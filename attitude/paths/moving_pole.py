@@ -13,11 +13,12 @@ from functools import partial
 
 import numpy as np
 
-from attitude import chebyshev, tdb
-from attitude.frozen import read_only
+from attitude import chebyshev
+from attitude.epochs import time_scales
+from attitude.immutable import read_only
 
 # Two days and 10 nodes: 1e-15 rad against the series themselves, 7e-9 m at the Earth's surface.
-_WIDTH = 2.0 * tdb.DAY
+_WIDTH = 2.0 * time_scales.DAY
 _COUNT = 10
 _MOST_PIECES = 4096
 _pieces = {}
@@ -33,14 +34,14 @@ def pole_at(series, hi, lo):
         what is fitted is kept for each.
     hi, lo : (N,) arrays
     """
-    from attitude.paths import polynomials
+    from attitude.paths import chebyshev_loops
 
     number = np.floor(hi / _WIDTH)
     found, piece = np.unique(number, return_inverse=True)
     records = read_only(_fitted(series, found))
     x = 2.0 * (((hi - number * _WIDTH) + lo) / _WIDTH) - 1.0
     out = np.empty((3, hi.size))
-    polynomials.values(records, 0, _COUNT, piece.ravel().astype(np.int64), x, 1.0, out)
+    chebyshev_loops.values(records, 0, _COUNT, piece.ravel().astype(np.int64), x, 1.0, out)
     return out
 
 
@@ -53,7 +54,7 @@ def _fitted(series, numbers):
         start = np.array([key[1] for key in missing]) * _WIDTH
         x = chebyshev.nodes(_COUNT)
         at = start + 0.5 * _WIDTH * (x[:, None] + 1.0)
-        sampled = series(*tdb.jd_from_seconds(at.ravel(), np.zeros(at.size)))
+        sampled = series(*time_scales.jd_from_seconds(at.ravel(), np.zeros(at.size)))
         table = chebyshev.coefficients(sampled.reshape(3, *at.shape).transpose(1, 2, 0))
         rows = np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
         have.update(zip(missing, rows, strict=True))
@@ -124,7 +125,7 @@ _timescale = None
 
 def _tt(jd1, jd2):
     """A two-part Julian date of TT from one of TDB."""
-    return jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / tdb.DAY
+    return jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / time_scales.DAY
 
 
 pole_of_date = partial(pole_at, erfa_series)

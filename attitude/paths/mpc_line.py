@@ -8,8 +8,8 @@ import re
 
 from attitude.errors import AttitudeError
 from attitude.paths.two_body import GM, kepler
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M
 
-_AU = 149597870700.0
 # Columns of the two kinds of lines, counted from 0.
 _MINOR_PLANET = {
     "mean anomaly": (26, 35),
@@ -73,7 +73,7 @@ def _minor_planet(line, gm):
     year = 100 * _digit(packed[0]) + int(packed[1:3])
     name = line[166:194].strip() or line[:7].strip()
     return kepler(
-        semi_major_axis=value["semi-major axis"] * _AU,
+        semi_major_axis=value["semi-major axis"] * ASTRONOMICAL_UNIT_M,
         mean_anomaly=f"{value['mean anomaly']!r} deg",
         epoch=f"{year:04d}-{_digit(packed[3]):02d}-{_digit(packed[4]):02d} TT",
         source="MPC orbit line",
@@ -85,12 +85,12 @@ def _comet(line, gm):
     value = _numbers(line, _COMET)
     day = value["day of perihelion"]
     midnight = f"{int(value['year of perihelion']):04d}-{int(value['month of perihelion']):02d}"
-    from attitude.epochs import instant
+    from attitude.epochs.inputs import instant
 
     start = instant(f"{midnight}-{int(day):02d} TT", "the time of perihelion")
     name = line[102:158].strip() or line[:12].strip()
     return kepler(
-        pericenter_distance=value["perihelion distance"] * _AU,
+        pericenter_distance=value["perihelion distance"] * ASTRONOMICAL_UNIT_M,
         # A second of TT is one of TDB to 3e-10, and the day is printed to 9 s.
         epoch=start.after((day - int(day)) * 86400.0),
         source="MPC comet orbit line",

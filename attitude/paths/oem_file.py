@@ -13,7 +13,7 @@ from attitude import epochs, frames
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import SSB, body_name
 from attitude.paths.composed import relative
-from attitude.paths.kernel import Succession
+from attitude.paths.spk import Succession
 from attitude.paths.tabulated import table
 
 _NEEDED = ("OBJECT_NAME", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "START_TIME", "STOP_TIME")

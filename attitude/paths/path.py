@@ -15,8 +15,9 @@ flat arrays of finite epochs: ``_position(instant, hi, lo)``, which returns (3, 
 
 import numpy as np
 
-from attitude import tdb
-from attitude.epochs import Instant
+from attitude import pairs
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 
 J2000 = Instant(0.0)
@@ -154,19 +155,19 @@ class Path:
 
 def since(instant, start):
     """Seconds from start to instant as two floats."""
-    return tdb.add((instant.seconds, instant.low), -start.seconds, -start.low)
+    return pairs.add((instant.seconds, instant.low), -start.seconds, -start.low)
 
 
 def julian(instant, hi, lo):
     """A two-part Julian date of TDB, to 5e-12 s."""
-    return tdb.jd_from_seconds(*tdb.add((hi, lo), instant.seconds, instant.low))
+    return time_scales.jd_from_seconds(*pairs.add((hi, lo), instant.seconds, instant.low))
 
 
 def spelled(instant):
     """An instant as text in TDB, for messages."""
     import erfa
 
-    jd = tdb.jd_from_seconds(np.float64(instant.seconds), np.float64(instant.low))
+    jd = time_scales.jd_from_seconds(np.float64(instant.seconds), np.float64(instant.low))
     year, month, day, clock = erfa.ufunc.d2dtf(b"TDB", 3, *jd)[:4]
     hour, minute, second, milli = (clock[name] for name in ("h", "m", "s", "f"))
     return f"{year:04d}-{month:02d}-{day:02d}T{hour:02d}:{minute:02d}:{second:02d}.{milli:03d} TDB"

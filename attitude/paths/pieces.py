@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude.epochs import Instant
-from attitude.frozen import Frozen, frozen, read_only
+from attitude.epochs.inputs import Instant
+from attitude.immutable import Frozen, frozen, read_only
 from attitude.paths.path import since
 
 
@@ -39,13 +39,13 @@ class EqualPieces(Frozen):
 
     def place(self, instant, hi, lo):
         """Piece and place in it for each epoch, and the index of an epoch outside or -1."""
-        from attitude.paths import polynomials
+        from attitude.paths import chebyshev_loops
 
         piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
         base = since(instant, self.start)
         bounds = self.least, self.most, self.width, len(self.records)
         at = read_only(hi), read_only(lo)
-        return piece, x, polynomials.place_equal(*at, *base, *bounds, piece, x)
+        return piece, x, chebyshev_loops.place_equal(*at, *base, *bounds, piece, x)
 
     @property
     def widths(self):
@@ -83,13 +83,13 @@ class CellPieces(Frozen):
 
     def place(self, instant, hi, lo):
         """See `EqualPieces.place`."""
-        from attitude.paths import polynomials
+        from attitude.paths import chebyshev_loops
 
         piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
         bounds = 0.0, self.most, self.width, self.cells, self.starts, self.widths
         base = since(instant, self.start)
         at = read_only(hi), read_only(lo)
-        return piece, x, polynomials.place_cells(*at, *base, *bounds, piece, x)
+        return piece, x, chebyshev_loops.place_cells(*at, *base, *bounds, piece, x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,13 +116,13 @@ class KnotPieces(Frozen):
 
     def place(self, instant, hi, lo):
         """See `EqualPieces.place`."""
-        from attitude.paths import polynomials
+        from attitude.paths import chebyshev_loops
 
         piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
         base = since(instant, self.start)
         knots = self.knots, self.knots_low
         at = read_only(hi), read_only(lo)
-        return piece, x, polynomials.place_knots(*at, *base, *knots, piece, x)
+        return piece, x, chebyshev_loops.place_knots(*at, *base, *knots, piece, x)
 
     @property
     def widths(self):
@@ -139,19 +139,19 @@ def placed(path, instant, hi, lo):
 
 def values(pieces, piece, x, skip=None):
     """The vectors (3, N) at places in pieces."""
-    from attitude.paths import polynomials
+    from attitude.paths import chebyshev_loops
 
     out = np.empty((3, piece.size))
     skip = pieces.skip if skip is None else skip
-    polynomials.values(pieces.records, skip, pieces.count, piece, x, pieces.factor, out)
+    chebyshev_loops.values(pieces.records, skip, pieces.count, piece, x, pieces.factor, out)
     return out
 
 
 def values_and_rates(pieces, piece, x):
     """The vectors and their derivatives by time, each (3, N)."""
-    from attitude.paths import polynomials
+    from attitude.paths import chebyshev_loops
 
     out, rate = np.empty((3, piece.size)), np.empty((3, piece.size))
     given = pieces.records, pieces.skip, pieces.count, piece, x, pieces.widths, pieces.factor
-    polynomials.values_and_rates(*given, out, rate)
+    chebyshev_loops.values_and_rates(*given, out, rate)
     return out, rate

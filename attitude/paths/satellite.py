@@ -17,8 +17,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from attitude import tdb
-from attitude.epochs import Instant
+from attitude import pairs
+from attitude.epochs import time_scales
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import pole_of_teme, to_gcrs
 from attitude.paths.path import Path, since, spelled
@@ -67,14 +68,14 @@ class Satellite(Path):
         elapsed = (base[0] + hi) + (base[1] + lo)
         # The last bits of what that sum rounds move a satellite by less than 1e-7 m a year.
         position, velocity = self._teme(elapsed, instant, hi)
-        seconds = tdb.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        seconds = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         pole = pole_of_teme(*seconds)
         return to_gcrs(*pole, position), to_gcrs(*pole, velocity)
 
     def _teme(self, elapsed, instant, hi):
         model = _model(self.lines)
         # TDB and TAI run alike to 3e-10, 1 ms a month: 1e-6 of it at most enters per second.
-        days = _elapsed_tai(self.epoch, elapsed) / tdb.DAY
+        days = _elapsed_tai(self.epoch, elapsed) / time_scales.DAY
         whole = np.floor(days)
         jd = model.jdsatepoch + whole
         errors, position, velocity = model.sgp4_array(jd, model.jdsatepochF + (days - whole))
@@ -87,7 +88,7 @@ class Satellite(Path):
 
         bad = int(np.argmax(errors != 0))
         at = instant.after(hi[bad])
-        days = (at.seconds - self.epoch.seconds) / tdb.DAY
+        days = (at.seconds - self.epoch.seconds) / time_scales.DAY
         raise AttitudeError(
             f"SGP4 gives no position of {self.name} at {spelled(at)}, {days:+.1f} days from the "
             f"elements' epoch: {SGP4_ERRORS[int(errors[bad])]}; ask nearer to the epoch, or give "
@@ -98,8 +99,8 @@ class Satellite(Path):
 def _elapsed_tai(epoch, elapsed):
     """Seconds of TAI for seconds of TDB since the epoch."""
     start = np.float64(epoch.seconds), np.float64(epoch.low)
-    first = tdb.difference_at(*start)
-    return elapsed - (tdb.difference_at(start[0] + elapsed, start[1]) - first)
+    first = time_scales.difference_at(*start)
+    return elapsed - (time_scales.difference_at(start[0] + elapsed, start[1]) - first)
 
 
 def tle(text, *, name=None):
@@ -187,15 +188,15 @@ def omm(message, *, name=None):
 def _satellite(lines, name, kind):
     model = _model(lines)
     jd1, jd2 = np.float64(model.jdsatepoch), np.float64(model.jdsatepochF)
-    epoch = Instant(*tdb.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
+    epoch = Instant(*time_scales.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
     return Satellite(lines, epoch, name, f"{kind} of {spelled(epoch)}")
 
 
 def _tai_of_utc(jd1, jd2):
     # sgp4 counts 86400 s in every day; leap seconds follow at the end of theirs.
     day = np.floor(jd1 - 2400000.5 + jd2)
-    second = ((jd1 - 2400000.5 - day) + jd2) * tdb.DAY
-    return tdb.tai_from_utc_day(day, second)
+    second = ((jd1 - 2400000.5 - day) + jd2) * time_scales.DAY
+    return time_scales.tai_from_utc_day(day, second)
 
 
 def _model(lines):

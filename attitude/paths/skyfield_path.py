@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import tdb
+from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
 from attitude.paths.moving_pole import timescale
@@ -27,7 +27,7 @@ class SkyfieldPath(Path):
         from skyfield.errors import EphemerisRangeError
 
         jd1, jd2 = np.broadcast_arrays(*julian(instant, hi, lo))
-        time = timescale().tt_jd(jd1, jd2 - tdb.tdb_minus_tt(jd1, jd2) / _DAY)
+        time = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / _DAY)
         # skyfield's own TDB, a short series, is off by up to 10 microseconds; kernels ask for it.
         time.tdb_fraction = (jd1 - time.whole) + jd2
         try:

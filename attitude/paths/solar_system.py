@@ -13,7 +13,7 @@ from types import MappingProxyType
 from attitude.errors import AttitudeError
 from attitude.paths.astropy_body import BUILT_IN_SOURCE, AstropyBody
 from attitude.paths.bodies import SSB, body_name
-from attitude.paths.kernel import Kernel, open_kernel
+from attitude.paths.spk import Kernel, open_kernel
 
 BUILT_IN = "builtin"
 

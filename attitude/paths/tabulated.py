@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import epochs, frames, gates, tdb
+from attitude import epochs, frames, pairs, validation
 from attitude.errors import AttitudeError
-from attitude.paths.interpolation import interval_polynomials, rows_needed
 from attitude.paths.path import Path, spelled
 from attitude.paths.pieces import KnotPieces, placed, values, values_and_rates
-from attitude.paths.straight import known_center
+from attitude.paths.table_polynomials import interval_polynomials, rows_needed
+from attitude.paths.uniform import known_center
 
 INTERPOLATIONS = ("lagrange", "hermite")
 _HIGHEST_DEGREE = 31
@@ -96,11 +96,11 @@ def table(
     AttitudeError
         For rows too few, not finite or not ascending, and for other shapes and units.
     """
-    positions = gates.real(positions, "positions", shape=(..., 3), unit="m")
+    positions = validation.real(positions, "positions", shape=(..., 3), unit="m")
     if positions.ndim != 2:
         raise AttitudeError(f"positions have shape {positions.shape}; give (N, 3).")
     if velocities is not None:
-        velocities = gates.real(velocities, "velocities", shape=positions.shape, unit="m/s")
+        velocities = validation.real(velocities, "velocities", shape=positions.shape, unit="m/s")
     start, knots, low = _knots(times, start, len(positions))
     interpolation, degree = _method(interpolation, degree, velocities is not None, len(knots))
     matrix = frames.matrix_to_icrf(frame)
@@ -146,7 +146,7 @@ def _knots(times, start, count):
             f"later than row {row} ({spelled(start.after(hi[row]))}); sort them and leave out what "
             "is twice there."
         )
-    return start, *tdb.two_sum(hi, lo)
+    return start, *pairs.two_sum(hi, lo)
 
 
 def _first_epoch(times):
@@ -163,7 +163,7 @@ def _first_epoch(times):
 def _method(interpolation, degree, with_rates, rows):
     if interpolation is None:
         interpolation = "hermite" if with_rates else "lagrange"
-    interpolation = gates.one_of(
+    interpolation = validation.one_of(
         interpolation.lower() if isinstance(interpolation, str) else interpolation,
         "interpolation",
         INTERPOLATIONS,

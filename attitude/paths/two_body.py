@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import epochs, frames, gates
-from attitude.epochs import Instant
+from attitude import epochs, frames, validation
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen, read_only
+from attitude.immutable import Frozen, frozen, read_only
 from attitude.paths.path import Path, since
-from attitude.paths.straight import known_center
+from attitude.paths.uniform import known_center
 
 # m3/s2 of DE440, in TDB (Park et al., AJ 161, 105, 2021, table 2).
 GM = {
@@ -120,14 +120,14 @@ def kepler(
     200 to 400 ns an epoch.  No perturbations: an asteroid leaves its osculating orbit by
     thousands of km within months.
     """
-    e = gates.number(eccentricity, "eccentricity")
+    e = validation.number(eccentricity, "eccentricity")
     if e < 0.0:
         raise AttitudeError(f"eccentricity is {e!r}; it must be zero or greater.")
     center = known_center(center)
-    gm = _gm(center) if gm is None else gates.positive(gm, "gm", unit="m3/s2")
+    gm = _gm(center) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
     q = _pericenter_distance(semi_major_axis, pericenter_distance, e)
     angles = [
-        gates.number(value, label, unit="rad")
+        validation.number(value, label, unit="rad")
         for value, label in (
             (inclination, "inclination"),
             (node, "node"),
@@ -136,7 +136,7 @@ def kepler(
     ]
     pericenter = epochs.instant(epoch)
     if mean_anomaly is not None:
-        anomaly = gates.number(mean_anomaly, "mean_anomaly", unit="rad")
+        anomaly = validation.number(mean_anomaly, "mean_anomaly", unit="rad")
         if e == 1.0:
             raise AttitudeError(
                 "a parabola (eccentricity 1) has no mean anomaly; leave it out, and give the time "
@@ -161,8 +161,8 @@ def _pericenter_distance(axis, distance, e):
     if (axis is None) == (distance is None):
         raise AttitudeError("give one of semi_major_axis and pericenter_distance.")
     if distance is not None:
-        return gates.positive(distance, "pericenter_distance", unit="m")
-    axis = gates.number(axis, "semi_major_axis", unit="m")
+        return validation.positive(distance, "pericenter_distance", unit="m")
+    axis = validation.number(axis, "semi_major_axis", unit="m")
     distance = axis * (1.0 - e)
     if not distance > 0.0:
         raise AttitudeError(

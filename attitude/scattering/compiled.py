@@ -8,8 +8,8 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import reduction, reduction_subroutine
 from attitude.scattering.codes import HAPKE, PHONG, WIDTH
-from attitude.scattering.machine import called, summed
 
 # In Hapke's roughness a denominator and its numerators vanish together where Sun and observer are
 # both on the horizon, opposite each other; nothing is returned there, and this keeps it so.
@@ -18,7 +18,7 @@ _LEAST = 1e-300
 _STEEPEST = 0.03
 
 
-@called
+@reduction_subroutine
 def of_phase(row, cos_half, sin_half, out):
     """What a material's row becomes at one phase angle: out[0:WIDTH], for `element`.
 
@@ -48,7 +48,7 @@ def of_phase(row, cos_half, sin_half, out):
         out[3] = 1.0 / slope
 
 
-@called
+@reduction_subroutine
 def element(row, now, mu0, mu):
     """r / mu0 in 1/sr for positive mu0 and mu; `now` is what `of_phase` wrote."""
     if row[0] == HAPKE:
@@ -70,7 +70,7 @@ def element(row, now, mu0, mu):
     return now[0] + now[1] * spread * grooves
 
 
-@called
+@reduction_subroutine
 def _hapke(row, now, mu0, mu):
     w, tan_bar, gamma = row[1], now[2], now[3]
     if tan_bar <= 0.0:
@@ -115,7 +115,7 @@ def _hapke(row, now, mu0, mu):
     return 0.25 / math.pi * w * ratio * shadow * _single_and_multiple(now[0], gamma, mu0_e, mu_e)
 
 
-@called
+@reduction_subroutine
 def _slopes(mu, sine, tan_bar):
     """Hapke 1984, eqs. 45, 46: E1 and E2, of angle with cosine mu; both 0 at the vertical."""
     if sine <= 0.0:
@@ -124,7 +124,7 @@ def _slopes(mu, sine, tan_bar):
     return math.exp(-2.0 / math.pi * cot), math.exp(-cot * cot / math.pi)
 
 
-@called
+@reduction_subroutine
 def _single_and_multiple(single, gamma, mu0, mu):
     """(1 + B) p + H(mu0) H(mu) - 1."""
     h0 = (1.0 + 2.0 * mu0) / (1.0 + 2.0 * mu0 * gamma)
@@ -132,7 +132,7 @@ def _single_and_multiple(single, gamma, mu0, mu):
     return single + h0 * h1 - 1.0
 
 
-@summed
+@reduction
 def _elements(row, mu0, mu, half, out):
     now = np.empty(WIDTH)
     for i in range(out.size):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.scattering.parameters import geometry, within
 
 _FOUR_PI = 4.0 * np.pi
@@ -54,7 +54,7 @@ class Lambert(_Fused):
 
     def phase(self, alpha):
         """1 at every phase angle."""
-        return np.ones_like(gates.real(alpha, "alpha", unit="rad"))
+        return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class LommelSeeliger(_Fused):
 
     def phase(self, alpha):
         """1 at every phase angle."""
-        return np.ones_like(gates.real(alpha, "alpha", unit="rad"))
+        return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
 
 
 @dataclass(frozen=True)
@@ -132,5 +132,5 @@ class LommelSeeligerLambert(_Fused):
 
     def phase(self, alpha):
         """f(alpha), for alpha in rad; not below 0."""
-        alpha = gates.real(alpha, "alpha", unit="rad")
+        alpha = validation.real(alpha, "alpha", unit="rad")
         return np.maximum(self.a * np.exp(-alpha / self.d) + self.k * alpha + 1.0, 0.0)

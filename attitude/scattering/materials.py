@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.scattering.codes import COOK_TORRANCE, PHONG, WIDTH
 from attitude.scattering.parameters import geometry, within
@@ -47,7 +47,7 @@ class Material:
     f0: float = 1.0
 
     def __post_init__(self):
-        gates.one_of(self.model, "model", ("phong", "cook-torrance"))
+        validation.one_of(self.model, "model", ("phong", "cook-torrance"))
         for name, low, high in (
             ("diffuse", 0.0, 1.0),
             ("specular", 0.0, 1.0),

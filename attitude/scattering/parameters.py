@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 
 
 def within(value, name, low, high, *, unit=None):
     """A number from low to high, both allowed; see `gates.number`."""
-    given = gates.number(value, name, unit=unit)
+    given = validation.number(value, name, unit=unit)
     if not low <= given <= high:
         raise AttitudeError(
             f"{name} is {given!r}; it must lie from {low:g} to {high:g}"
@@ -23,9 +23,9 @@ def geometry(mu0, mu, alpha):
     Angles that no three directions make are the caller's: only the single ranges are checked.
     """
     arrays = together(
-        mu0=gates.real(mu0, "mu0"),
-        mu=gates.real(mu, "mu"),
-        alpha=gates.real(alpha, "alpha", unit="rad"),
+        mu0=validation.real(mu0, "mu0"),
+        mu=validation.real(mu, "mu"),
+        alpha=validation.real(alpha, "alpha", unit="rad"),
     )
     for array, name in zip(arrays[:2], ("mu0", "mu"), strict=True):
         if np.any(np.abs(array) > 1.0 + 1e-9):

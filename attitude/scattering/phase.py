@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 
 # Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
@@ -42,8 +42,8 @@ def hg(alpha, h=0.0, g=0.15):
     Source: Bowell et al., Asteroids II, 1989, eq. A4.  Given for alpha up to 120 deg.
     """
     alpha = _angle(alpha)
-    h = gates.number(h, "h", unit="mag")
-    g = gates.number(g, "g")
+    h = validation.number(h, "h", unit="mag")
+    g = validation.number(g, "g")
     if not -0.25 <= g <= 1.2:
         raise AttitudeError(f"g is {g!r}; it must lie from -0.25 to 1.2.")
     tangent = np.tan(0.5 * alpha)
@@ -80,8 +80,8 @@ def hg1g2(alpha, h=0.0, g1=0.62, g2=0.14):
     Source: Muinonen et al., Icarus 209, 542, 2010, eq. 18 and tables 3, 4.
     """
     alpha = _angle(alpha)
-    h = gates.number(h, "h", unit="mag")
-    g1, g2 = gates.number(g1, "g1"), gates.number(g2, "g2")
+    h = validation.number(h, "h", unit="mag")
+    g1, g2 = validation.number(g1, "g1"), validation.number(g2, "g2")
     if g1 < 0.0 or g2 < 0.0 or g1 + g2 > 1.0 + 1e-12:
         raise AttitudeError(
             f"g1 is {g1!r} and g2 is {g2!r}; neither may be negative, nor their sum above 1."
@@ -116,7 +116,7 @@ def _spline(k):
 
 
 def _angle(alpha):
-    alpha = gates.real(alpha, "alpha", unit="rad")
+    alpha = validation.real(alpha, "alpha", unit="rad")
     if np.any((alpha < 0.0) | (alpha > np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
     return alpha

@@ -3,9 +3,9 @@
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.frozen import read_only
+from attitude.immutable import read_only
 from attitude.scene import angles
-from attitude.scene.quantity import kept, quantity
+from attitude.scene.lazy import kept, quantity
 
 _XYZ = ("x", "y", "z")
 _AXES = ("least", "middle", "greatest")
@@ -33,10 +33,10 @@ class Pointing:
         return read_only(np.ascontiguousarray(self._flat(self.attitude.wxyz)))
 
     def _in_body(self, unit):
-        from attitude.solution import rotation
+        from attitude.solution import vectors
 
         out = np.empty((3, self.seconds.size))
-        rotation.to_body(self._wxyz(), read_only(np.ascontiguousarray(unit)), out)
+        vectors.to_body(self._wxyz(), read_only(np.ascontiguousarray(unit)), out)
         return out
 
     def _in_icrf(self, vector):

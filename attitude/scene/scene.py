@@ -4,9 +4,9 @@ import datetime
 
 import numpy as np
 
-from attitude import epochs, gates, paths, tdb
+from attitude import epochs, pairs, paths, validation
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen
+from attitude.immutable import Frozen
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path
 from attitude.scene import shadow
@@ -107,7 +107,7 @@ class Scene(Frozen):
         self._set("light_time", _flag(light_time, "light_time"))
         self._set("aberration", _flag(aberration, "aberration"))
         if tolerance is not None:
-            tolerance = gates.positive(tolerance, "tolerance", unit="m")
+            tolerance = validation.positive(tolerance, "tolerance", unit="m")
         self._set("tolerance", tolerance)
         self._set("shadow_of", self._occulters(shadow_of))
         self._set("shadows", shadows)
@@ -115,8 +115,8 @@ class Scene(Frozen):
         self._set("sun_magnitude", sun_magnitude)
         if phase_function is not None and not callable(phase_function):
             raise AttitudeError(
-                f"phase_function is {gates.shown(phase_function)}; give a function of the phase "
-                "angle in rad, such as lambda alpha: scattering.hg(alpha, 19.09, 0.24)."
+                f"phase_function is {validation.shown(phase_function)}; give a function of the "
+                "phase angle in rad, such as lambda alpha: scattering.hg(alpha, 19.09, 0.24)."
             )
         if phase_function is not None and sun_magnitude is not None:
             raise AttitudeError(
@@ -160,8 +160,8 @@ class Scene(Frozen):
         own = self.epoch
         if own is not None and start != own:
             zero = np.zeros(seconds.shape) if low is None else low
-            seconds, low = tdb.add(tdb.add((seconds, zero), start.seconds, start.low), -own.seconds,
-                                   -own.low)  # fmt: skip
+            past_j2000 = pairs.add((seconds, zero), start.seconds, start.low)
+            seconds, low = pairs.add(past_j2000, -own.seconds, -own.low)
             start = own
         return View(self, start, seconds, low)
 
@@ -258,7 +258,7 @@ def _known_shape(shape):
 
 
 def _flag(value, name):
-    return gates.one_of(value, name, (True, False))
+    return validation.one_of(value, name, (True, False))
 
 
 def _told(place):

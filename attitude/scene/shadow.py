@@ -12,16 +12,16 @@ resolution B3.
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
+from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M, SUN_RADIUS_M
 
-SUN_RADIUS = 6.957e8
 # Mean radii, m.
 RADII = {
     "mercury": 2.4394e6,
     "venus": 6.0518e6,
-    "earth": 6378137.0,
+    "earth": EARTH_RADIUS_M,
     "moon": 1.7374e6,
     "mars": 3.3895e6,
     "jupiter": 6.9911e7,
@@ -30,7 +30,6 @@ RADII = {
     "neptune": 2.4622e7,
     "pluto": 1.1883e6,
 }
-_EARTH_FLATTENING = 1.0 / 298.257223563
 
 
 def radius_of(body):
@@ -53,7 +52,7 @@ def occulters(given):
     for body, radius in radii.items():
         name = body_name(body, "shadow_of")
         if radius is not None:
-            found[name] = gates.positive(radius, f"the radius of {name}", unit="m")
+            found[name] = validation.positive(radius, f"the radius of {name}", unit="m")
         elif radius_of(name) is None:
             raise AttitudeError(
                 f"shadow_of holds {body!r}, whose radius is not known here; give it in m, as in "
@@ -99,7 +98,9 @@ def lit_fraction(to_occulter, radius, sun, sun_distance, *, flattening=0.0):
     if sun_distance is None:
         return np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
     stretched = sun_distance * np.sqrt(np.sum(sun * sun, axis=0))
-    disc = np.arctan2(SUN_RADIUS, np.sqrt((stretched - SUN_RADIUS) * (stretched + SUN_RADIUS)))
+    disc = np.arctan2(
+        SUN_RADIUS_M, np.sqrt((stretched - SUN_RADIUS_M) * (stretched + SUN_RADIUS_M))
+    )
     # The circles where the plane touches the sphere at the Sun: the line through both middles
     # meets the limb at these distances.
     near = 2.0 * np.tan(0.5 * (apart - limb))
@@ -132,4 +133,4 @@ def _segment(angle):
 
 def flattening_of(body, radius):
     """That of the Earth; none where another radius was given, and of the other bodies."""
-    return _EARTH_FLATTENING if body == "earth" and radius == RADII["earth"] else 0.0
+    return EARTH_FLATTENING if body == "earth" and radius == RADII["earth"] else 0.0

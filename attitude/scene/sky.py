@@ -4,9 +4,9 @@ import numpy as np
 
 from attitude import paths
 from attitude.errors import AttitudeError
+from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles
-from attitude.scene.quantity import kept, quantity
-from attitude.scene.sightline import LIGHT
+from attitude.scene.lazy import kept, quantity
 
 
 class Sky:
@@ -24,7 +24,7 @@ class Sky:
         """Directions (3, N) from the observer as the scene wants them."""
         if not self.scene.aberration or getattr(self.scene.observer, "is_direction", False):
             return unit
-        return angles.aberrated(unit, self.observer_velocity, LIGHT)
+        return angles.aberrated(unit, self.observer_velocity, SPEED_OF_LIGHT_M_S)
 
     @quantity("", ("x", "y", "z"))
     def apparent_direction(self):

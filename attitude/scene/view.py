@@ -4,12 +4,13 @@ import numpy as np
 
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen, frozen, read_only
-from attitude.scene import angles, line, shadow
-from attitude.scene.brightness import Brightness
+from attitude.immutable import Frozen, frozen, read_only
+from attitude.physical_constants import SPEED_OF_LIGHT_M_S
+from attitude.scene import angles, lines_of_sight, shadow
+from attitude.scene.lazy import Quantity, kept, quantity
+from attitude.scene.light_time import Sightline
+from attitude.scene.photometry import Brightness
 from attitude.scene.pointing import Pointing
-from attitude.scene.quantity import Quantity, kept, quantity
-from attitude.scene.sightline import LIGHT, Sightline
 from attitude.scene.sky import Sky
 
 _XYZ = ("x", "y", "z")
@@ -77,7 +78,7 @@ class View(Pointing, Sky, Brightness, Frozen):
         """The `line.Line` from the body, as its light leaves, to the observer as it arrives."""
         scene = self.scene
         if _is_direction(scene.observer):
-            return line.fixed(scene.observer)
+            return lines_of_sight.fixed(scene.observer)
         found = self._sight(scene.center, scene.observer, self._reception(), sign=-1.0)
         self._refuse_inside(found, scene.observer)
         return found
@@ -88,11 +89,15 @@ class View(Pointing, Sky, Brightness, Frozen):
         hi, lo = self._reception()
         if not self.scene.light_time or self.observer_line.distance is None:
             return hi, None if self.low is None else lo
-        from attitude.scene import kernels
+        from attitude.scene import loops
 
         out = np.empty(hi.size), np.empty(hi.size)
-        kernels.earlier(
-            read_only(hi), read_only(lo), read_only(self.observer_line.distance), LIGHT, *out
+        loops.earlier(
+            read_only(hi),
+            read_only(lo),
+            read_only(self.observer_line.distance),
+            SPEED_OF_LIGHT_M_S,
+            *out,
         )
         return frozen(out[0]), frozen(out[1])
 
@@ -101,7 +106,7 @@ class View(Pointing, Sky, Brightness, Frozen):
         """The `line.Line` from the body, as its light leaves, to the Sun as it was then seen."""
         scene = self.scene
         if _is_direction(scene.sun):
-            return line.fixed(scene.sun)
+            return lines_of_sight.fixed(scene.sun)
         found = self._sight(scene.sun, scene.center, self._emission())
         self._refuse_inside(found, scene.sun)
         return found
@@ -116,7 +121,7 @@ class View(Pointing, Sky, Brightness, Frozen):
                 "direction of its own; give the path of an observer, or ask for phase_angle."
             )
         if _is_direction(scene.sun):
-            return line.fixed(scene.sun)
+            return lines_of_sight.fixed(scene.sun)
         return self._sight(scene.sun, scene.observer, self._reception())
 
     def _reception(self):
@@ -130,12 +135,12 @@ class View(Pointing, Sky, Brightness, Frozen):
     def _sight(self, target, viewer, at, *, geometric=False, sign=1.0):
         """The Line from a viewer at some epochs to a target, or opposite to that."""
         scene, (hi, lo) = self.scene, at
-        some = line.sample(self.epoch, hi, lo)
+        some = lines_of_sight.sample(self.epoch, hi, lo)
         if scene.light_time and not geometric:
             path = Sightline(target, viewer, scene.ephemeris, some)
         else:
             path = paths.relative(target, viewer, scene.ephemeris)
-        return line.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)
+        return lines_of_sight.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)
 
     def _refuse_inside(self, found, place):
         radius = _radius(self.scene.shape)
@@ -181,7 +186,7 @@ class View(Pointing, Sky, Brightness, Frozen):
         """observer_distance over the speed of light; 0 where the scene takes none into account."""
         if not self.scene.light_time or self.observer_line.distance is None:
             return np.zeros(self.shape)
-        return self.observer_distance / LIGHT
+        return self.observer_distance / SPEED_OF_LIGHT_M_S
 
     def _distance(self, found):
         if found.distance is None:
@@ -201,7 +206,7 @@ class View(Pointing, Sky, Brightness, Frozen):
     @quantity("rad")
     def phase_angle(self):
         """Angle at the body between Sun and observer, 0 to pi."""
-        from attitude.solution.separation import separation
+        from attitude.solution.vectors import separation
 
         sun, observer = read_only(self.sun_line.unit), read_only(self.observer_line.unit)
         return self._numbers(separation(*sun, *observer))

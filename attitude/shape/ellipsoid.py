@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.shape.geodesic import lifted, unit_sphere
 from attitude.shape.integrals import MassProperties
@@ -33,7 +33,7 @@ class Ellipsoid:
     is_closed = True
 
     def __post_init__(self):
-        axes = gates.real(self.semi_axes, "semi_axes", shape=(3,), unit="m")
+        axes = validation.real(self.semi_axes, "semi_axes", shape=(3,), unit="m")
         if not np.all(axes > 0.0):
             raise AttitudeError(
                 f"semi_axes is {axes.tolist()}; each must be greater than zero, in m."
@@ -58,8 +58,8 @@ class Ellipsoid:
         >>> Ellipsoid.of_moments((5, 10, 13), diameter=2).semi_axes.round(6)    # 3 : 2 : 1
         array([1.650964, 1.100642, 0.550321])
         """
-        moments = gates.real(moments, "moments", shape=(3,))
-        diameter = gates.positive(diameter, "diameter", unit="m")
+        moments = validation.real(moments, "moments", shape=(3,))
+        diameter = validation.positive(diameter, "diameter", unit="m")
         squares = np.sum(moments) - 2.0 * moments
         if not np.all(moments > 0.0) or not np.all(squares > 0.0):
             raise AttitudeError(
@@ -93,7 +93,7 @@ class Ellipsoid:
         >>> Ellipsoid((3, 2, 1)).mass_properties(density=1).inertia.diagonal() / (8 * np.pi)
         array([1. , 2. , 2.6])
         """
-        density = gates.positive(density, "density", unit="kg/m3")
+        density = validation.positive(density, "density", unit="kg/m3")
         mass = density * self.volume
         squares = self.semi_axes**2
         return MassProperties(mass, np.zeros(3), np.diag(mass / 5.0 * (np.sum(squares) - squares)))

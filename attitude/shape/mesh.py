@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.frozen import frozen
+from attitude.immutable import frozen
 from attitude.shape import closure, integrals
 
 SURFACE = "surface"
@@ -173,12 +173,12 @@ class Mesh:
 
     def moved(self, offset):
         """The mesh displaced by (3,) m: by minus its centre of mass, it turns about that."""
-        offset = gates.real(offset, "offset", shape=(3,), unit="m")
+        offset = validation.real(offset, "offset", shape=(3,), unit="m")
         return Mesh(self.vertices + offset, self.facets, self.materials)
 
     def turned(self, matrix):
         """The mesh in other axes: vertices become matrix @ vertex, for a proper rotation (3, 3)."""
-        matrix = gates.real(matrix, "matrix", shape=(3, 3))
+        matrix = validation.real(matrix, "matrix", shape=(3, 3))
         wrong = np.max(np.abs(matrix @ matrix.T - np.eye(3)))
         if wrong > 1e-9 or np.linalg.det(matrix) < 0.0:
             raise AttitudeError(
@@ -189,7 +189,9 @@ class Mesh:
 
     def scaled(self, factor):
         """The mesh with every length multiplied by a positive number."""
-        return Mesh(self.vertices * gates.positive(factor, "factor"), self.facets, self.materials)
+        return Mesh(
+            self.vertices * validation.positive(factor, "factor"), self.facets, self.materials
+        )
 
     def divided(self, times=1):
         """The same surface with each facet cut into four by the middles of its edges, so often.
@@ -249,10 +251,10 @@ class Mesh:
         # Relative to a point within the body, so that a mesh far from its origin loses nothing.
         corners = self.corners - self._middle
         if density is not None:
-            density = gates.positive(density, "density", unit="kg/m3")
+            density = validation.positive(density, "density", unit="kg/m3")
             self.require_closed()
             return integrals.about_center(density, *integrals.solid_moments(corners), self._middle)
-        surface_density = gates.positive(surface_density, "surface_density", unit="kg/m2")
+        surface_density = validation.positive(surface_density, "surface_density", unit="kg/m2")
         return integrals.about_center(
             surface_density, *integrals.shell_moments(corners), self._middle
         )
@@ -272,7 +274,7 @@ class Mesh:
 
 
 def _vertices(value):
-    array = gates.real(value, "vertices", unit="m", finite=False)
+    array = validation.real(value, "vertices", unit="m", finite=False)
     if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
         raise AttitudeError(f"vertices has shape {array.shape}; give (V, 3), in m.")
     bad = np.flatnonzero(~np.all(np.isfinite(array), axis=1))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
 
@@ -11,8 +11,8 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 
 def box(size, *, material=SURFACE, center=(0.0, 0.0, 0.0)):
     """A box of (3,) m along x, y, z about `center`: 12 facets, two a side (-x, +x, -y, ... +z)."""
-    size = gates.real(size, "size", shape=(3,), unit="m")
-    center = gates.real(center, "center", shape=(3,), unit="m")
+    size = validation.real(size, "size", shape=(3,), unit="m")
+    center = validation.real(center, "center", shape=(3,), unit="m")
     if not np.all(size > 0.0):
         raise AttitudeError(f"size is {size.tolist()}; each edge must be greater than zero, in m.")
     bits = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)])
@@ -27,9 +27,9 @@ def cylinder(radius, height, *, sides=64, axis="z", material=SURFACE):
     Its cross-section has the area of the circle, pi radius^2, so volume and mass are those of the
     cylinder; the lateral area differs by 0.04% at 64 sides, falling with their square.
     """
-    radius = gates.positive(radius, "radius", unit="m")
-    height = gates.positive(height, "height", unit="m")
-    axis = _AXES[gates.one_of(axis, "axis", tuple(_AXES))]
+    radius = validation.positive(radius, "radius", unit="m")
+    height = validation.positive(height, "height", unit="m")
+    axis = _AXES[validation.one_of(axis, "axis", tuple(_AXES))]
     if not (isinstance(sides, (int, np.integer)) and 3 <= sides <= 100_000):
         raise AttitudeError(f"sides is {sides!r}; give a whole number from 3 to 100000.")
     turn = 2.0 * np.pi / sides
@@ -91,13 +91,13 @@ def box_wing(
     Mesh
         12 facets for the box and 12 for each wing; parts do not overlap.
     """
-    body = gates.real(body, "body", shape=(3,), unit="m")
-    length, width = gates.real(wing, "wing", shape=(2,), unit="m")
-    gap = gates.number(gap, "gap", unit="m")
-    thickness = gates.positive(thickness, "thickness", unit="m")
-    angle = gates.number(wing_angle, "wing_angle", unit="rad")
-    along = _AXES[gates.one_of(wing_axis, "wing_axis", tuple(_AXES))]
-    gates.one_of(wings, "wings", (1, 2))
+    body = validation.real(body, "body", shape=(3,), unit="m")
+    length, width = validation.real(wing, "wing", shape=(2,), unit="m")
+    gap = validation.number(gap, "gap", unit="m")
+    thickness = validation.positive(thickness, "thickness", unit="m")
+    angle = validation.number(wing_angle, "wing_angle", unit="rad")
+    along = _AXES[validation.one_of(wing_axis, "wing_axis", tuple(_AXES))]
+    validation.one_of(wings, "wings", (1, 2))
     if gap < 0.0:
         raise AttitudeError(f"gap is {gap!r} m; it must not be negative, or parts would overlap.")
     names = tuple(materials)

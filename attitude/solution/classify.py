@@ -9,10 +9,20 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.instructions import larger
 from attitude.solution import codes
-from attitude.solution.expansion import product_added, rounded
-from attitude.solution.machine import compiled, inlined, larger
-from attitude.solution.twofloat import less, mul, pair, put, same, square, sub
+from attitude.solution.twofloat import (
+    less,
+    mul,
+    pair,
+    product_added,
+    put,
+    rounded,
+    same,
+    square,
+    sub,
+)
 
 # Below this fraction of the largest component, a rate would vanish in the squares anyway.
 _NO_RATE = 2.0**-400
@@ -25,7 +35,7 @@ _CANCELLED = 0.0625
 _MOST_PARTS = 2 * 2 * 4 * 4 * 8
 
 
-@compiled
+@entry_point
 def classify_all(moments, wxyz, omega, constants):
     """Check, scale and sort B states.
 
@@ -60,7 +70,7 @@ def refine_all(constants):
     _refine_all(constants, np.empty(_MOST_PARTS))
 
 
-@compiled
+@entry_point
 def _refine_all(constants, expansion):
     for b in range(len(constants)):
         c = constants[b]
@@ -68,7 +78,7 @@ def _refine_all(constants, expansion):
             put(c.d2, _exact_middle_invariant(c, expansion))
 
 
-@inlined
+@subroutine
 def _fault(moments, wxyz, omega):
     least, most, total = moments[0, 0], 0.0, 0.0
     for k in range(3):
@@ -101,7 +111,7 @@ def _fault(moments, wxyz, omega):
     return codes.FINE
 
 
-@inlined
+@subroutine
 def _scale(moments, omega, c):
     most = fastest = 0.0
     for k in range(3):
@@ -116,7 +126,7 @@ def _scale(moments, omega, c):
             scaled_omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
 
 
-@inlined
+@subroutine
 def _rotates_uniformly(c):
     """Whether every product (Ij - Ik) wj wk of Euler's equations vanishes, by its factors."""
     moments, omega = c.moments, c.omega
@@ -139,7 +149,7 @@ def _rotates_uniformly(c):
     return True
 
 
-@inlined
+@subroutine
 def _order(c):
     """Ascending order and D2 = L^2 - 2 E I2 for the middle moment I2; whether its terms cancel.
 
@@ -169,7 +179,7 @@ def _order(c):
     return cancelled
 
 
-@inlined
+@subroutine
 def _exact_middle_invariant(c, total):
     """d (d - b) wd^2 + a (a - b) wa^2, every product exact: 16 parts if the inputs are doubles."""
     count = np.int64(0)  # as a literal it would be a type, and compiled for, of its own

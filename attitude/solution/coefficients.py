@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution import codes
-from attitude.solution.machine import compiled, inlined
+from attitude.solution.phases import phase, sincos
 from attitude.solution.series import (
     four,
     hyperbolic_arguments,
@@ -16,7 +17,6 @@ from attitude.solution.series import (
     trigonometric_pair,
     turned,
 )
-from attitude.solution.turns import phase, sincos
 
 # Coefficients in c = cos 2v, by row n: T_n of cos 2nv; the second kind of sin 2nv / sin 2v;
 # the fourth and third kinds of sin (2n+1)v / sin v and cos (2n+1)v / cos v.
@@ -34,7 +34,7 @@ COS_ODD = np.array(
 )
 
 
-@compiled
+@entry_point
 def trigonometric_all(constants):
     """Series of alpha and beta, and q_int(0), of those of B motions that have this form."""
     for b in range(len(constants)):
@@ -44,7 +44,7 @@ def trigonometric_all(constants):
             _trigonometric_start(c)
 
 
-@compiled
+@entry_point
 def hyperbolic_all(constants):
     """The same of those whose form is hyperbolic."""
     for b in range(len(constants)):
@@ -54,7 +54,7 @@ def hyperbolic_all(constants):
             _hyperbolic_start(c)
 
 
-@inlined
+@subroutine
 def _trigonometric_series(c, alpha, beta):
     """Nome Q.  With X = exp(-2 delta), P = Q exp(2 delta): every term is a product of numbers at
     most 1, so that nothing overflows for a symmetric body, where delta is infinite and Q is 0.
@@ -102,7 +102,7 @@ def _trigonometric_series(c, alpha, beta):
         beta[1, k] *= ratio
 
 
-@inlined
+@subroutine
 def _hyperbolic_series(c, alpha):
     """After the modular transformation: nome Q', 0 on the exact separatrix."""
     d = 0.25 * math.pi * c.fraction
@@ -121,7 +121,7 @@ def _hyperbolic_series(c, alpha):
     c.beta[0, 0] = c.wobble * cosines / sines
 
 
-@inlined
+@subroutine
 def _trigonometric_start(c):
     """q_int(0), by the very series that give q_int(t) later."""
     s, lo, _ = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, 1.0)
@@ -130,7 +130,7 @@ def _trigonometric_start(c):
     _keep(trigonometric_pair(alpha, beta, sine, cosine), c.internal)
 
 
-@inlined
+@subroutine
 def _hyperbolic_start(c):
     s, lo, half_turns = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, c.winds)
     dx = s + lo
@@ -141,6 +141,70 @@ def _hyperbolic_start(c):
     _keep(turned(pair, sine, cosine), c.internal)
 
 
-@inlined
+@subroutine
 def _keep(pair, internal):
     internal[0], internal[3], internal[1], internal[2] = pair
+
+
+@entry_point
+def trigonometric_rates_all(constants):
+    """The series of cn, sn and dn, times the amplitudes, of those of B motions of this form."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
+            _trigonometric_rates(math.sqrt(c.nome), c, c.rates)
+
+
+@entry_point
+def hyperbolic_rates_all(constants):
+    """The same of those whose form is hyperbolic."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
+            _hyperbolic_rates(c.nome, c)
+
+
+@subroutine
+def _trigonometric_rates(q, c, rates):
+    """cn, sn, dn as theta quotients; theta1 and theta2 without their factor 2 q^(1/4)."""
+    theta2 = theta3 = theta4 = 0.0
+    sign = even = odd = step = 1.0
+    for n in range(5):
+        # even = 2 q^(n^2) (1 at n = 0), odd = q^(n(n+1)), step = q^n
+        theta2 += odd
+        theta3 += even
+        theta4 += sign * even
+        for k in range(5):
+            rates[0, k] += odd * COS_ODD[n, k]
+            rates[1, k] += sign * odd * SIN_ODD[n, k]
+            rates[2, k] += even * COS_EVEN[n, k]
+            rates[3, k] += sign * even * COS_EVEN[n, k]
+        even = 2.0 * q if n == 0 else even * step * step * q
+        odd *= step * step * q * q
+        step *= q
+        sign = -sign
+    for k in range(5):
+        rates[0, k] *= c.amplitudes[0] * theta4 / theta2
+        rates[1, k] *= -c.amplitudes[1] * theta3 / theta2
+        rates[2, k] *= c.amplitudes[2] * theta4 / theta3
+
+
+@subroutine
+def _hyperbolic_rates(nome, c):
+    """The same after the modular transformation, nome Q'^2."""
+    q = nome * nome
+    qq = q * q
+    theta2 = 1.0 + qq + qq * qq * qq
+    theta3 = 1.0 + 2.0 * (q + qq * qq)
+    theta4 = 1.0 - 2.0 * (q - qq * qq)
+    cn = 2.0 * c.amplitudes[0] * theta2 / theta4
+    sn = -c.amplitudes[1] * theta3 / theta4
+    dn = 2.0 * c.amplitudes[2] * theta2 / theta3
+    for n in range(3):
+        sign = -1.0 if n == 1 else 1.0
+        even = qq if n == 2 else 1.0  # q^(n(n-1))
+        odd = 1.0 if n == 0 else (q if n == 1 else qq * qq)  # q^(n^2)
+        c.rates[0, n] = cn * sign * even
+        c.rates[1, n] = sn * sign * odd
+        c.rates[2, n] = dn * even
+        c.rates[3, n] = odd

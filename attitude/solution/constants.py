@@ -7,9 +7,9 @@ invariants are sums of terms of one sign.  Symbols are those of van Zon & Schofi
 
 import math
 
+from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.elliptic import complete_and_phase, quarter_and_fraction
-from attitude.solution.machine import compiled, inlined
 from attitude.solution.series import four
 from attitude.solution.twofloat import (
     HALF_PI,
@@ -30,7 +30,7 @@ from attitude.solution.twofloat import (
 )
 
 
-@compiled
+@entry_point
 def solve_all(constants):
     """Rates and phases of those of B motions that tumble.
 
@@ -47,7 +47,7 @@ def solve_all(constants):
     return hyperbolic
 
 
-@inlined
+@subroutine
 def jacobi(c):
     """Jacobi ordering (3.32): the angular momentum circulates about the internal third axis.
 
@@ -69,7 +69,7 @@ def jacobi(c):
     axes[3] = 1 if omega[third, 0] < 0.0 else 0
 
 
-@inlined
+@subroutine
 def _solve(c):
     """Rates and phases of the internal motion; pairs throughout."""
     first, second, minus1, minus3 = four(c.jacobi)
@@ -133,13 +133,13 @@ def _solve(c):
         put(c.nutation0, neg(pair(c.nutation0)))
 
 
-@inlined
+@subroutine
 def _store_rate(field, rate, tempo):
     field[0] = math.ldexp(rate[0], tempo)
     field[1] = math.ldexp(rate[1], tempo)
 
 
-@inlined
+@subroutine
 def _choose_form(precession, nutation, turns, minus_n, c):
     """Rates and phases, in turns, and which series serves them: T = 2 K'/K decides."""
     precession = scale(precession, 0.5)
@@ -163,7 +163,7 @@ def _choose_form(precession, nutation, turns, minus_n, c):
     _store_rate(c.nutation, scale(nutation, times), c.tempo)
 
 
-@inlined
+@subroutine
 def _on_separatrix(turns, speed, tangent, minus_n, c):
     """2E = L^2/I2 exactly: y = (wp t + eps)/2 runs once from end to end, and never returns."""
     c.form = codes.HYPERBOLIC

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from attitude.solution.machine import inlined
+from attitude.compilation.decorators import subroutine
 from attitude.solution.twofloat import (
     HALF_PI,
     ONE,
@@ -29,7 +29,7 @@ _CLOSE_PAIR = 1e-16
 _MOST_STEPS = 40
 
 
-@inlined
+@subroutine
 def complete_and_phase(kc, p, a, cosine, sine):
     """The complete integrals and the phase of one modulus, in one iteration, all in pairs.
 
@@ -74,7 +74,7 @@ def complete_and_phase(kc, p, a, cosine, sine):
     return quotient, complete, _turns(quadrant, c, s, halvings)
 
 
-@inlined
+@subroutine
 def _doubled(quadrant, ratio, c, s):
     """One descending Landen step of an amplitude, kept as cosine, sine and quadrant.
 
@@ -90,7 +90,7 @@ def _doubled(quadrant, ratio, c, s):
     return 2 * quadrant + (1 if beyond else 0), c, s
 
 
-@inlined
+@subroutine
 def _turns(quadrant, c, s, halvings):
     """The amplitude over 2 pi halvings, as a pair."""
     c, s = _turned_back(quadrant, c, s)
@@ -100,7 +100,7 @@ def _turns(quadrant, c, s, halvings):
     return hi / halvings, lo / halvings
 
 
-@inlined
+@subroutine
 def _turned_back(quadrant, c, s):
     side = quadrant & 3
     if side == 0:
@@ -112,7 +112,7 @@ def _turned_back(quadrant, c, s):
     return neg(s), c
 
 
-@inlined
+@subroutine
 def quarter_and_fraction(b, c, s):
     """K of complementary modulus b > 0, and F/K of the amplitude in the first quadrant; doubles.
 

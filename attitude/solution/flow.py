@@ -14,8 +14,9 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.instructions import rint
 from attitude.solution import codes
-from attitude.solution.machine import compiled, inlined, rint
 from attitude.solution.twofloat import (
     ONE,
     TWO_PI,
@@ -64,12 +65,12 @@ _GAUSS = np.array(
 )
 
 
-@compiled
+@entry_point
 def flow(c, moments, t, q, w):
     """Move a state to time t.
 
     Given
-        c        the record (solution.layout) of the motion that starts with it
+        c        the record (solution.record) of the motion that starts with it
         moments  (3, 2) principal moments in any order, pairs
         t        pair, s
     Changed
@@ -113,7 +114,7 @@ def flow(c, moments, t, q, w):
     multiply(q, pair(back[0]), pair(back[1]), pair(back[2]), pair(back[3]))
 
 
-@inlined
+@subroutine
 def _ascending(moments):
     """Axes by ascending moment, and -1 where that order is left-handed: all are then reversed."""
     a, b, d = 0, 1, 2
@@ -127,7 +128,7 @@ def _ascending(moments):
     return (a, b, d), sign
 
 
-@inlined
+@subroutine
 def _momentum(i, w):
     return (
         mul(pair(i[0]), pair(w[0])),
@@ -136,7 +137,7 @@ def _momentum(i, w):
     )
 
 
-@inlined
+@subroutine
 def _pieces(i, t, q, w):
     """Move the state in pieces; the moments ascending."""
     i1, i2, i3 = pair(i[0]), pair(i[1]), pair(i[2])
@@ -195,7 +196,7 @@ def _pieces(i, t, q, w):
         put(w[2], add(w3, d3))
 
 
-@inlined
+@subroutine
 def _series(e1, e3, a):
     """S = sum a_n t^(2n+1) from S'' = -(e1 + e3) S + 2 e1 e3 S^3."""
     s, p = neg(add(e1, e3)), scale(mul(e1, e3), 2.0)
@@ -215,7 +216,7 @@ def _series(e1, e3, a):
         put(a[n + 1], div(total, ((2.0 * n + 3.0) * (2.0 * n + 2.0), 0.0)))
 
 
-@inlined
+@subroutine
 def _numerators(x, a, state):
     """d (w(x) - w) and d, x seconds into the piece; see solution.step."""
     w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
@@ -236,7 +237,7 @@ def _numerators(x, a, state):
     )
 
 
-@inlined
+@subroutine
 def _turning(numerators, weights):
     """chi' there."""
     l1, l2, l3, f1, f2, f3, dot = weights
@@ -247,7 +248,7 @@ def _turning(numerators, weights):
     return div(top, bottom)
 
 
-@inlined
+@subroutine
 def _turn(q, x, y, z, turns):
     """q times (cosine; sine of 2 pi turns, along a vector of any length)."""
     size = sqrt(add(add(square(x), square(y)), square(z)))
@@ -258,7 +259,7 @@ def _turn(q, x, y, z, turns):
     multiply(q, cosine, mul(sine, x), mul(sine, y), mul(sine, z))
 
 
-@inlined
+@subroutine
 def multiply(q, s, x, y, z):
     """q (4, 2) becomes q times the quaternion of four pairs."""
     a, b, c, d = pair(q[0]), pair(q[1]), pair(q[2]), pair(q[3])
@@ -268,7 +269,7 @@ def multiply(q, s, x, y, z):
     put(q[3], add(add(mul(a, z), mul(d, s)), sub(mul(b, y), mul(c, x))))
 
 
-@inlined
+@subroutine
 def _cosine_and_sine(turns):
     """Of 2 pi turns, in pairs: quarters removed, then the power series."""
     turns = sub(turns, (rint(turns[0]), 0.0))

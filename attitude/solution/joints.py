@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution.flow import multiply
-from attitude.solution.machine import compiled, inlined
 from attitude.solution.twofloat import (
     ONE,
     ZERO,
@@ -22,7 +22,7 @@ from attitude.solution.twofloat import (
 )
 
 
-@compiled
+@entry_point
 def change_axes(q, axes, near, sense):
     """q becomes q times the quaternion of a rotation or, for a sense of -1, times its inverse.
 
@@ -39,7 +39,7 @@ def change_axes(q, axes, near, sense):
     _to_unit_length(q)
 
 
-@compiled
+@entry_point
 def strike(moments, axes, q, w, in_body, in_space):
     """Add angular momentum to a state.
 
@@ -66,7 +66,7 @@ def strike(moments, axes, q, w, in_body, in_space):
                 put(w[j], (math.inf, 0.0))
 
 
-@compiled
+@entry_point
 def exchange(moments, axes, new_moments, new_axes, w):
     """The same angular momentum in a body with other moments and axes: w over the new ones."""
     momentum = np.zeros((3, 2))
@@ -86,11 +86,11 @@ def exchange(moments, axes, new_moments, new_axes, w):
         put(w[j], total)
 
 
-@inlined
+@subroutine
 def _quaternion(m, near):
     """Of a rotation matrix (3, 3, 2), pairs, where its rounded quaternion (4,) is known.
 
-    4 s s^T, s being the unit quaternion, is linear in the matrix (see solution.attach); times a
+    4 s s^T, s being the unit quaternion, is linear in the matrix (see solution.given_axes); times a
     quaternion that is near to s it is along s, without the choice of a largest entry.
     """
     xx, yy, zz = pair(m[0, 0]), pair(m[1, 1]), pair(m[2, 2])
@@ -117,7 +117,7 @@ def _quaternion(m, near):
     return out
 
 
-@inlined
+@subroutine
 def _to_unit_length(q):
     size = ZERO
     for k in range(4):
@@ -127,7 +127,7 @@ def _to_unit_length(q):
         put(q[k], mul(pair(q[k]), size))
 
 
-@inlined
+@subroutine
 def _to_body(q, v):
     """q* v q, both in pairs."""
     s, x, y, z = pair(q[0]), neg(pair(q[1])), neg(pair(q[2])), neg(pair(q[3]))

@@ -1,7 +1,7 @@
 """The loops over bodies and epochs, one for each form of the solution.
 
 Given
-    constants  (B,) records (solution.layout); those of another form are passed over
+    constants  (B,) records (solution.record); those of another form are passed over
     t          (1 or B, T) seconds since the epoch of the state
     t_low      the same shape, what is added to t; or None
 Filled
@@ -16,8 +16,10 @@ the arithmetic) and writes component by component into rows: then it vectorises.
 
 import math
 
+from attitude.compilation.decorators import inlined_entry_point, subroutine
+from attitude.compilation.instructions import fma, larger
 from attitude.solution import codes
-from attitude.solution.machine import door, fma, inlined, larger
+from attitude.solution.phases import LONGEST, phase, sincos
 from attitude.solution.series import (
     four,
     hyperbolic_arguments,
@@ -27,7 +29,6 @@ from attitude.solution.series import (
     trigonometric_rates,
     turned,
 )
-from attitude.solution.turns import LONGEST, phase, sincos
 from attitude.solution.twofloat import two_sum
 
 # The largest double, in s, and the slowest motion that reaches it, in turns per second.
@@ -35,14 +36,14 @@ _FARTHEST = 1.7976931348623157e308
 _SLOWEST = LONGEST / _FARTHEST
 
 
-@inlined
+@subroutine
 def reach(c):
     """The farthest epoch, s, at which two doubles resolve the phases; infinity never is."""
     fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
     return LONGEST / fastest if fastest > _SLOWEST else _FARTHEST
 
 
-@inlined
+@subroutine
 def _any_beyond(t, most):
     # No early exit: as a reduction this vectorises and costs less than reading t once more.
     found = 0
@@ -51,24 +52,24 @@ def _any_beyond(t, most):
     return found != 0
 
 
-@inlined
+@subroutine
 def _five(row):
     return row[0], row[1], row[2], row[3], row[4]
 
 
-@inlined
+@subroutine
 def _frame(c):
     f = c.frame
     return four(f[0]), four(f[1]), four(f[2]), four(f[3])
 
 
-@inlined
+@subroutine
 def _rate_series(c):
     r = c.rates
     return _five(r[0]), _five(r[1]), _five(r[2]), _five(r[3])
 
 
-@inlined
+@subroutine
 def _axes(c):
     a = c.axes
     return (
@@ -78,7 +79,7 @@ def _axes(c):
     )
 
 
-@inlined
+@subroutine
 def _store_attitude(frame, pair, wxyz, i):
     ar, ai, br, bi = pair
     norm = fma(ar, ar, ai * ai) + fma(br, br, bi * bi)
@@ -88,13 +89,13 @@ def _store_attitude(frame, pair, wxyz, i):
         wxyz[k, i] = fma(frame[k][0], w, frame[k][1] * x) + fma(frame[k][2], y, frame[k][3] * z)
 
 
-@inlined
+@subroutine
 def _store_rates(axes, w, rates, i):
     for k in range(3):
         rates[k, i] = fma(axes[k][0], w[0], fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
-@door
+@inlined_entry_point
 def uniform(constants, t, t_low, wxyz, rates):
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0
@@ -119,7 +120,7 @@ def uniform(constants, t, t_low, wxyz, rates):
     return -1
 
 
-@door
+@inlined_entry_point
 def trigonometric(constants, t, t_low, wxyz, rates):
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0
@@ -149,7 +150,7 @@ def trigonometric(constants, t, t_low, wxyz, rates):
     return -1
 
 
-@door
+@inlined_entry_point
 def hyperbolic(constants, t, t_low, wxyz, rates):
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0

@@ -1,10 +1,11 @@
 """Splitting integrators: torques between exact free motions, step after step.
 
 A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients in units
-of the step; `attitude.schemes` holds them.  A kick changes the angular velocity at a fixed attitude
-and epoch by the torque N there; with a coefficient g it also adds g h^3 times the torque of the
-potential -N . I^-1 N (the commutator of torque, free motion and torque again): twice the slope of
-N . y over turns of the body, y = I^-1 N being held, for which each torque has a function of y.
+of the step; `attitude.splitting.schemes` holds them.  A kick changes the angular velocity at a
+fixed attitude and epoch by the torque N there; with a coefficient g it also adds g h^3 times the
+torque of the potential -N . I^-1 N (the commutator of torque, free motion and torque again): twice
+the slope of N . y over turns of the body, y = I^-1 N being held, for which each torque has a
+function of y.
 
 Torques are called by address, so that one compiled loop serves all of them, also those that a
 user wrote.  Each is a C function
@@ -16,14 +17,14 @@ of seconds since the epoch, the attitude body to inertial, the angular velocity 
 what was sampled for it at that epoch (a position, say) and its parameters; it fills the torque
 over the body axes.
 
-The loops hand addresses to what they call, never an array (`solution.addresses`).
+The loops hand addresses to what they call, never an array (`compilation.pointers`).
 """
 
 import math
 
-from attitude.solution.addresses import call, number, put, put_three, room, whole
-from attitude.solution.attach import product, turned_by
-from attitude.solution.machine import compiled, inlined, merged
+from attitude.compilation.decorators import entry_point, force_inlined, subroutine
+from attitude.compilation.pointers import call, number, put, put_three, scratch, whole
+from attitude.solution.given_axes import product, turned_by
 from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
 
 FINE, BAD_TORQUE, TOO_LONG = 0, 1, 2
@@ -34,7 +35,7 @@ _FASTEST = 1e150
 BY_RATE, SLIP = 1, 2
 
 
-@compiled
+@entry_point
 def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """Take some steps.
 
@@ -59,7 +60,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
-    work, samples, row = room(), given.ctypes.data, 8 * given.shape[1]
+    work, samples, row = scratch(), given.ctypes.data, 8 * given.shape[1]
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     now = loaded(state)
     for step in range(steps):
@@ -73,7 +74,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
     return FINE, 0.0, 0.0
 
 
-@compiled
+@entry_point
 def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
     """States between steps: whole steps from those that were kept, then a part of one.
 
@@ -88,7 +89,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         out      (T, 7) wxyz and angular velocity
     """
     n = scheme.shape[1] - 1
-    work, row = room(), 8 * given.shape[2]
+    work, row = scratch(), 8 * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     at, done = -1, 0
@@ -123,12 +124,12 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
     return FINE, 0.0, 0.0
 
 
-@compiled
+@entry_point
 def accelerations(c, models, states, times, given, out):
     """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
-    work, samples = room(), given.ctypes.data
+    work, samples = scratch(), given.ctypes.data
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
@@ -142,7 +143,7 @@ def accelerations(c, models, states, times, given, out):
     return FINE, 0.0, 0.0
 
 
-@inlined
+@subroutine
 def _body(c):
     """The numbers of `march`, read once."""
     return (
@@ -154,7 +155,7 @@ def _body(c):
     )
 
 
-@inlined
+@subroutine
 def _torques(models):
     """The address of `models`, how many, whether one depends on the rates, whether one slips."""
     rates = slips = False
@@ -164,7 +165,7 @@ def _torques(models):
     return models.ctypes.data, len(models), rates, slips
 
 
-@merged
+@force_inlined
 def _step(body, plan, torques, state, t, h, first, row, work, held):
     """The state after one step, and as in `march`.
 
@@ -206,7 +207,7 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
     return state, FINE, 0.0, 0.0
 
 
-@merged
+@force_inlined
 def _kick(body, torques, state, t, h, cubed, samples, work, held):
     """The state after torques for h seconds at a fixed attitude, and whether they are numbers."""
     _, _, rates, slips = torques
@@ -229,7 +230,7 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
     return state, fine
 
 
-@inlined
+@subroutine
 def _gradient(body, torques, state, t, cubed, samples, work):
     """The kick by the force gradient, after that by the torque in work[7:10], which stays."""
     n1, n2, n3 = number(work, 7), number(work, 8), number(work, 9)
@@ -248,7 +249,7 @@ def _gradient(body, torques, state, t, cubed, samples, work):
     return state, fine
 
 
-@inlined
+@subroutine
 def _see(body, state, work, d1, d2, d3):
     """work[0:7]: attitude and angular velocity (plus d) over the body axes."""
     s, matrix = body[2], body[3]
@@ -262,7 +263,7 @@ def _see(body, state, work, d1, d2, d3):
     put(work, 6, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
 
 
-@inlined
+@subroutine
 def _asked(torques, model, function, t, samples, work):
     """What a function of a torque, the one named in that column of `models`, says of what it sees.
 
@@ -274,7 +275,7 @@ def _asked(torques, model, function, t, samples, work):
     return number(work, 10), number(work, 11), number(work, 12)
 
 
-@inlined
+@subroutine
 def _torque(torques, t, samples, work):
     """work[7:10]: the sum of the torques; False if it is not a number."""
     x = y = z = 0.0
@@ -286,13 +287,13 @@ def _torque(torques, t, samples, work):
     return _finite(work, 7)
 
 
-@inlined
+@subroutine
 def _finite(address, k):
     x, y, z = number(address, k), number(address, k + 1), number(address, k + 2)
     return abs(x) + abs(y) + abs(z) < math.inf
 
 
-@inlined
+@subroutine
 def _accelerations(body, work):
     """The torque in work[7:10] as rates of change over the principal axes."""
     inverse, m = body[1], body[3]
@@ -304,13 +305,13 @@ def _accelerations(body, work):
     )
 
 
-@inlined
+@subroutine
 def _apply(body, state, h, work):
     d1, d2, d3 = _accelerations(body, work)
     return kicked(state, (h * d1, h * d2, h * d3), _NOTHING)
 
 
-@inlined
+@subroutine
 def _by_runge_kutta(body, torques, state, t, h, samples, work):
     """A torque that depends on the angular velocity: fourth order at the fixed attitude."""
     x = y = z = 0.0
@@ -326,7 +327,7 @@ def _by_runge_kutta(body, torques, state, t, h, samples, work):
     return kicked(state, (x, y, z), _NOTHING), True
 
 
-@inlined
+@subroutine
 def _slip(body, torques, state, t, h, samples, work):
     """The body turns under its own momentum, which stays fixed in space; midpoint rule."""
     i, s = body[0], body[2]
@@ -353,7 +354,7 @@ def _slip(body, torques, state, t, h, samples, work):
     return state, True
 
 
-@inlined
+@subroutine
 def _half_turn(v, half):
     """The quaternion of a turn by 2 half |v| about v."""
     size = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

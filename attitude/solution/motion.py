@@ -6,11 +6,15 @@ anew at every level, for seconds.
 """
 
 from attitude.solution import codes, kernel
-from attitude.solution.attach import attach_all
 from attitude.solution.classify import classify_all, refine_all
-from attitude.solution.coefficients import hyperbolic_all, trigonometric_all
+from attitude.solution.coefficients import (
+    hyperbolic_all,
+    hyperbolic_rates_all,
+    trigonometric_all,
+    trigonometric_rates_all,
+)
 from attitude.solution.constants import solve_all
-from attitude.solution.rate_series import hyperbolic_rates_all, trigonometric_rates_all
+from attitude.solution.given_axes import attach_all
 from attitude.solution.uniform import uniform_all
 
 
@@ -26,7 +30,7 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
                    C - B and D2 as solution.principal has them, (3, 2)
         rates      whether angular velocities will be asked for
     Filled
-        constants  (B,) of solution.layout.CONSTANTS, zeros at first; fault tells what is wrong
+        constants  (B,) of solution.record.CONSTANTS, zeros at first; fault tells what is wrong
     Returned
         how many have a fault
     """

@@ -7,34 +7,35 @@ Schofield's solution; the pair is not normalised here.  Coefficients are tuples,
 first.
 """
 
-from attitude.solution.machine import as_bits, fma, from_bits, inlined
-from attitude.solution.turns import exp2_of_minus, negated_if_odd
+from attitude.compilation.decorators import subroutine
+from attitude.compilation.instructions import as_bits, fma, from_bits
+from attitude.solution.phases import exp2_of_minus, negated_if_odd
 
 _SIGN = -0x8000000000000000
 _TINY = 1e-300
 
 
-@inlined
+@subroutine
 def four(row):
     return row[0], row[1], row[2], row[3]
 
 
-@inlined
+@subroutine
 def quadratic(c, x):
     return fma(fma(c[2], x, c[1]), x, c[0])
 
 
-@inlined
+@subroutine
 def cubic(c, x):
     return fma(fma(fma(c[3], x, c[2]), x, c[1]), x, c[0])
 
 
-@inlined
+@subroutine
 def quartic(c, x):
     return fma(fma(fma(fma(c[4], x, c[3]), x, c[2]), x, c[1]), x, c[0])
 
 
-@inlined
+@subroutine
 def turned(pair, sine, cosine):
     """Both members times cosine + i sine: a turn about the angular momentum."""
     ar, ai, br, bi = pair
@@ -46,7 +47,7 @@ def turned(pair, sine, cosine):
     )
 
 
-@inlined
+@subroutine
 def trigonometric_pair(alpha, beta, sine, cosine):
     """theta4 and theta1 of v + i delta, nome Q, from sine and cosine of v."""
     double_cosine = fma(-2.0 * sine, sine, 1.0)
@@ -59,7 +60,7 @@ def trigonometric_pair(alpha, beta, sine, cosine):
     )
 
 
-@inlined
+@subroutine
 def trigonometric_rates(rates, sine, cosine):
     """Angular velocity over the internal axes: theta quotients of v, nome q."""
     double_cosine = fma(-2.0 * sine, sine, 1.0)
@@ -71,14 +72,14 @@ def trigonometric_rates(rates, sine, cosine):
     )
 
 
-@inlined
+@subroutine
 def hyperbolic_arguments(dx, decay, nome):
     """E = exp(-2|y|), F = Q'/E and G = Q' E, each at most 1."""
     e = exp2_of_minus(decay * abs(dx))
     return e, nome / (e if e > _TINY else _TINY), nome * e
 
 
-@inlined
+@subroutine
 def hyperbolic_pair(alpha, ratio, dx, half_turns, arguments):
     """alpha and beta times 2 exp(-|y|).
 
@@ -95,7 +96,7 @@ def hyperbolic_pair(alpha, ratio, dx, half_turns, arguments):
     return ar, ai, br, bi
 
 
-@inlined
+@subroutine
 def hyperbolic_rates(rates, dx, half_turns, arguments):
     """Angular velocity over the internal axes: theta quotients of 2 i y, nome Q'^2."""
     e, f, g = arguments
@@ -112,7 +113,7 @@ def hyperbolic_rates(rates, dx, half_turns, arguments):
     )
 
 
-@inlined
+@subroutine
 def _with_sign_of(x, y):
     """x, its sign changed where y is negative."""
     return from_bits(as_bits(x) ^ (as_bits(y) & _SIGN))

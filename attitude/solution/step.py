@@ -41,10 +41,11 @@ in powers that double, and what only corrects a rounding goes to the lower halve
 
 import math
 
-from attitude.solution.attach import product
-from attitude.solution.lanes import lanes, root, summed_up
-from attitude.solution.machine import fma, inlined, merged
-from attitude.solution.turns import sincos
+from attitude.compilation.decorators import force_inlined, subroutine
+from attitude.compilation.instructions import fma
+from attitude.compilation.simd import lanes, root, summed_up
+from attitude.solution.given_axes import product
+from attitude.solution.phases import sincos
 from attitude.solution.twofloat import quick_two_sum, two_prod, two_sum
 
 # What one increment may cover: the change of the state over it, as an angle (see `pieces`).
@@ -84,14 +85,14 @@ _INVERSE = (
 _OVER_4_PI = 0.07957747154594767
 
 
-@inlined
+@subroutine
 def gains(moments):
     """k1, k2, k3 of Euler's equations w_i' = k_i w_j w_k, for moments above zero."""
     i1, i2, i3 = moments
     return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
 
 
-@merged
+@force_inlined
 def rates(k, w):
     """What the free motion from w is made of: w', then e1, e3 and kappa = k1 k3 w2^2 in pairs.
 
@@ -108,7 +109,7 @@ def rates(k, w):
     return (_three(k1, w2, w3), _three(k2, w3, w1), _three(k3, w1, w2)), e1, e3, kappa
 
 
-@inlined
+@subroutine
 def _speed(w, rate):
     """|w|^2, and that times the square of how fast the state changes, as an angle over time.
 
@@ -120,7 +121,7 @@ def _speed(w, rate):
     return size, fma(e1[0] + e3[0], size, fma(r1, r1, fma(r2, r2, r3 * r3)))
 
 
-@inlined
+@subroutine
 def pieces(k, w, h):
     """In how many equal pieces a free motion of h seconds is to be taken, at least one."""
     size, speed = _speed(w, rates(k, w))
@@ -129,7 +130,7 @@ def pieces(k, w, h):
     return max(1, math.ceil(abs(h) * math.sqrt(speed / size) / LONGEST_PIECE))
 
 
-@merged
+@force_inlined
 def increment(moments, w, rate, h):
     """The change of state over h seconds of free rotation, h not longer than one of `pieces`.
 
@@ -182,7 +183,7 @@ def increment(moments, w, rate, h):
     return (s, x, y, z), change, n, rest
 
 
-@merged
+@force_inlined
 def _area(moments, m, w, rate, s, inverse, ratio):
     """L / S(h) times the area that the path of l leaves, from w and its momenta m over the body.
 
@@ -212,7 +213,7 @@ def _area(moments, m, w, rate, s, inverse, ratio):
     return summed_up(top * lanes(_WEIGHTS) / (low * (c1 * c3)))
 
 
-@merged
+@force_inlined
 def _change(w, rate, s):
     """w(t) - w at S = s, and what its rounding left out."""
     w1, w2, w3 = w
@@ -237,7 +238,7 @@ def _change(w, rate, s):
     return change, rest
 
 
-@inlined
+@subroutine
 def _left_out(e, ss, less, a, u):
     """What u, about sqrt(1 - e (ss + less)) - 1, leaves out; a is e ss rounded."""
     # u^2 + 2 u + a = 0; 2 u + a is exact
@@ -246,28 +247,28 @@ def _left_out(e, ss, less, a, u):
     return rest * fma(u, fma(-0.5, u, 0.5), -0.5)
 
 
-@inlined
+@subroutine
 def _three(a, b, c):
     """a b c rounded once."""
     p, low = two_prod(a, b)
     return fma(p, c, low * c)
 
 
-@inlined
+@subroutine
 def _times(a, x):
     """A pair times a double."""
     p, low = two_prod(a[0], x)
     return p, fma(a[1], x, low)
 
 
-@inlined
+@subroutine
 def _sum(a, b):
     """Of pairs of one sign."""
     s, low = two_sum(a[0], b[0])
     return s, low + (a[1] + b[1])
 
 
-@inlined
+@subroutine
 def _sine(a, b):
     """S(h)/h - 1."""
     s, p = a + b, a * b
@@ -279,7 +280,7 @@ def _sine(a, b):
     return fma(p, fma(p, fma(p, _SINE_3, row_2), row_1), row)
 
 
-@inlined
+@subroutine
 def _root_less_one(a):
     """sqrt(1 - a) - 1 without cancellation."""
     aa = a * a
@@ -287,7 +288,7 @@ def _root_less_one(a):
     return a * fma(aa, fma(aa, high, fma(a, _ROOT[3], _ROOT[2])), fma(a, _ROOT[1], _ROOT[0]))
 
 
-@inlined
+@subroutine
 def _over_root(a):
     """1/(2 sqrt(1 - a))."""
     aa = a * a
@@ -295,7 +296,7 @@ def _over_root(a):
     return fma(a, fma(aa, high, fma(a, _INVERSE[1], _INVERSE[0])), 0.5)
 
 
-@inlined
+@subroutine
 def loaded(row):
     """A state from a row of 14: wxyz and angular velocity, then the same again in lower halves."""
     return (
@@ -306,7 +307,7 @@ def loaded(row):
     )
 
 
-@inlined
+@subroutine
 def stored(state, row):
     """The opposite of `loaded`."""
     q, w, q_low, w_low = state
@@ -316,7 +317,7 @@ def stored(state, row):
         row[4 + n], row[11 + n] = w[n], w_low[n]
 
 
-@merged
+@force_inlined
 def advance(moments, k, h, state):
     """The state after h seconds of free rotation.
 
@@ -338,7 +339,7 @@ def advance(moments, k, h, state):
         rate = rates(k, state[1])
 
 
-@merged
+@force_inlined
 def _moved(state, by):
     """A state and an increment."""
     q, _, low, _ = state
@@ -347,7 +348,7 @@ def _moved(state, by):
     return kicked(turned(state, product(q, turn), n, product(low, turn)), change, rest)
 
 
-@inlined
+@subroutine
 def turned(state, change, n, rest):
     """A state with a change, and what that leaves out, added to its quaternion.
 
@@ -367,7 +368,7 @@ def turned(state, change, n, rest):
     return (a, b, c, d), w, low, w_low
 
 
-@inlined
+@subroutine
 def kicked(state, change, rest):
     """A state with a change, and what that leaves out, added to its angular velocity."""
     q, w, q_low, low = state
@@ -377,7 +378,7 @@ def kicked(state, change, rest):
     return q, (a, b, c), q_low, (d + rest[0], e + rest[1], f + rest[2])
 
 
-@inlined
+@subroutine
 def _add(x, low, change):
     """Compensated: what rounding leaves out of x is kept, and of `low` what the change is too
     large for; for a change still smaller than that, to a rounding of it.

@@ -6,7 +6,8 @@ arithmetic with its error bounds: Joldes, Muller & Popescu, ACM TOMS 44, article
 
 import math
 
-from attitude.solution.machine import fma, inlined
+from attitude.compilation.decorators import subroutine
+from attitude.compilation.instructions import fma
 
 ZERO = (0.0, 0.0)
 ONE = (1.0, 0.0)
@@ -15,14 +16,14 @@ HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
 TWO_PI = (6.283185307179586, 2.4492935982947064e-16)
 
 
-@inlined
+@subroutine
 def quick_two_sum(a, b):
     """a + b exactly, for |a| >= |b|."""
     s = a + b
     return s, b - (s - a)
 
 
-@inlined
+@subroutine
 def two_sum(a, b):
     """a + b exactly."""
     s = a + b
@@ -30,37 +31,37 @@ def two_sum(a, b):
     return s, (a - (s - c)) + (b - c)
 
 
-@inlined
+@subroutine
 def two_prod(a, b):
     """a b exactly, short of underflow."""
     p = a * b
     return p, fma(a, b, -p)
 
 
-@inlined
+@subroutine
 def pair(row):
     """The first two entries of an array as a pair."""
     return row[0], row[1]
 
 
-@inlined
+@subroutine
 def put(row, a):
     """A pair into the first two entries of an array."""
     row[0] = a[0]
     row[1] = a[1]
 
 
-@inlined
+@subroutine
 def neg(a):
     return -a[0], -a[1]
 
 
-@inlined
+@subroutine
 def absolute(a):
     return neg(a) if a[0] < 0.0 else a
 
 
-@inlined
+@subroutine
 def add(a, b):
     """a + b; relative error 3 u^2 whatever the signs (AccurateDWPlusDW)."""
     s, e = two_sum(a[0], b[0])
@@ -69,32 +70,32 @@ def add(a, b):
     return quick_two_sum(s, e + f)
 
 
-@inlined
+@subroutine
 def sub(a, b):
     return add(a, neg(b))
 
 
-@inlined
+@subroutine
 def mul(a, b):
     """a b; relative error 6 u^2 (DWTimesDW2)."""
     p, e = two_prod(a[0], b[0])
     return quick_two_sum(p, e + fma(a[0], b[1], a[1] * b[0]))
 
 
-@inlined
+@subroutine
 def scale(a, x):
     """a x for a double x."""
     p, e = two_prod(a[0], x)
     return quick_two_sum(p, fma(a[1], x, e))
 
 
-@inlined
+@subroutine
 def square(a):
     p, e = two_prod(a[0], a[0])
     return quick_two_sum(p, fma(2.0 * a[0], a[1], e))
 
 
-@inlined
+@subroutine
 def div(a, b):
     """a / b; relative error 15 u^2."""
     q = a[0] / b[0]
@@ -103,7 +104,7 @@ def div(a, b):
     return quick_two_sum(q, remainder / b[0])
 
 
-@inlined
+@subroutine
 def sqrt(a):
     """The square root of a >= 0."""
     if a[0] <= 0.0:
@@ -113,11 +114,53 @@ def sqrt(a):
     return quick_two_sum(r, remainder / (2.0 * r))
 
 
-@inlined
+@subroutine
 def less(a, b):
     return a[0] < b[0] or (a[0] == b[0] and a[1] < b[1])
 
 
-@inlined
+@subroutine
 def same(a, b):
     return a[0] == b[0] and a[1] == b[1]
+
+
+# Exact sums of products, for D2, the one difference that decides the regime.  An expansion is a row
+# of doubles, none overlapping another, smallest first, whose exact sum is the number (Shewchuk,
+# Discrete & Computational Geometry 18, 305, 1997).
+
+
+@subroutine
+def added(row, n, x):
+    """Add x exactly to the expansion row[:n]; the number of its parts afterwards."""
+    kept = 0
+    for i in range(n):
+        x, e = two_sum(x, row[i])
+        if e != 0.0:
+            row[kept] = e
+            kept += 1
+    if x != 0.0:
+        row[kept] = x
+        kept += 1
+    return kept
+
+
+@subroutine
+def product_added(row, n, w, x, y, z):
+    """Add the product of four doubles exactly, which has eight parts."""
+    p, e = two_prod(w, x)
+    for wx in (p, e):
+        q, f = two_prod(wx, y)
+        for wxy in (q, f):
+            r, g = two_prod(wxy, z)
+            n = added(row, n, g)
+            n = added(row, n, r)
+    return n
+
+
+@subroutine
+def rounded(row, n):
+    """The expansion as a pair of doubles, to 32 digits: no part cancels a larger one."""
+    total = (0.0, 0.0)
+    for i in range(n):
+        total = add(total, (row[i], 0.0))
+    return total

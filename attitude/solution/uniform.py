@@ -2,14 +2,14 @@
 
 import math
 
+from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution import codes
-from attitude.solution.attach import product, turned_by, unit
-from attitude.solution.machine import compiled, inlined
+from attitude.solution.given_axes import product, turned_by, unit
 from attitude.solution.series import four
 from attitude.solution.twofloat import TWO_PI, add, div, less, pair, sqrt, square, sub
 
 
-@compiled
+@entry_point
 def uniform_all(wxyz, principal, constants):
     """Constants of those of B motions whose angular velocity is constant.
 
@@ -22,7 +22,7 @@ def uniform_all(wxyz, principal, constants):
             _periods(c)
 
 
-@inlined
+@subroutine
 def _turn(wxyz, principal, c):
     x, y, z = pair(c.omega[0]), pair(c.omega[1]), pair(c.omega[2])
     speed = sqrt(add(add(square(x), square(y)), square(z)))
@@ -40,7 +40,7 @@ def _turn(wxyz, principal, c):
         c.rates[0, k] = math.ldexp(axis[k], c.tempo)
 
 
-@inlined
+@subroutine
 def _periods(c):
     """Those of a vanishing wobble about the same axis."""
     c.circulates = -1

@@ -5,29 +5,13 @@ the place of the angular velocity; see `attitude.torques.torque.Torque.slope_add
 """
 
 import math
-from functools import partial
-from pickle import PickleError
 
-from numba import carray, cfunc, njit, types
-
-_POINTER = types.CPointer(types.float64)
-SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
+from attitude.compilation.callbacks import callback, reduction_callback
+from attitude.compilation.decorators import subroutine
+from attitude.compilation.pointers import vector
 
 
-def door(function, fastmath=False):
-    """Compile as a C function, kept on disk where that is possible."""
-    how = {"error_model": "numpy", "fastmath": fastmath}
-    try:
-        return cfunc(SIGNATURE, cache=True, **how)(function)
-    except (RuntimeError, OSError, EOFError, PickleError):  # no place, a full disk, a torn file
-        return cfunc(SIGNATURE, **how)(function)
-
-
-# Sums over facets, in whatever order is quickest.
-summing_door = partial(door, fastmath={"reassoc", "contract", "nsz"})
-
-
-@njit(error_model="numpy")
+@subroutine
 def _to_body(q, x, y, z):
     """q* v q."""
     w, a, b, c = q[0], -q[1], -q[2], -q[3]
@@ -39,7 +23,7 @@ def _to_body(q, x, y, z):
     )
 
 
-@njit(error_model="numpy")
+@subroutine
 def _direction(q, given):
     """Unit vector in body axes towards a sampled position, and its distance."""
     x, y, z = given[0], given[1], given[2]
@@ -47,7 +31,7 @@ def _direction(q, given):
     return _to_body(q, x / r, y / r, z / r), r
 
 
-@njit(error_model="numpy")
+@subroutine
 def _symmetric(p, k, v):
     """A symmetric matrix, its six entries from p[k] on, times a vector."""
     x, y, z = v
@@ -58,7 +42,7 @@ def _symmetric(p, k, v):
     )
 
 
-@njit(error_model="numpy")
+@subroutine
 def _cross(u, v):
     return (
         u[1] * v[2] - u[2] * v[1],
@@ -67,7 +51,7 @@ def _cross(u, v):
     )
 
 
-@door
+@callback
 def gravity_gradient(t, wxyz, omega, given, p, out):
     """3 GM / r^3 times u x I u; p: GM, the tensor (6)."""
     u, r = _direction(wxyz, given)
@@ -76,7 +60,7 @@ def gravity_gradient(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
-@door
+@callback
 def gravity_gradient_slope(t, wxyz, y, given, p, out):
     """d(N . y) over turns about the body axes, N that of `gravity_gradient`."""
     u, r = _direction(wxyz, given)
@@ -88,20 +72,20 @@ def gravity_gradient_slope(t, wxyz, y, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
-@door
+@callback
 def constant(t, wxyz, omega, given, p, out):
     """p: the torque."""
     out[0], out[1], out[2] = p[0], p[1], p[2]
 
 
-@door
+@callback
 def constant_slope(t, wxyz, y, given, p, out):
     """y x N: there is no potential, and the commutator with the free motion is this alone."""
     n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
-@door
+@callback
 def linear_damping(t, wxyz, omega, given, p, out):
     """-C w; p: C by rows (9)."""
     x, y, z = omega[0], omega[1], omega[2]
@@ -109,7 +93,7 @@ def linear_damping(t, wxyz, omega, given, p, out):
         out[k] = -(p[3 * k] * x + p[3 * k + 1] * y + p[3 * k + 2] * z)
 
 
-@door
+@callback
 def internal_dissipation(t, wxyz, omega, given, p, out):
     """A slip: strength times l x w, l the direction of the momentum; p: strength, tensor (6)."""
     w = omega[0], omega[1], omega[2]
@@ -120,7 +104,7 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
-@summing_door
+@reduction_callback
 def solar_radiation(t, wxyz, omega, given, p, out):
     """Pressure on flat facets that see the Sun.
 
@@ -131,7 +115,7 @@ def solar_radiation(t, wxyz, omega, given, p, out):
     back, r = _direction(wxyz, given)
     sx, sy, sz = -back[0], -back[1], -back[2]
     count = int(p[1])
-    rows = carray(p, (2 + 12 * count,))[2:].reshape(12, count)
+    rows = vector(p, 2 + 12 * count)[2:].reshape(12, count)
     # sums of the arms, weighted by what pushes along the sunlight, and of arm x normal
     ax = ay = az = bx = by = bz = 0.0
     for k in range(count):

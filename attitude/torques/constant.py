@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
-from attitude.frozen import frozen
+from attitude import validation
+from attitude.immutable import frozen
 from attitude.torques.torque import Torque
 
 
@@ -22,7 +22,7 @@ class ConstantTorque(Torque):
     torque: np.ndarray
 
     def __post_init__(self):
-        self._set("torque", frozen(gates.real(self.torque, "torque", shape=(3,), unit="N m")))
+        self._set("torque", frozen(validation.real(self.torque, "torque", shape=(3,), unit="N m")))
 
     def address(self):
         from attitude.torques.compiled import constant

@@ -1,15 +1,14 @@
 """A torque that a user wrote, in plain Python or compiled by numba."""
 
 import ctypes
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from attitude.compilation.callbacks import callback_of, is_compiled
+from attitude.compilation.pointers import C_FUNCTION
 from attitude.errors import AttitudeError
 from attitude.torques.torque import BY_ATTITUDE, BY_RATE, Torque
-
-_POINTER = ctypes.POINTER(ctypes.c_double)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +92,8 @@ class CustomTorque(Torque):
         """Of the C function; the object keeps that alive."""
         if name not in self._doors:
             function = getattr(self, name)
-            compiled = hasattr(function, "py_func")
-            self._doors[name] = _compiled(function) if compiled else self._plain(function, name)
+            made = callback_of(function) if is_compiled(function) else self._plain(function, name)
+            self._doors[name] = made
         door = self._doors[name]
         if hasattr(door, "address"):
             return door.address
@@ -108,7 +107,7 @@ class CustomTorque(Torque):
         """A C function that calls the Python one; what that raises is kept for `explain`."""
         error = self._error
 
-        @ctypes.CFUNCTYPE(None, ctypes.c_double, *[_POINTER] * 5)
+        @C_FUNCTION
         def torque(t, wxyz, omega, given, parameters, out):
             try:
                 # Copies: the function may keep what it is given.
@@ -119,22 +118,6 @@ class CustomTorque(Torque):
                 out[0] = out[1] = out[2] = float("nan")
 
         return torque
-
-
-def _compiled(function):
-    from numba import carray, cfunc
-
-    from attitude.torques.compiled import SIGNATURE
-
-    @cfunc(SIGNATURE)
-    def torque(t, wxyz, omega, given, parameters, out):
-        # What a function that raises leaves here: numba prints the error, and goes on.
-        out[0] = out[1] = out[2] = math.nan
-        found = function(t, carray(wxyz, (4,)), carray(omega, (3,)))
-        if len(found) == 3:
-            out[0], out[1], out[2] = found[0], found[1], found[2]
-
-    return torque
 
 
 def _three(value, name):

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.frozen import frozen
+from attitude.immutable import frozen
 from attitude.torques.torque import BY_RATE, SLIP, Torque
 
 
@@ -25,10 +25,10 @@ class LinearDamping(Torque):
     kind = BY_RATE
 
     def __post_init__(self):
-        given = gates.real(self.coefficient, "coefficient", unit="N m s")
+        given = validation.real(self.coefficient, "coefficient", unit="N m s")
         if given.shape == ():
             given = given * np.eye(3)
-        given = gates.real(given, "coefficient", shape=(3, 3))
+        given = validation.real(given, "coefficient", shape=(3, 3))
         least = np.linalg.eigvalsh(given + given.T).min()
         if least < -1e-12 * np.max(np.abs(given)):
             raise AttitudeError(
@@ -72,7 +72,7 @@ class InternalDissipation(Torque):
     kind = SLIP
 
     def __post_init__(self):
-        given = gates.number(self.strength, "strength")
+        given = validation.number(self.strength, "strength")
         if given < 0.0:
             raise AttitudeError(f"strength is {given!r}; friction does not add energy: give >= 0.")
         self._set("strength", given)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates, quaternion
+from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.paths import two_body
 from attitude.torques.torque import Torque, check_path, positions, span_of
@@ -40,9 +40,9 @@ class GravityGradient(Torque):
     def __post_init__(self):
         check_path(self.path, "path")
         if isinstance(self.mu, str):
-            gates.one_of(self.mu, "mu", tuple(GM))
+            validation.one_of(self.mu, "mu", tuple(GM))
             self._set("mu", GM[self.mu])
-        self._set("mu", gates.positive(self.mu, "mu", unit="m3/s2"))
+        self._set("mu", validation.positive(self.mu, "mu", unit="m3/s2"))
 
     def address(self):
         from attitude.torques.compiled import gravity_gradient

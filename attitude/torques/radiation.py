@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import gates
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.frozen import frozen
+from attitude.immutable import frozen
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude.torques.torque import Torque, check_path, positions, span_of
 
-_AU = 149597870700.0  # m, IAU 2012
-_LIGHT = 299792458.0  # m/s
 SOLAR_CONSTANT = 1361.0  # W/m2 at 1 au: Kopp & Lean 2011
 
 
@@ -56,7 +55,7 @@ class SolarRadiation(Torque):
             )
         count = len(self.shape.areas)
         for name in ("diffuse", "mirrored"):
-            given = np.broadcast_to(gates.real(getattr(self, name), name), (count,)).copy()
+            given = np.broadcast_to(validation.real(getattr(self, name), name), (count,)).copy()
             self._set(name, frozen(given))
         total = self.diffuse + self.mirrored
         if min(self.diffuse.min(), self.mirrored.min()) < 0.0 or total.max() > 1.0:
@@ -64,7 +63,7 @@ class SolarRadiation(Torque):
                 "diffuse and mirrored are fractions of the light: not negative, at most 1 "
                 f"together; given up to {total.max():.3g}."
             )
-        self._set("flux", gates.positive(self.flux, "flux", unit="W/m2"))
+        self._set("flux", validation.positive(self.flux, "flux", unit="W/m2"))
 
     def address(self):
         from attitude.torques.compiled import solar_radiation
@@ -81,7 +80,7 @@ class SolarRadiation(Torque):
         normals = np.asarray(self.shape.normals)
         vectors = np.concatenate([normals, arms, np.cross(arms, normals)], axis=1).T
         rows = [self.shape.areas, *vectors, self.diffuse, self.mirrored]
-        strength = self.flux / _LIGHT * _AU**2
+        strength = self.flux / SPEED_OF_LIGHT_M_S * ASTRONOMICAL_UNIT_M**2
         return np.concatenate([[strength, len(arms)], np.ravel(rows)])
 
     def span(self, instant):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.frozen import Frozen
+from attitude.immutable import Frozen
 from attitude.paths.path import since
 
 # Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.

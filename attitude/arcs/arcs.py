@@ -1,0 +1,345 @@
+"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+
+>>> import numpy as np
+>>> from attitude import Body, Spin
+>>> from attitude.arcs import Arcs, Impulse
+>>> body = Body(moments=(10, 20, 26))
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.5))
+>>> stop = Impulse(at=60.0, angular_momentum=(0, 0, -13))
+>>> motion = Arcs(body, spin, [stop])
+>>> motion.at([59.0, 61.0]).angular_velocity
+array([[0. , 0. , 0.5],
+       [0. , 0. , 0. ]])
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from attitude import epochs, frames, pairs, propagation, validation
+from attitude.arcs.triggers import first
+from attitude.body import Body
+from attitude.errors import AttitudeError
+from attitude.history import AttitudeHistory
+from attitude.immutable import Frozen, frozen
+from attitude.solution.record import CONSTANTS
+from attitude.spin import Spin
+
+_NO_LOW = frozen(np.zeros(1))
+
+
+@dataclass(frozen=True, eq=False)
+class Impulse(Frozen):
+    """Angular momentum added in an instant.
+
+    Parameters
+    ----------
+    at : epoch, seconds or event
+        When: TDB seconds since the epoch of the spin, an epoch of any kind that `Spin` takes, or
+        an event such as `crossing.PointMeetsPlane`: the first time after the change before.
+    angular_momentum : (3,) array_like, or function
+        kg m2/s (in the body's unit of inertia if that is relative).  A function is given the
+        AttitudeHistory of that one epoch, before the change, and returns the vector.
+    frame : str
+        "body": over the body axes at that epoch; "icrf", "eme2000" or "ecliptic".
+    """
+
+    at: object
+    angular_momentum: object
+    frame: str = "body"
+
+    def __post_init__(self):
+        _check_frame(self)
+        if not callable(self.angular_momentum):
+            given = validation.real(
+                self.angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s"
+            )
+            self._set("angular_momentum", frozen(given))
+
+
+@dataclass(frozen=True, eq=False)
+class InertiaChange(Frozen):
+    """The body becomes another in an instant: a boom is deployed, a servicer docks.
+
+    Body axes, attitude and angular momentum stay; the angular velocity follows from them.
+
+    Parameters
+    ----------
+    at : epoch, seconds or event
+        As for `Impulse`.
+    body : Body
+        The body from then on, over the same body axes.
+    angular_momentum : (3,) array_like, or function
+        What the change adds to it, as for `Impulse`: that which a servicer brings along.
+    frame : str
+    """
+
+    at: object
+    body: Body
+    angular_momentum: object = (0.0, 0.0, 0.0)
+    frame: str = "body"
+
+    def __post_init__(self):
+        if not isinstance(self.body, Body):
+            raise AttitudeError(f"body is {type(self.body).__name__}; give a Body.")
+        Impulse.__post_init__(self)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Arcs(Frozen):
+    """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
+
+    Parameters
+    ----------
+    body : Body
+        Until an `InertiaChange`.
+    spin : Spin
+        The state at its epoch; the first arc reaches back from it without end.
+    changes : sequence of Impulse and InertiaChange
+        In order of time, after the epoch of the spin.
+
+    Attributes
+    ----------
+    joints : (N,) array
+        TDB seconds since the epoch of the spin at which the changes happen, those of events found.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs that are equal or not in order, events that do not happen, and changes that
+        leave no physical state.
+
+    Notes
+    -----
+    At a joint the state is that after it.  From joint to joint the state is carried in two
+    doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
+    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
+    of any frame.  What an error of the input becomes is another matter: each impulse at a wrong
+    phase changes all that follows.  The times of events are rounded to a double.
+
+    Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
+    """
+
+    body: Body
+    spin: Spin
+    changes: tuple
+
+    def __post_init__(self):
+        if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
+            raise AttitudeError(
+                "Arcs takes a Body, a Spin and a list of changes; given were "
+                f"{type(self.body).__name__} and {type(self.spin).__name__}."
+            )
+        changes = self.changes
+        if isinstance(changes, (Impulse, InertiaChange)):
+            changes = (changes,)
+        self._set("changes", tuple(changes))
+        for k, change in enumerate(self.changes):
+            if not isinstance(change, (Impulse, InertiaChange)):
+                raise AttitudeError(
+                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
+                )
+        self._build()
+
+    def __reduce__(self):
+        return Arcs, (self.body, self.spin, self.changes)
+
+    def __repr__(self):
+        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"
+
+    def __len__(self):
+        """How many arcs there are."""
+        return len(self.joints) + 1
+
+    def at(self, t, low=None):
+        """The attitudes at some epochs; see `FreeRotation.at`."""
+        seconds, low = epochs.seconds_since(self.spin.epoch, t, low)
+        wxyz = self._evaluate(seconds, low)[0]
+        kept = None if low is None else np.array(low)
+        return AttitudeHistory(self, self.spin.epoch, np.array(seconds), kept, wxyz)
+
+    def wxyz_at(self, seconds, low=None):
+        """Attitudes (..., 4), body to ICRF, at TDB seconds since the epoch (and low ones).
+
+        The floor under `at`, for inner loops: numbers in, numbers out.
+        """
+        return self._evaluate(np.asarray(seconds, dtype=np.float64), low)[0]
+
+    def angular_velocity_at(self, seconds, low=None):
+        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
+        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, rates=True)[1]
+
+    def angular_acceleration_at(self, seconds, low=None):
+        """Euler's equations with the body of each epoch: (..., 3) rad/s2 in body axes."""
+        from attitude.free_rotation.free_rotation import FreeRotation
+
+        rates = np.array(self.angular_velocity_at(seconds, low))
+        rest = np.float64(0.0) if low is None else np.asarray(low)
+        out = np.empty(rates.shape)
+        for number, (body, (high, more)) in enumerate(zip(self._bodies, self._starts, strict=True)):
+            if number and body is self._bodies[number - 1]:
+                continue
+            on = (seconds > high) | ((seconds == high) & (rest >= more)) | (number == 0)
+            out[on] = FreeRotation(body, self.spin).angular_acceleration_from(rates[on])
+        out[np.isnan(seconds)] = np.nan
+        return out
+
+    def body_at(self, t):
+        """The Body at one epoch."""
+        seconds, low = epochs.seconds_since(self.spin.epoch, t)
+        if np.ndim(seconds):
+            raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
+        return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
+
+    # How the arcs are joined ---------------------------------------------------------------------
+
+    def _build(self):
+        times = [
+            self._epoch(change.at, f"changes[{k}].at") for k, change in enumerate(self.changes)
+        ]
+        self._check_order(times)
+        body, spin = self.body, self.spin
+        q = frames.attitude_to_icrf(spin.frame, spin.wxyz)
+        w = body.rates_about_principal_axes(spin.angular_velocity)
+        self._set("_bodies", [body])
+        records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
+        starts = np.zeros((len(records), 2))
+        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity))
+        for k, change in enumerate(self.changes):
+            name = f"changes[{k}]"
+            time = times[k]
+            # What looks at the motion so far is shown the motion so far.
+            self._set("_constants", frozen(records[: k + 1]))
+            self._set("_starts", frozen(starts[: k + 1]))
+            if time is None:
+                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
+                time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
+            self._check_reach(time, name)
+            added = self._added(change, time, name)
+            body = self._join(change, added, body, time, starts[k], records[k], q, w)
+            self._bodies.append(body)
+            try:
+                records[k + 1] = _constants(body, q, w)
+            except AttitudeError as err:
+                raise AttitudeError(f"{name} leaves no physical state: {err}") from err
+            starts[k + 1] = time
+        self._set("_bodies", tuple(self._bodies))
+        self._set("_constants", frozen(records))
+        self._set("_starts", frozen(starts))
+        self._set("joints", frozen(starts[1:, 0].copy()))
+
+    def _epoch(self, at, name):
+        """(high, low) seconds since the epoch of the spin, or None for an event."""
+        if hasattr(at, "values") and hasattr(at, "arm"):
+            return None
+        seconds, low = epochs.seconds_since(self.spin.epoch, at, name=name)
+        if np.ndim(seconds):
+            raise AttitudeError(f"{name} holds {np.size(seconds)} epochs; give one.")
+        pair = float(seconds), 0.0 if low is None else float(low)
+        if not np.isfinite(sum(pair)):
+            raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
+        return pair
+
+    def _check_order(self, times):
+        before, whose = (0.0, 0.0), "the epoch of the spin"
+        for k, time in enumerate(times):
+            if time is None:
+                continue
+            if time <= before:
+                early = (before[0] - time[0]) + (before[1] - time[1])
+                how = f"{early:.2g} s earlier than" if time < before else "the same as"
+                raise AttitudeError(
+                    f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
+                    "changes in order of time, after the epoch of the spin, and join those of one "
+                    "epoch to one change."
+                )
+            before, whose = time, f"changes[{k}]"
+
+    def _check_reach(self, time, name):
+        try:
+            self.wxyz_at(*time)
+        except AttitudeError as err:
+            raise AttitudeError(f"{name}.at: {err}") from err
+
+    def _added(self, change, time, name):
+        """Angular momentum (3,) that a change adds, in its frame."""
+        if not callable(change.angular_momentum):
+            return change.angular_momentum
+        before = self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
+        value = change.angular_momentum(before)
+        return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+
+    def _join(self, change, added, body, time, start, record, q, w):
+        """Carry the state over a joint, in place; the body after it."""
+        from attitude.solution.flow import flow
+        from attitude.solution.joints import change_axes, exchange, strike
+
+        length = pairs.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
+        length = float(length[0]), float(length[1])
+        change_axes(q, body._axes, body.principal_wxyz, 1.0)
+        flow(record, body.moments_as_pairs, length, q, w)
+        change_axes(q, body._axes, body.principal_wxyz, -1.0)
+        in_body, in_space = np.zeros(3), np.zeros((3, 2))
+        if change.frame == "body":
+            in_body[:] = added
+        else:
+            in_space[:] = frames.vector_to_icrf(change.frame, added)
+        strike(body.moments_as_pairs, body._axes, q, w, in_body, in_space)
+        if isinstance(change, InertiaChange):
+            new = change.body
+            exchange(body.moments_as_pairs, body._axes, new.moments_as_pairs, new._axes, w)
+            body = new
+        return body
+
+    # Evaluation ----------------------------------------------------------------------------------
+
+    def _evaluate(self, seconds, low, *, rates=False):
+        shape = seconds.shape
+        # Views of what was given, read-only: one type of array, one compilation.
+        t = frozen(np.ascontiguousarray(seconds).reshape(-1))
+        if low is None:
+            t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
+        else:
+            # The low part decides between equal high parts: any two summands make such a pair.
+            with np.errstate(invalid="ignore", over="ignore"):
+                pair = pairs.two_sum(t, np.ascontiguousarray(low).reshape(-1))
+            t, t_low = frozen(pair[0]), frozen(pair[1])
+        wxyz = np.empty((1, 4, t.size))
+        omega = np.empty((1, 3, t.size)) if rates else None
+        beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
+        if beyond >= 0:
+            self._refuse(float(t[beyond]))
+        return (
+            wxyz[0].T.reshape(*shape, 4),
+            omega[0].T.reshape(*shape, 3) if rates else None,
+        )
+
+    def _refuse(self, t):
+        """Raise what a free rotation says of an epoch beyond its reach."""
+        number = self._arc(t)
+        local = np.array([[t - self._starts[number, 0]]])
+        out = np.empty((1, 4, 1))
+        propagation.evaluate(self._constants[number : number + 1], local, None, out, None)
+
+    def _arc(self, t, low=0.0):
+        """The number of the arc of one epoch."""
+        return max(sum((high, rest) <= (t, low) for high, rest in self._starts.tolist()) - 1, 0)
+
+
+@cache
+def _compiled():
+    from attitude.solution.chain import evaluate_arcs
+
+    return evaluate_arcs
+
+
+def _constants(body, q, w, differences=None):
+    """The record of the free motion from a state in pairs."""
+    state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
+    return propagation.constants_of(body.moments_as_pairs[None], *state, differences=differences)[0]
+
+
+def _check_frame(change):
+    if change.frame != "body":
+        change._set("frame", frames.known(change.frame))

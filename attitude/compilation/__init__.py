@@ -1,0 +1,9 @@
+"""How Python becomes machine code: the only package that imports numba or llvmlite.
+
+decorators     `entry_point`, `subroutine`, `force_inlined`, `reduction`
+instructions   machine instructions that Python cannot name: fused products, bits of doubles
+simd           SIMD vectors of doubles as values
+pointers       raw memory and calls by address in compiled loops
+disk_cache     machine code kept on disk, made anew after any change of the sources
+deferral       no garbage collection and no Ctrl-C during a compilation
+"""

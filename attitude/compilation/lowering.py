@@ -1,0 +1,153 @@
+"""The one-instruction forms of `instructions` and `pointers` for numba; imported with numba."""
+
+import inspect
+from contextlib import suppress
+from pickle import PickleError
+
+import numba
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import lower_builtin, overload, type_callable
+
+from attitude.compilation import instructions, pointers, simd_lowering
+from attitude.compilation.disk_cache import kept_on_disk
+
+_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
+_F8, _I8 = types.float64, types.int64
+_POINTER = types.CPointer(_F8)
+_C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
+
+
+def dispatcher(function, options, kept):
+    """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
+    return kept_on_disk(function, options) if kept else numba.njit(**options)(function)
+
+
+def c_function(function, fastmath, kept):
+    """numba's C function of `pointers.C_FUNCTION`'s type; with `kept`, on disk where possible."""
+    options = {"error_model": "numpy", "fastmath": fastmath}
+    if kept:
+        # no place for it, a full disk, a torn file
+        with suppress(RuntimeError, OSError, EOFError, PickleError):
+            return numba.cfunc(_C_FUNCTION, cache=True, **options)(function)
+    return numba.cfunc(_C_FUNCTION, **options)(function)
+
+
+def _instruction(function, signature):
+    """Register the lowering of a function of doubles and whole numbers."""
+
+    @type_callable(function)
+    def typed(context):
+        def typer(*given):
+            return signature
+
+        typer.pysig = inspect.signature(function)
+        return typer
+
+    return lower_builtin(function, types.VarArg(types.Any))
+
+
+def _llvm(builder, name, arguments):
+    function = builder.module.declare_intrinsic(
+        name, [_DOUBLE], ir.FunctionType(_DOUBLE, [_DOUBLE] * len(arguments))
+    )
+    return builder.call(function, arguments)
+
+
+@type_callable(instructions.fma)
+def _fma_type(context):
+    def typer(a, b, c):
+        kind = simd_lowering.lanes_among((a, b, c))
+        if kind is None:
+            return _F8(_F8, _F8, _F8)
+        return kind(*(each if each == kind else _F8 for each in (a, b, c)))
+
+    return typer
+
+
+@lower_builtin(instructions.fma, types.VarArg(types.Any))
+def _fma(context, builder, signature, arguments):
+    if signature.return_type == _F8:
+        return _llvm(builder, "llvm.fma", arguments)
+    return simd_lowering.fused(builder, signature.return_type, arguments)
+
+
+@_instruction(instructions.rint, _F8(_F8))
+def _rint(context, builder, signature, arguments):
+    return _llvm(builder, "llvm.rint", arguments)
+
+
+@_instruction(instructions.as_bits, _I8(_F8))
+def _as_bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], _INTEGER)
+
+
+@_instruction(instructions.from_bits, _F8(_I8))
+def _from_bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], _DOUBLE)
+
+
+@_instruction(instructions.larger, _F8(_F8, _F8))
+def _larger(context, builder, signature, arguments):
+    return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
+
+
+@_instruction(instructions.bits_set, types.uint8(types.uint8))
+def _bits_set(context, builder, signature, arguments):
+    return builder.ctpop(arguments[0])
+
+
+@_instruction(instructions.lowest_bit, types.uint64(types.uint64))
+def _lowest_bit(context, builder, signature, arguments):
+    return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
+
+
+@_instruction(pointers.call, types.void(_I8, _F8, *[_I8] * 5))
+def _call(context, builder, signature, arguments):
+    pointer = _DOUBLE.as_pointer()
+    kind = ir.FunctionType(ir.VoidType(), [_DOUBLE] + [pointer] * 5)
+    function = builder.inttoptr(arguments[0], kind.as_pointer())
+    rest = [builder.inttoptr(each, pointer) for each in arguments[2:]]
+    builder.call(function, [arguments[1], *rest])
+    return context.get_dummy_value()
+
+
+@_instruction(pointers.scratch, _I8())
+def _scratch(context, builder, signature, arguments):
+    found = cgutils.alloca_once(builder, _DOUBLE, size=pointers.SCRATCH)
+    return builder.ptrtoint(found, _INTEGER)
+
+
+@_instruction(pointers.number, _F8(_I8, _I8))
+def _number(context, builder, signature, arguments):
+    return builder.load(_place(builder, _DOUBLE, *arguments))
+
+
+@_instruction(pointers.whole, _I8(_I8, _I8))
+def _whole(context, builder, signature, arguments):
+    return builder.load(_place(builder, _INTEGER, *arguments))
+
+
+@_instruction(pointers.put, types.void(_I8, _I8, _F8))
+def _put(context, builder, signature, arguments):
+    builder.store(arguments[2], _place(builder, _DOUBLE, *arguments[:2]))
+    return context.get_dummy_value()
+
+
+@_instruction(pointers.put_three, types.void(_I8, _I8, _F8, _F8, _F8))
+def _put_three(context, builder, signature, arguments):
+    address, k, *numbers = arguments
+    first = _place(builder, _DOUBLE, address, k)
+    for offset, number in enumerate(numbers):
+        builder.store(number, builder.gep(first, [_INTEGER(offset)]))
+    return context.get_dummy_value()
+
+
+def _place(builder, kind, address, k):
+    return builder.gep(builder.inttoptr(address, kind.as_pointer()), [k])
+
+
+@overload(pointers.vector, inline="always")
+def _vector(pointer, count):
+    return lambda pointer, count: carray(pointer, (count,))

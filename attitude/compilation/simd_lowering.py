@@ -1,0 +1,182 @@
+"""The vector instructions of `simd` for numba; imported with numba."""
+
+import operator
+
+from llvmlite import ir
+from numba import types
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from attitude.compilation import simd
+
+_DOUBLE = ir.DoubleType()
+_INDEX = ir.IntType(32)
+
+
+class LanesType(types.Type):
+    """numba's type of some doubles; only compiled code has values of it."""
+
+    def __init__(self, count):
+        self.count = count
+        super().__init__(f"lanes({count})")
+
+    @property
+    def vector(self):
+        return ir.VectorType(_DOUBLE, self.count)
+
+
+@register_model(LanesType)
+class _Model(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, kind.vector)
+
+
+def _typed(function):
+    """Register what a typer, a function of numba types, returns for a function of `simd`."""
+
+    def register(typer):
+        @type_callable(function)
+        def of_context(context):
+            return typer
+
+        return typer
+
+    return register
+
+
+def _lowered(function):
+    return lower_builtin(function, types.VarArg(types.Any))
+
+
+@_typed(simd.eight)
+def _eight_type(array, i):
+    return LanesType(8)
+
+
+@_lowered(simd.eight)
+def _eight(context, builder, signature, arguments):
+    kind = signature.return_type
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
+
+
+@_typed(simd.lanes)
+def _lanes_type(numbers):
+    return LanesType(len(numbers))
+
+
+@_lowered(simd.lanes)
+def _lanes(context, builder, signature, arguments):
+    kind = signature.return_type
+    made = ir.Constant(kind.vector, ir.Undefined)
+    for k in range(kind.count):
+        one = builder.extract_value(arguments[0], k)
+        made = builder.insert_element(made, one, _INDEX(k))
+    return made
+
+
+@_typed(simd.bits_set_in_bytes)
+def _bits_type(word):
+    return LanesType(8)(types.uint64)
+
+
+@_lowered(simd.bits_set_in_bytes)
+def _bits(context, builder, signature, arguments):
+    kind = signature.return_type
+    parts = builder.bitcast(arguments[0], ir.VectorType(ir.IntType(8), kind.count))
+    counted = builder.call(_function(builder, "llvm.ctpop.v8i8", parts.type, 1), [parts])
+    return builder.uitofp(counted, kind.vector)
+
+
+@_typed(simd.at_least)
+def _at_least_type(a, least):
+    return a
+
+
+@_lowered(simd.at_least)
+def _at_least(context, builder, signature, arguments):
+    return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
+
+
+@_typed(simd.root)
+def _root_type(a):
+    return a
+
+
+@_lowered(simd.root)
+def _root(context, builder, signature, arguments):
+    kind = signature.return_type
+    function = _function(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
+    return builder.call(function, arguments)
+
+
+@_typed(simd.summed_up)
+def _summed_type(a):
+    return types.float64
+
+
+@_lowered(simd.summed_up)
+def _summed_up(context, builder, signature, arguments):
+    (left,) = arguments
+    half = signature.args[0].count // 2
+    while half:
+        low = builder.shuffle_vector(left, left, _picked(range(half)))
+        high = builder.shuffle_vector(left, left, _picked(range(half, 2 * half)))
+        left = builder.fadd(low, high)
+        half //= 2
+    return builder.extract_element(left, _INDEX(0))
+
+
+def fused(builder, kind, arguments):
+    """The instruction for a b + c with one rounding, of lanes and doubles."""
+    arguments = [_spread(builder, kind, each) for each in arguments]
+    function = _function(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
+    return builder.call(function, arguments)
+
+
+def lanes_among(kinds):
+    """The type of the lanes among operands, the others being doubles; None if there are none."""
+    found = {kind for kind in kinds if isinstance(kind, LanesType)}
+    others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
+    return found.pop() if len(found) == 1 and not others else None
+
+
+def _function(builder, name, kind, count):
+    found = builder.module.globals.get(name)
+    return found or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
+
+
+def _spread(builder, kind, x):
+    """A double in every lane; lanes as they are."""
+    if x.type == kind.vector:
+        return x
+    none = ir.Constant(kind.vector, ir.Undefined)
+    first = builder.insert_element(none, x, _INDEX(0))
+    return builder.shuffle_vector(first, none, _picked([0] * kind.count))
+
+
+def _picked(places):
+    places = list(places)
+    return ir.Constant(ir.VectorType(_INDEX, len(places)), places)
+
+
+def _operator(symbol, instruction):
+    """Register an operator on vectors, and on a vector and a double."""
+
+    @_typed(symbol)
+    def typer(a, b):
+        kind = lanes_among((a, b))
+        return kind and kind(*(each if each == kind else types.float64 for each in (a, b)))
+
+    def applied(context, builder, signature, arguments):
+        kind = signature.return_type
+        return getattr(builder, instruction)(*(_spread(builder, kind, a) for a in arguments))
+
+    for pair in ((LanesType, LanesType), (LanesType, types.Float), (types.Float, LanesType)):
+        lower_builtin(symbol, *pair)(applied)
+
+
+_operator(operator.add, "fadd")
+_operator(operator.sub, "fsub")
+_operator(operator.mul, "fmul")
+_operator(operator.truediv, "fdiv")

@@ -1,0 +1,13 @@
+"""Epochs: dates, Time objects and plain seconds to TDB seconds in two doubles, and back.
+
+inputs        `instant` and `seconds_since`: what users give, read
+readers       a reader for each kind of epoch
+instants      `Instant`, `times`
+text          ISO 8601 and CCSDS dates
+time_scales   every time scale to TDB and back, for arrays
+"""
+
+from attitude.epochs.inputs import instant, seconds_since
+from attitude.epochs.instants import Instant, times
+
+__all__ = ["Instant", "instant", "seconds_since", "times"]

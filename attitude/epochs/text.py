@@ -1,0 +1,105 @@
+"""Dates as text: ISO 8601 and CCSDS day of year in, ISO 8601 out."""
+
+import datetime
+import re
+
+from attitude.epochs import time_scales
+from attitude.errors import AttitudeError
+from attitude.validation import shown
+
+SCALES = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
+# Modified Julian date of the proleptic Gregorian day before 0001-01-01.
+MJD_OF_ORDINAL_0 = -678576
+
+TEXT = re.compile(
+    r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"  # year-month-day or year-day of year
+    r"(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d*))?)?"  # hour:minute:second.fraction
+    r"(Z|[+-]\d\d:\d\d)?)?"
+    r"(?: +([A-Za-z]\w+))?",  # time scale
+    re.ASCII,
+)
+
+
+def parsed(text, name):
+    """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
+    found = TEXT.fullmatch(text.strip())
+    if found is None:
+        raise AttitudeError(
+            f"{name} is {shown(text)}, which cannot be read as a date; write it like "
+            '"2026-01-01T00:00:00", "2026-001T00:00:00" or "2026-01-01T00:00:00 TDB".'
+        )
+    year, month, day, yearday, hour, minute, second, fraction, zone, scale = found.groups()
+    scale = _scale(scale, zone, text, name) if scale else "utc"
+    try:
+        date = _mjd(int(year), month, day, yearday)
+    except ValueError as err:
+        raise AttitudeError(
+            f"{name} is {shown(text)}, a date that does not exist ({err}); give one that does, "
+            "from the years 0001 to 9999."
+        ) from err
+    hour, minute, second = int(hour or 0), int(minute or 0), int(second or 0)
+    if hour > 23 or minute > 59 or second > 60:
+        raise AttitudeError(
+            f"{name} is {shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
+        )
+    fraction = float("0." + fraction) if fraction else 0.0
+    shift, minute = divmod(hour * 60 + minute - _offset(zone), 1440)
+    if second == 60:
+        _refuse_false_leap(scale, date + shift, minute, fraction, text, name)
+    return scale, date + shift, minute * 60 + second, fraction
+
+
+def _scale(scale, zone, text, name):
+    if scale.lower() not in SCALES:
+        raise AttitudeError(
+            f"{name} is {shown(text)}; the time scale {scale!r} is not known, give one of "
+            f"{', '.join(SCALES).upper()}."
+        )
+    if zone and scale.lower() != "utc":
+        raise AttitudeError(
+            f"{name} is {shown(text)}; {zone} belongs to UTC: leave out {zone} or {scale}."
+        )
+    return scale.lower()
+
+
+def _mjd(year, month, day, yearday):
+    """Modified Julian date of a civil day; ValueError where there is none."""
+    if not yearday:
+        return datetime.date(year, int(month), int(day)).toordinal() + MJD_OF_ORDINAL_0
+    ordinal = datetime.date(year, 1, 1).toordinal() + int(yearday) - 1
+    if datetime.date.fromordinal(ordinal).year != year:
+        raise ValueError("day of year is out of range")
+    return ordinal + MJD_OF_ORDINAL_0
+
+
+def _offset(zone):
+    """The offset from UTC in minutes, of text such as Z or +01:00."""
+    if not zone or zone == "Z":
+        return 0
+    minutes = int(zone[1:3]) * 60 + int(zone[4:6])
+    return -minutes if zone[0] == "-" else minutes
+
+
+def utc_text(day, second, low):
+    import erfa
+
+    whole = int(second // 1.0)
+    nano = round(((second - whole) + low) * 1e9)
+    whole, nano = whole + nano // 10**9, nano % 10**9
+    if whole + nano * 1e-9 >= time_scales.DAY + time_scales.leap_of_day(day):
+        day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
+    year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
+    minute = min(whole // 60, 1439)  # where a leap second is the last of the last minute
+    text = (
+        f"{year:04d}-{month:02d}-{date:02d}T"
+        f"{minute // 60:02d}:{minute % 60:02d}:{whole - 60 * minute:02d}.{nano:09d}"
+    )
+    return text.rstrip("0").rstrip(".")
+
+
+def _refuse_false_leap(scale, day, minute, fraction, text, name):
+    if scale == "utc" and minute == 1439 and fraction < time_scales.leap_of_day(day):
+        return
+    raise AttitudeError(
+        f"{name} is {shown(text)}, but there was no leap second then; give seconds from 00 to 59."
+    )

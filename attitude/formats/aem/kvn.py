@@ -1,0 +1,140 @@
+"""Attitude Ephemeris Messages in keyword = value notation: CCSDS 504.0-B-1 and 504.0-B-2."""
+
+from attitude.formats.aem.message import HEADER, VERSIONS, Message, Segment
+from attitude.formats.ccsds import attitude_types
+from attitude.textfiles import kvn
+from attitude.textfiles.lines import NoNumber, numbers
+
+_BATCH = 16384
+
+
+def read(lines, first, options):
+    """The AttitudeTable of an AEM in KVN, of whose lines the first is read; see `aem.read`."""
+    message = Message(lines.path, kvn.version(lines, first, "AEM", VERSIONS), options)
+    _read_header(lines, message)
+    while True:
+        segment = Segment(message, lines.fault)
+        _read_meta(lines, segment)
+        _read_data(lines, segment)
+        if not _another_segment(lines):
+            return message.table()
+
+
+def _read_header(lines, message):
+    for line in lines:
+        if not line.strip():
+            continue
+        if line.strip() == b"META_START":
+            return
+        keyword, value = kvn.pair(lines, line)
+        if keyword == "COMMENT":
+            message.comments.append(value)
+        elif keyword in HEADER and keyword not in message.header:
+            message.header[keyword] = value
+        else:
+            raise lines.fault(
+                f"{keyword} does not belong into the header, or not twice; known are "
+                f"{', '.join(HEADER)}, COMMENT, and then META_START."
+            )
+    raise lines.fault("the file ends before META_START; is it cut off?")
+
+
+def _read_meta(lines, segment):
+    for line in lines:
+        if not line.strip():
+            continue
+        if line.strip() == b"META_STOP":
+            segment.begin(lines.number)
+            return
+        keyword, value = kvn.pair(lines, line)
+        if keyword == "COMMENT":
+            segment.comments.append(value)
+        else:
+            segment.add(keyword, value, lines.number)
+    raise lines.fault("the file ends before META_STOP; is it cut off?")
+
+
+def _read_data(lines, segment):
+    for line in lines:
+        if line.strip() == b"DATA_START":
+            break
+        if line.strip():
+            raise lines.fault(f"{kvn.shown(lines.text(line))} stands where DATA_START must be.")
+    batch, width = _Batch(segment), segment.rows.width
+    for line in lines:
+        tokens = line.split()
+        if len(tokens) == width + 1:
+            if tokens[0] == b"COMMENT":
+                segment.data_comments.append(kvn.comment_of(lines.text(line)))
+                continue
+            batch.tokens.extend(tokens)
+            batch.numbers.append(lines.number)
+            if len(batch.numbers) == _BATCH:
+                batch.take()
+                batch = _Batch(segment)
+        elif tokens == [b"DATA_STOP"]:
+            batch.take()
+            segment.finish(lines.number)
+            return
+        elif tokens:
+            comment = kvn.comment_of(lines.text(line))
+            if comment is None:
+                raise lines.fault(
+                    f"it has {len(tokens)} entries; {segment.values['ATTITUDE_TYPE']} has an epoch "
+                    f"and {width} numbers: {', '.join(attitude_types.COLUMNS[segment.kind])}."
+                )
+            segment.data_comments.append(comment)
+    raise lines.fault("the file ends before DATA_STOP; is it cut off?")
+
+
+class _Batch:
+    """Some records as they stand in the file; numbers are made of all of them at once."""
+
+    def __init__(self, segment):
+        self._segment = segment
+        self.tokens, self.numbers = [], []
+
+    def take(self):
+        segment, names = self._segment, attitude_types.COLUMNS[self._segment.kind]
+        step = len(names) + 1
+        if not self.numbers:
+            return
+        try:
+            values = numbers(self.tokens, step, range(1, step))
+        except NoNumber as err:
+            raise segment.fault(
+                f"{names[err.column]} is {err.shown}, which is no number.", self.numbers[err.line]
+            ) from err
+        segment.rows.add(self.tokens[::step], values, self.numbers, segment.fault)
+
+
+def _another_segment(lines):
+    for line in lines:
+        if line.strip() == b"META_START":
+            return True
+        if line.strip() and kvn.comment_of(lines.text(line)) is None:
+            raise lines.fault(
+                f"{kvn.shown(lines.text(line))} stands where META_START or the end must be."
+            )
+    return False
+
+
+# Writing ------------------------------------------------------------------------------------------
+
+
+def write_message(file, version, header, comments, segments):
+    """A message in KVN, to an open file; see `aem.write`."""
+    file.write(f"CCSDS_AEM_VERS = {version}\n")
+    file.writelines(f"COMMENT {text}\n" for text in comments)
+    file.writelines(f"{key} = {value}\n" for key, value in header.items())
+    for segment in segments:
+        file.write("\nMETA_START\n")
+        file.writelines(f"COMMENT {text}\n" for text in segment.comments)
+        file.writelines(f"{key} = {value}\n" for key, value in segment.keywords.items())
+        file.write("META_STOP\n\nDATA_START\n")
+        file.writelines(f"COMMENT {text}\n" for text in segment.data_comments)
+        for epochs, columns in segment.rows():
+            row = "%s" + " %r" * columns.shape[1] + "\n"
+            lists = [epochs, *columns.T.tolist()]
+            file.write("".join([row % each for each in zip(*lists, strict=True)]))
+        file.write("DATA_STOP\n")

@@ -1,0 +1,121 @@
+"""A segment of an Attitude Ephemeris Message to be written: its keywords and its rows."""
+
+import numpy as np
+
+from attitude.attitude_table import interpolation
+from attitude.errors import AttitudeError
+from attitude.formats.aem.message import META
+from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.rows import columns_of
+from attitude.textfiles import kvn
+
+
+class Written:
+    """A segment to be written: its keywords, and its rows piece by piece."""
+
+    def __init__(self, part, settings):
+        self._part, self._settings = part, settings
+        version = settings["version"]
+        self.kind = settings["kind"] or ("QUATERNION/ANGVEL" if part.has_rates else "QUATERNION")
+        self.kind = attitude_types.known(self.kind, "2.0")
+        if version == "1.0" and self.kind not in attitude_types.IN_VERSION_1:
+            raise AttitudeError(
+                f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
+                f"{', '.join(attitude_types.IN_VERSION_1)}."
+            )
+        name = settings["frame"] or part.meta.get("frame") or "ICRF"
+        self._axes = axes.named(name)
+        self._scale = ccsds_epochs.writable(
+            settings["time_system"] or part.meta.get("time_system") or "UTC"
+        )
+        if settings["rates_over"] not in ("body", "frame"):
+            raise AttitudeError(f"rates_over is {settings['rates_over']!r}; give body or frame.")
+        self._how = attitude_types.Convention(
+            rates_over_body=settings["rates_over"] == "body",
+            rates_follow=version != "1.0",
+            scalar_first=settings["scalar_first"] and version == "1.0",
+            sequence=settings["sequence"],
+        )
+        self.scalar_first, self.sequence = self._how.scalar_first, self._how.sequence
+        self.comments = part.meta.get("meta_comments", ())
+        self.data_comments = part.meta.get("data_comments", ())
+        self.keywords = self._keywords(version)
+        for text in (*self.keywords.values(), *self.comments, *self.data_comments):
+            kvn.refuse_line_breaks(text)
+
+    def rows(self):
+        """Pieces: a list of epochs as text, and an array of columns."""
+        settings = self._settings
+        for history in self._part.pieces():
+            epochs = self._texts(history.epoch, history.seconds, history.low)
+            columns = columns_of(history, self.kind, self._how, self._axes, settings["orbit"])
+            yield epochs, columns
+
+    def _texts(self, epoch, seconds, low):
+        return ccsds_epochs.texts(epoch, seconds, low, self._scale, self._settings["digits"])
+
+    def _keywords(self, version):
+        part, settings, meta = self._part, self._settings, self._part.meta
+        given = zip(
+            settings["names"], ("object_name", "object_id", "center", "body_frame"), strict=True
+        )
+        name, number, center, body = (value or meta.get(key) for value, key in given)
+        body = body or "SC_BODY_1"
+        if axes.known(body) is not None:
+            raise AttitudeError(f"body_frame is {body!r}, the name of other axes; give another.")
+        frame = axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
+        start, stop = self._texts(part.epoch, *part.first_and_last())
+        method, degree = self._interpolation()
+        rate_frame = "REF_FRAME_B" if version == "1.0" else body
+        if not self._how.rates_over_body:
+            rate_frame = "REF_FRAME_A" if version == "1.0" else frame
+        digits = str.maketrans("XYZ", "123")
+        known = {
+            "OBJECT_NAME": name or "UNKNOWN",
+            "OBJECT_ID": number or "UNKNOWN",
+            "CENTER_NAME": center,
+            "REF_FRAME_A": frame,
+            "REF_FRAME_B": body,
+            "ATTITUDE_DIR": "A2B",
+            "TIME_SYSTEM": self._scale.upper(),
+            "START_TIME": start,
+            "USEABLE_START_TIME": None,
+            "USEABLE_STOP_TIME": None,
+            "STOP_TIME": stop,
+            "ATTITUDE_TYPE": attitude_types.IN_VERSION_1[self.kind]
+            if version == "1.0"
+            else self.kind,
+            "QUATERNION_TYPE": ("FIRST" if self._how.scalar_first else "LAST")
+            if self.kind.startswith("QUATERNION")
+            else None,
+            "EULER_ROT_SEQ": (
+                self._how.sequence.translate(digits) if version == "1.0" else self._how.sequence
+            )
+            if self.kind.startswith("EULER")
+            else None,
+            "RATE_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
+            "ANGVEL_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
+            "INTERPOLATION_METHOD": method,
+            "INTERPOLATION_DEGREE": str(degree),
+        }
+        if part.table is not None:
+            known.update(self._usable(part.table))
+        return {key: known[key] for key in META[version] if known[key] is not None}
+
+    def _interpolation(self):
+        """What is recommended: what a table has, of a degree for which there are records."""
+        method, degree, table = self._settings["method"], self._settings["degree"], self._part.table
+        if method is None and table is not None:
+            method, degree = table.method, degree or table.degree
+        has_rates = attitude_types.has_rates(self.kind)
+        method, degree = interpolation.settled(method, degree, len(self._part), has_rates)
+        return "LINEAR" if method == "slerp" else method.upper(), degree
+
+    def _usable(self, table):
+        limits, ends = table._limits, self._part.first_and_last()
+        if all((limits[k][0], limits[k][1]) == (ends[0][k], ends[1][k]) for k in (0, 1)):
+            return {}
+        hi, lo = np.array(limits).T
+        names = ("USEABLE_START_TIME", "USEABLE_STOP_TIME")
+        return dict(zip(names, self._texts(table.epoch, hi, lo), strict=True))

@@ -1,0 +1,265 @@
+"""The state that an Attitude Parameter Message tells, out of its blocks."""
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.attitude_table.table import refuse_speed
+from attitude.body import Body
+from attitude.errors import AttitudeError
+from attitude.formats.apm.blocks import META, needs, number, one_of
+from attitude.formats.apm.inertia import known_products, tensor
+from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds.attitude_types import Convention
+from attitude.formats.rows import to_icrf
+
+_DIRECTIONS = {"A2B": True, "B2A": False}
+
+
+class Interpreted:
+    """The state that the blocks of a message mean."""
+
+    def __init__(self, message, tolerance, frame, orbit, products):
+        self._message, self._tolerance = message, tolerance
+        self._frame, self._orbit = frame, orbit
+        self._old = message.version == "1.0"
+        self._products = known_products(products, message.version)
+        self._bodies = {}
+
+    def result(self):
+        """Epoch, attitude, angular velocity or None, Body or None, and what else is said."""
+        message = self._message
+        for keyword in META:
+            if keyword != "CENTER_NAME":
+                needs(message, keyword)
+        try:
+            scale = ccsds_epochs.known(message.meta["TIME_SYSTEM"])
+            self.epoch = ccsds_epochs.instant(needs(message, "EPOCH"), scale)
+        except ccsds_epochs.BadEpoch as err:
+            raise message.fault(
+                f"EPOCH is {message.meta['EPOCH'][:60]!r}, no epoch: {err.reason}.",
+                message.lines["EPOCH"],
+            ) from err
+        except AttitudeError as err:
+            if str(err).startswith("TIME_SYSTEM"):
+                raise message.fault(str(err), message.lines["TIME_SYSTEM"]) from err
+            raise
+        wxyz, rates, body_frame = self._state()
+        meta = {
+            "format": f"APM {message.version}",
+            "header": dict(message.header),
+            "comments": tuple(message.comments),
+            "keywords": dict(message.meta),
+            "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
+            "object_name": message.meta["OBJECT_NAME"],
+            "object_id": message.meta["OBJECT_ID"],
+            "center": message.meta.get("CENTER_NAME"),
+            "body_frame": body_frame,
+            "inertia_frame": self._inertia_frame(body_frame),
+        }
+        return self.epoch, wxyz, rates, self._body(), meta
+
+    def _blocks(self, name):
+        return [block for block in self._message.blocks if block.name == name]
+
+    def _state(self):
+        """Attitude and rates, each of the first block that has them, and the name of the body."""
+        attitude = rates = of_attitude = of_rates = None
+        for name, meaning in (("QUAT", self._quat), ("EULER", self._euler), ("SPIN", self._spin)):
+            for block in self._blocks(name)[:1]:
+                found = meaning(block)
+                if attitude is None and found[0] is not None:
+                    attitude, of_attitude = found[0], block
+                if rates is None and found[1] is not None:
+                    rates, of_rates = found[1], block
+        if attitude is None:
+            raise self._message.fault("the message has no attitude.", None)
+        for block in self._blocks("ANGVEL")[:1]:
+            rates, of_rates = self._angvel(block, attitude), block
+        body = self._bodies[of_attitude.name]
+        if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
+            raise self._message.fault(
+                f"the block {of_rates.name} has the rates of {self._bodies[of_rates.name]}, and "
+                f"the block {of_attitude.name} the attitude of {body}; one body is read here, "
+                "delete one of the blocks.",
+                of_rates.line,
+            )
+        if callable(rates):
+            rates = rates(attitude)
+        self._refuse_speed(rates)
+        return attitude, rates, body
+
+    def _refuse_speed(self, rates):
+        try:
+            refuse_speed(rates)
+        except AttitudeError as err:
+            raise self._message.fault(str(err), None) from err
+
+    def _axes(self, block):
+        """External axes and whether the rotation goes from them to the body."""
+        message = self._message
+        names = [block.get(key) for key in ("REF_FRAME_A", "REF_FRAME_B")]
+        for key, name in zip(("REF_FRAME_A", "REF_FRAME_B"), names, strict=True):
+            if not name:
+                raise message.fault(f"the block {block.name} lacks {key}.", block.line)
+        known = [axes.known(name) for name in names]
+        if self._frame is not None:
+            body_is_a = known[0] is None and known[1] is not None
+            found = axes.named(self._frame)
+        else:
+            if (known[0] is None) == (known[1] is None):
+                raise message.fault(
+                    f"of the frames {names[0]} and {names[1]} one must be axes that are known "
+                    "(ICRF, EME2000, ITRF, TEME, RTN, LVLH), the other those of the body; tell "
+                    "with frame= what the first is.",
+                    block.lines["REF_FRAME_A"],
+                )
+            body_is_a = known[0] is None
+            found = known[1] if body_is_a else known[0]
+        self._bodies[block.name] = names[0 if body_is_a else 1]
+        to_body = not body_is_a
+        if self._old and one_of(message, block, "DIR", _DIRECTIONS) is False:
+            to_body = not to_body
+        return found, to_body, body_is_a
+
+    def _relative(self, kind, row, block, how, found):
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below, as too fast
+            wxyz, rates = attitude_types.decoded(kind, np.array([row]), how)
+        return self._to_icrf(forms.unit(wxyz), rates, found)
+
+    def _to_icrf(self, wxyz, rates, found):
+        zero = np.zeros(1)
+        wxyz, rates = to_icrf(wxyz, rates, found, self.epoch, zero, zero, self._orbit)
+        return wxyz[0], None if rates is None else rates[0]
+
+    def _numbers(self, block, names, kind=None):
+        return [number(self._message, block, name, kind) for name in names]
+
+    def _quat(self, block):
+        found, to_body, _ = self._axes(block)
+        row = self._numbers(block, ("Q1", "Q2", "Q3", "QC"))
+        off = abs(float(np.sqrt(np.sum(np.square(row)))) - 1.0)
+        if off > self._tolerance:
+            raise self._message.fault(
+                f"the length of the quaternion is off 1 by {off:.3g}; up to {self._tolerance:g} is "
+                "taken for rounding (tolerance=).",
+                block.lines["QC"],
+            )
+        dots = [f"{name}_DOT" for name in ("Q1", "Q2", "Q3", "QC")]
+        kind = "QUATERNION"
+        if any(name in block for name in dots):
+            row += self._numbers(block, dots, "DOT")
+            kind = "QUATERNION/DERIVATIVE"
+        return self._relative(kind, row, block, Convention(to_body=to_body), found)
+
+    def _euler(self, block):
+        found, to_body, body_is_a = self._axes(block)
+        try:
+            sequence = quaternion.known_sequence(block.get("EULER_ROT_SEQ", "").upper())
+        except AttitudeError as err:
+            raise self._message.fault(
+                f"EULER_ROT_SEQ: {err}", block.lines.get("EULER_ROT_SEQ", block.line)
+            ) from err
+        how = Convention(to_body=to_body, sequence=sequence)
+        if self._old:
+            return self._old_euler(block, how, found, body_is_a)
+        row = self._numbers(block, ("ANGLE_1", "ANGLE_2", "ANGLE_3"), "ANGLE")
+        kind = "EULER_ANGLE"
+        dots = ("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT")
+        if any(name in block for name in dots):
+            row += self._numbers(block, dots, "RATE")
+            kind = "EULER_ANGLE/DERIVATIVE"
+        return self._relative(kind, row, block, how, found)
+
+    def _old_euler(self, block, how, found, body_is_a):
+        """Version 1: angles by the names of their axes, rates over the axes of a frame."""
+        angles = self._by_axis(block, "ANGLE", how.sequence)
+        rates = self._by_axis(block, "RATE", None)
+        wxyz = None
+        if angles is not None:
+            wxyz = self._relative("EULER_ANGLE", angles, block, how, found)[0]
+        if rates is None:
+            return wxyz, None
+        frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
+        over_body = one_of(self._message, block, "RATE_FRAME", frames)
+        return wxyz, self._body_rates(np.radians(rates), over_body, found)
+
+    def _body_rates(self, rates, over_body, found):
+        """What makes rates relative to ICRF over the body axes, once the attitude is known."""
+
+        self._refuse_speed(rates)
+
+        def of(wxyz):
+            zero = np.zeros(1)
+            outer = found.to_icrf(self.epoch, zero, zero, self._orbit).reshape(4)
+            body = quaternion.conjugate(wxyz)
+            over = rates
+            if not over_body:
+                over = quaternion.rotate(quaternion.multiply(body, outer), rates)
+            own = found.angular_velocity(self.epoch, zero, zero, self._orbit)
+            return over if own is None else over + quaternion.rotate(body, own[0])
+
+        return of
+
+    def _by_axis(self, block, what, sequence):
+        """Numbers of X_ANGLE, ... in the order of a sequence, or of X, Y, Z; None without any."""
+        given = [item for item in block.order if item[0].endswith(f"_{what}")]
+        if not given:
+            return None
+        wanted = [f"{axis}_{what}" for axis in sequence or "XYZ"]
+        names = [name for name, _, _ in given]
+        if sorted(names) != sorted(wanted):
+            raise self._message.fault(
+                f"the block EULER has {', '.join(names)}; {sequence or 'rates'} needs "
+                f"{', '.join(wanted)}.",
+                given[0][2],
+            )
+        values = []
+        for name in wanted:
+            place = next(k for k, item in enumerate(given) if item[0] == name)
+            _, text, line = given.pop(place)
+            block[name], block.lines[name] = text, line
+            values.append(number(self._message, block, name, what))
+        return values
+
+    def _spin(self, block):
+        found, _, _ = self._axes(block)
+        row = self._numbers(block, ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE"), "ANGLE")
+        row += self._numbers(block, ("SPIN_ANGLE_VEL",), "RATE")
+        kind = "SPIN"
+        if "NUTATION" in block:
+            kind = "SPIN/NUTATION"
+            row += self._numbers(block, ("NUTATION",), "ANGLE")
+            row += self._numbers(block, ("NUTATION_PER",), "PERIOD")
+            row += self._numbers(block, ("NUTATION_PHASE",), "ANGLE")
+        elif "MOMENTUM_ALPHA" in block:
+            kind = "SPIN/NUTATION_MOM"
+            row += self._numbers(block, ("MOMENTUM_ALPHA", "MOMENTUM_DELTA"), "ANGLE")
+            row += self._numbers(block, ("NUTATION_VEL",), "RATE")
+        return self._relative(kind, row, block, Convention(), found)
+
+    def _angvel(self, block, wxyz):
+        found, to_body, body_is_a = self._axes(block)
+        values = self._numbers(block, ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"), "RATE")
+        a, b = block["REF_FRAME_A"].upper(), block["REF_FRAME_B"].upper()
+        choices = {a: body_is_a, b: not body_is_a}
+        over_body = one_of(self._message, block, "ANGVEL_FRAME", choices)
+        rates = np.radians(values) * (1.0 if to_body else -1.0)
+        return self._body_rates(rates, over_body, found)(wxyz)
+
+    def _inertia_frame(self, body_frame):
+        """Over which axes the inertia is given: the body's, if nothing is said."""
+        for block in self._blocks("INERTIA")[:1]:
+            return block.get("INERTIA_REF_FRAME") or body_frame
+        return None
+
+    def _body(self):
+        for block in self._blocks("INERTIA")[:1]:
+            names = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
+            values = self._numbers(block, names, "INERTIA")
+            try:
+                return Body(tensor=tensor(values, self._products))
+            except AttitudeError as err:
+                raise self._message.fault(f"the inertia: {err}", block.line) from err
+        return None

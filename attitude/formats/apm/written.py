@@ -1,0 +1,137 @@
+"""Attitude Parameter Messages as they are written: their blocks, in either notation and version."""
+
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from attitude import representations as forms
+from attitude.errors import AttitudeError
+from attitude.formats.apm import inertia as apm_inertia
+from attitude.formats.apm.blocks import XML_NAMES
+
+
+def blocks(version, frame, body, wxyz, rates):
+    """Name, and triples of keyword, value and unit, of the blocks of attitude and rates."""
+    quaternions = [
+        (k, float(q), "") for k, q in zip(("Q1", "Q2", "Q3", "QC"), np.roll(wxyz, -1), strict=True)
+    ]
+    rates = [float(rate) for rate in np.degrees(rates)]
+    if version == "1.0":
+        angles = np.degrees(forms.to_euler("ZYX", wxyz)).tolist()
+        return [
+            (
+                "QUAT",
+                [
+                    ("Q_FRAME_A", frame, ""),
+                    ("Q_FRAME_B", body, ""),
+                    ("Q_DIR", "A2B", ""),
+                    *quaternions,
+                ],
+            ),
+            (
+                "EULER",
+                [
+                    *(("EULER_FRAME_A", frame, ""), ("EULER_FRAME_B", body, "")),
+                    *(("EULER_DIR", "A2B", ""), ("EULER_ROT_SEQ", "321", "")),
+                    ("RATE_FRAME", "EULER_FRAME_B", ""),
+                    *((f"{a}_ANGLE", angle, "deg") for a, angle in zip("ZYX", angles, strict=True)),
+                    *((f"{a}_RATE", rates["XYZ".index(a)], "deg/s") for a in "ZYX"),
+                ],
+            ),
+        ]
+    frames = [("REF_FRAME_A", frame, ""), ("REF_FRAME_B", body, "")]
+    components = [(f"ANGVEL_{a}", rate, "deg/s") for a, rate in zip("XYZ", rates, strict=True)]
+    return [
+        ("QUAT", [*frames, *quaternions]),
+        ("ANGVEL", [*frames, ("ANGVEL_FRAME", body, ""), *components]),
+    ]
+
+
+def inertia(version, body, frame, products):
+    """The same of the block of inertia; refused for a body whose moments are relative."""
+    if body.relative:
+        raise AttitudeError(
+            "the moments of the body are relative, and an APM has kg m2; give moments in kg m2, or "
+            "write inertia=False."
+        )
+    names = ("11", "22", "33", "12", "13", "23")
+    if version != "1.0":
+        names = ("XX", "YY", "ZZ", "XY", "XZ", "YZ")
+    values = apm_inertia.values(body.tensor, apm_inertia.known_products(products, version))
+    entries = [(f"I{n}", value, "kg*m**2") for n, value in zip(names, values, strict=True)]
+    return "INERTIA", [("INERTIA_REF_FRAME", frame, ""), *entries]
+
+
+def write_kvn(file, message):
+    """A message in keyword = value notation, to an open file."""
+    version = message["version"]
+    file.write(f"CCSDS_APM_VERS = {version}\n")
+    file.writelines(f"COMMENT {text}\n" for text in message["comments"])
+    for part in ("header", "meta"):
+        file.writelines(f"{key} = {value}\n" for key, value in message[part].items())
+    file.write(f"EPOCH = {message['epoch']}\n")
+    for name, entries in message["blocks"]:
+        file.write("\n" if version == "1.0" else f"\n{name}_START\n")
+        for key, value, unit in entries:
+            shown = value if isinstance(value, str) else repr(value)
+            file.write(f"{key} = {shown}{f' [{unit}]' if unit else ''}\n")
+        if version != "1.0":
+            file.write(f"{name}_STOP\n")
+
+
+def write_xml(file, message):
+    """A message in XML, to an open file."""
+    version = message["version"]
+    schema = "2.0.0-master-2.0" if version == "1.0" else "4.0.0-master-4.0"
+
+    def leaf(indent, key, value, unit="", attribute=""):
+        shown = escape(value) if isinstance(value, str) else repr(value)
+        units = f' units="{unit}"' if unit else ""
+        file.write(f"{' ' * indent}<{key}{attribute}{units}>{shown}</{key}>\n")
+
+    file.write(
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<apm xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\n'
+        '     xsi:noNamespaceSchemaLocation="https://sanaregistry.org/r/ndmxml_unqualified/'
+        f'ndmxml-{schema}.xsd"\n     id="CCSDS_APM_VERS" version="{version}">\n  <header>\n'
+    )
+    for text in message["comments"]:
+        leaf(4, "COMMENT", text)
+    for key, value in message["header"].items():
+        leaf(4, key, value)
+    file.write("  </header>\n  <body>\n    <segment>\n      <metadata>\n")
+    for key, value in message["meta"].items():
+        leaf(8, key, value)
+    file.write("      </metadata>\n      <data>\n")
+    if version != "1.0":
+        leaf(8, "EPOCH", message["epoch"])
+    for name, entries in message["blocks"]:
+        element = XML_NAMES[version][name]
+        file.write(f"        <{element}>\n")
+        if version == "1.0" and name == "QUAT":
+            leaf(10, "EPOCH", message["epoch"])
+        _write_entries(file, leaf, entries)
+        file.write(f"        </{element}>\n")
+    file.write("      </data>\n    </segment>\n  </body>\n</apm>\n")
+
+
+def _write_entries(file, leaf, entries):
+    """Keywords of a block; components that belong together stand in a group of their own."""
+    groups = {"Q1": "quaternion", "Z_ANGLE": "rotationAngles", "Z_RATE": "rotationRates"}
+    inside, count = None, 0
+    for key, value, unit in entries:
+        if key in groups and inside is None:
+            inside, count = groups[key], 0
+            file.write(f"          <{inside}>\n")
+        if inside is None:
+            leaf(10, key, value, unit)
+            continue
+        count += 1
+        if inside == "quaternion":
+            leaf(12, key, value, unit)
+        else:
+            kind = "angle" if inside == "rotationAngles" else "rate"
+            leaf(12, f"rotation{count}", value, unit, f' {kind}="{key}"')
+        if count == (4 if inside == "quaternion" else 3):
+            file.write(f"          </{inside}>\n")
+            inside = None

@@ -1,0 +1,155 @@
+"""The three files of a C-kernel: its segments through SPICE, its frame and its clock as text."""
+
+from contextlib import suppress
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.errors import AttitudeError
+from attitude.formats.ck import daf_head
+from attitude.formats.ck.plan import DEGREE, apart, longest
+from attitude.formats.ck.spice_pool import spiceypy
+
+# A power of two: doubles of seconds become ticks, and back, without rounding.
+_TICKS = 2.0**20  # a second
+_REFERENCE = "J2000"
+# Records of one segment, and of its neighbours that it holds too, so that the windows of
+# interpolation are centered up to its ends.
+_PIECE, _PAD = 50_000, 8
+# Random epochs at which the finished kernel is read.
+_CHECKS = 2000
+
+
+def write(path, plan, instrument):
+    """Write the C-kernel of a `Plan` to a file that is not there yet.
+
+    Raises
+    ------
+    AttitudeError
+        For what SPICE says, a full disk among it; the file is closed and may be deleted.
+    """
+    spice = spiceypy()
+    seconds = plan.records()
+    handle = None
+    try:
+        handle = spice.ckopn(path, "attitude", 0)
+        for start in range(0, max(len(seconds) - 1, 1), _PIECE):
+            _write_segment(spice, handle, plan, instrument, seconds, start)
+        spice.ckcls(handle)
+        # SPICE does not see that a disk is full.
+        if broken := daf_head.fault(path):
+            raise _cannot(f"the C-kernel is not whole: {broken}.")
+    except spice.exceptions.SpiceyError as err:
+        spice.reset()
+        if handle is not None:
+            with suppress(spice.exceptions.SpiceyError):
+                spice.dafcls(handle)
+            spice.reset()
+        raise _cannot(f"SPICE cannot write the C-kernel ({err.short}).") from err
+
+
+def _cannot(sentence):
+    return AttitudeError(f"{sentence} Is the disk full? Give a file in a folder that has room.")
+
+
+def _write_segment(spice, handle, plan, instrument, seconds, start):
+    stop = min(start + _PIECE, len(seconds) - 1)
+    pad = _PAD if plan.kind == 5 else 0
+    part = slice(max(start - pad, 0), stop + 1 + pad)
+    history = plan.history(seconds[part])
+    ticks = seconds[part] * _TICKS
+    ends = float(seconds[start] * _TICKS), float(seconds[stop] * _TICKS)
+    frames = instrument, _REFERENCE, True
+    if plan.kind == 5:
+        packets = _packets(history)
+        spice.ckw05(
+            *(handle, 2, DEGREE, *ends, *frames, "attitude", ticks, packets),
+            *(1.0 / _TICKS, 1, ticks[:1]),
+        )
+    else:
+        quats = np.ascontiguousarray(quaternion.conjugate(history.wxyz))
+        rates = np.ascontiguousarray(history.angular_velocity_inertial)
+        spice.ckw03(
+            *(handle, *ends, *frames, "attitude", len(ticks), ticks, quats, rates),
+            *(1, ticks[:1]),
+        )
+
+
+def _packets(history):
+    """Subtype 2 of type 5: quaternion, its rate, angular velocity in J2000, its rate."""
+    return np.concatenate(
+        [
+            quaternion.conjugate(history.wxyz),
+            quaternion.conjugate(forms.quaternion_rate(history.wxyz, history.angular_velocity)),
+            history.angular_velocity_inertial,
+            # d/dt of R w is R w', since w x w vanishes
+            quaternion.rotate(history.wxyz, history.angular_acceleration),
+        ],
+        axis=1,
+    )
+
+
+def measured(path, plan, instrument):
+    """Largest deviations, rad and rad/s, of the C-kernel read by SPICE, at random epochs.
+
+    It is read by its handle: the pool with the user's kernels is neither asked nor changed.
+    """
+    spice = spiceypy()
+    random = np.random.default_rng(2006)
+    et = plan.first + random.uniform(plan.begin, plan.end, _CHECKS)
+    # SPICE is asked at doubles of TDB; on the clock these are exact.
+    seconds = np.clip(et - plan.first, plan.begin, plan.end)
+    true = plan.history(seconds)
+    matrices, rates = np.empty((_CHECKS, 3, 3)), np.empty((_CHECKS, 3))
+    handle = None
+    try:
+        handle = spice.cklpf(path)
+        for k, second in enumerate(seconds):
+            matrices[k], rates[k], _ = spice.ckgpav(instrument, second * _TICKS, 0.0, _REFERENCE)
+    except (spice.exceptions.SpiceyError, spice.exceptions.NotFoundError) as err:
+        spice.reset()
+        raise _cannot(
+            f"SPICE cannot read the kernel it has written ({getattr(err, 'short', 'not found')})."
+        ) from err
+    finally:
+        if handle is not None:
+            spice.ckupf(handle)
+    error = apart(forms.from_dcm(matrices), true.wxyz)
+    return error, longest(rates - true.angular_velocity_inertial)
+
+
+FRAME = """\
+KPL/FK
+
+The frame of a body whose attitude is in the C-kernel of the same name.
+
+\\begindata
+FRAME_{name} = {instrument}
+FRAME_{instrument}_NAME = '{name}'
+FRAME_{instrument}_CLASS = 3
+FRAME_{instrument}_CLASS_ID = {instrument}
+FRAME_{instrument}_CENTER = {center}
+CK_{instrument}_SCLK = {clock}
+CK_{instrument}_SPK = {center}
+\\begintext
+"""
+
+CLOCK = """\
+KPL/SCLK
+
+A clock of 2^20 ticks a second of TDB from the first epoch of the C-kernel of the same name.
+
+\\begindata
+SCLK_KERNEL_ID = ( @2026-01-01 )
+SCLK_DATA_TYPE_{minus_clock} = ( 1 )
+SCLK01_TIME_SYSTEM_{minus_clock} = ( 1 )
+SCLK01_N_FIELDS_{minus_clock} = ( 2 )
+SCLK01_MODULI_{minus_clock} = ( 10000000000 1048576 )
+SCLK01_OFFSETS_{minus_clock} = ( 0 0 )
+SCLK01_OUTPUT_DELIM_{minus_clock} = ( 1 )
+SCLK_PARTITION_START_{minus_clock} = ( 0.0 )
+SCLK_PARTITION_END_{minus_clock} = ( 1.0E15 )
+SCLK01_COEFFICIENTS_{minus_clock} = ( 0.0 {start} 1.0 )
+\\begintext
+"""

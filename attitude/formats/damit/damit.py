@@ -1,0 +1,160 @@
+"""DAMIT spin files of relaxed rotators: asteroids that turn about their shortest axis.
+
+Three lines: pole longitude and latitude (deg, ecliptic of J2000) and sidereal period (h); the
+Julian date JD0 and the angle phi0 (deg) then; what follows is about scattering.  Body to ecliptic:
+Rz(lambda) Ry(90 deg - beta) Rz(phi0 + 2 pi (t - JD0) / P).
+
+Source: Durech, Sidorin & Kaasalainen (2010), A&A 513, A46, and the documentation of DAMIT.  JD0
+is the date of light-curve inversion, corrected for light time; it is taken as TDB, since neither
+says which scale it is in (time_system= does).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import frames, quaternion
+from attitude import representations as forms
+from attitude.body import Body
+from attitude.epochs.inputs import Instant
+from attitude.errors import AttitudeError
+from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.spin import Spin
+from attitude.textfiles.atomic_write import written_whole
+from attitude.textfiles.lines import is_number, opened
+
+_HOUR = 3600.0
+# How far from body z an angular velocity may point to be taken for a rounded one, rad.
+_ALONG_Z = 1e-9
+
+
+@dataclass(frozen=True)
+class RelaxedRotator:
+    """Pole, period and phase of a spin file.
+
+    Attributes
+    ----------
+    longitude, latitude : float
+        Of the pole, deg, ecliptic of J2000.
+    period : float
+        h, sidereal.
+    jd0 : float
+        Julian date.
+    phi0 : float
+        deg.
+    scattering : tuple of str
+        The lines behind, as they are.
+    time_system : str
+        Of jd0.
+    """
+
+    longitude: float
+    latitude: float
+    period: float
+    jd0: float
+    phi0: float
+    scattering: tuple = ()
+    time_system: str = "TDB"
+
+    @property
+    def spin(self):
+        """The Spin at JD0."""
+        from attitude import epochs
+
+        scale = ccsds_epochs.known(self.time_system, "time_system")
+        if scale in ("utc", "ut1"):
+            from astropy.time import Time
+
+            epoch = epochs.instant(Time(self.jd0, format="jd", scale=scale))
+        else:
+            from attitude.epochs import time_scales
+
+            pair = time_scales.seconds_from_jd(np.float64(self.jd0), np.float64(0.0))
+            epoch = Instant(*map(float, time_scales.tdb_from(scale, *pair)))
+        angles = np.radians([self.longitude, 90.0 - self.latitude, self.phi0])
+        wxyz = forms.from_euler("ZYZ", angles)
+        rate = 2.0 * np.pi / (self.period * _HOUR)
+        return Spin(epoch, wxyz, (0.0, 0.0, rate), frame="ecliptic")
+
+    def motion(self, body=None):
+        """The FreeRotation; without a body, that of one whose moments do not matter."""
+        return FreeRotation(body or Body(moments=(1.0, 1.0, 1.0), relative=True), self.spin)
+
+
+def read(path, *, time_system="TDB"):
+    """A spin file as a `RelaxedRotator`.
+
+    Raises
+    ------
+    AttitudeError
+        With file and line, for what is no spin file.
+    """
+    with opened(path) as lines:
+        first = _numbers(lines, 3, "lambda, beta and period")
+        second = _numbers(lines, 2, "JD0 and phi0")
+        rest = tuple(lines.text(line).rstrip() for line in lines)
+    longitude, latitude, period = first
+    if not -90.0 <= latitude <= 90.0:
+        raise lines.fault(f"the latitude of the pole is {latitude:g} deg.", 1)
+    if not period > 0.0:
+        raise lines.fault(f"the period is {period:g} h; it must be greater than zero.", 1)
+    ccsds_epochs.known(time_system, "time_system")
+    jd0, phi0 = second
+    if not 0.0 <= jd0 <= 5373484.5:
+        raise lines.fault(f"JD0 is {jd0:g}; give a Julian date.", 2)
+    return RelaxedRotator(longitude, latitude, period, jd0, phi0, rest, time_system)
+
+
+def _numbers(lines, count, what):
+    for line in lines:
+        if not line.strip():
+            continue
+        parts = line.split()
+        good = len(parts) == count and all(map(is_number, parts))
+        values = [float(part) for part in parts] if good else []
+        if not good or not np.all(np.isfinite(values)):
+            raise lines.fault(f"it must hold {what}: {count} numbers.")
+        return values
+    raise lines.fault(f"the file ends before {what}.")
+
+
+def write(path, motion, *, scattering=()):
+    """Write the spin of a body that turns steadily about its z axis.
+
+    Parameters
+    ----------
+    motion : FreeRotation
+        Its angular velocity along +z of the body (within 1e-9 rad), and steady.
+    scattering : lines of text
+        What shall stand behind, as read from another file.
+    """
+    rates = motion.spin.angular_velocity
+    z = rates[2]
+    if not (z > 0.0 and np.hypot(rates[0], rates[1]) <= _ALONG_Z * z):
+        raise AttitudeError(
+            f"the angular velocity is ({', '.join(f'{r:.6g}' for r in rates)}) rad/s; a DAMIT spin "
+            "file holds bodies that turn about their own +z axis. Write tumblers as a TOML file."
+        )
+    if motion.mode.name not in ("PRINCIPAL_AXIS", "SPHERICAL") and np.any(rates[:2] != 0.0):
+        raise AttitudeError("the rotation is not steady; a DAMIT spin file holds relaxed rotators.")
+    to_ecliptic = quaternion.conjugate(frames.wxyz_to_icrf("ecliptic"))
+    wxyz = quaternion.multiply(to_ecliptic, motion.spin.wxyz_icrf)
+    if motion.spin.frame == "ecliptic":
+        wxyz = motion.spin.wxyz
+    longitude, tilt, phi0 = np.degrees(forms.to_euler("ZYZ", wxyz)).tolist()
+    # JD0 must be one double, good to 2e-5 s: the phase is that of the epoch which it then is.
+    jd1, jd2 = _jd(motion.spin.epoch)
+    jd0 = jd1 + jd2
+    late = ((jd0 - jd1) - jd2) * 86400.0
+    phi0 = (phi0 + float(np.degrees(z * late))) % 360.0
+    period = float(2.0 * np.pi / z / _HOUR)
+    lines = [f"{longitude % 360.0!r} {90.0 - tilt!r} {period!r}", f"{jd0!r} {phi0!r}", *scattering]
+    with written_whole(path, "the spin file") as file:
+        file.writelines(f"{line}\n" for line in lines)
+
+
+def _jd(epoch):
+    from attitude.epochs import time_scales
+
+    return map(float, time_scales.jd_from_seconds(np.float64(epoch.seconds), np.float64(epoch.low)))

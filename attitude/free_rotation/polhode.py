@@ -1,0 +1,77 @@
+"""Poinsot's curves in closed form: the path of the angular velocity in the body and in space."""
+
+import numpy as np
+
+from attitude import quaternion, validation
+from attitude.errors import AttitudeError
+from attitude.published import conventions
+from attitude.solution import codes
+
+
+def polhode(constants, principal_axes, points=361):
+    """One circuit of the angular velocity in body axes.
+
+    Parameters
+    ----------
+    constants : record of solution.record.CONSTANTS
+    principal_axes : (3, 3) array
+        Columns: the principal axes in body axes.
+    points : int
+
+    Returns
+    -------
+    (points, 3) array
+        rad/s, in the order of time, evenly spaced in the amplitude am(u).  Closed where the
+        momentum circulates; from end to end of the path, on the separatrix, which takes for ever;
+        the same point again and again for a uniform rotation.
+
+    Notes
+    -----
+    w1 = a1 cos am, w2 = -a2 sin am, w3 = a3 sqrt(cos^2 am + (1-m) sin^2 am) over the axes in
+    Jacobi order: van Zon & Schofield (2006), eqs. 3.36-3.41.
+    """
+    count = validation.number(points, "points")
+    if count != int(count) or count < 2:
+        raise AttitudeError(f"points is {points!r}; give a whole number of at least 2.")
+    count = int(count)
+    if constants["form"] == codes.UNIFORM:
+        w = np.ldexp(constants["omega"][:, 0], int(constants["tempo"]))
+        return np.tile(principal_axes @ w, (count, 1))
+    first, second, minus1, minus3 = constants["jacobi"]
+    third = 3 - first - second
+    turn = np.pi if constants["mode"] != codes.SEPARATRIX else 0.5 * np.pi
+    am = np.linspace(-turn, turn, count)
+    if third == constants["order"][2]:
+        am = am[::-1]  # in short-axis mode the amplitude decreases with time
+    cosine, sine = np.cos(am), np.sin(am)
+    if turn < 3.0:
+        cosine[[0, -1]] = 0.0
+    inner = np.empty((3, count))
+    inner[0] = cosine
+    inner[1] = -sine
+    inner[2] = np.sqrt(cosine**2 + constants["mc"][0] * sine**2)
+    inner *= constants["amplitudes"][:, None]
+    even = (second - first) % 3 == 1
+    signs = np.array([1 - 2 * minus1, 1.0, 1 - 2 * minus3])
+    signs[1] = signs[0] * signs[2] * (1.0 if even else -1.0)
+    over_principal = np.empty((3, count))
+    over_principal[[first, second, third]] = signs[:, None] * inner
+    return (principal_axes @ over_principal).T
+
+
+def plane(momentum):
+    """Unit axes (2, 3) of the invariable plane: of growing colatitude, and of growing longitude."""
+    x, y, z = momentum / np.max(np.abs(momentum))
+    pole = np.array([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
+    return quaternion.matrix(conventions.pole_wxyz(pole)).T[:2]
+
+
+def herpolhode(momentum, angular_velocity):
+    """Angular velocities (..., 3) on the invariable plane (..., 2), rad/s.
+
+    From the foot of the momentum; both in one inertial frame.  The component along the momentum,
+    2 E / L, is constant.
+    """
+    if not np.any(momentum):
+        raise AttitudeError("the body is at rest; without momentum there is no invariable plane.")
+    return angular_velocity @ plane(momentum).T

@@ -1,0 +1,288 @@
+"""JPL kernels (SPK files): one path for each pair of bodies that a file holds.
+
+jplephem reads the directory of a file; the coefficients of types 2 and 3 (Chebyshev polynomials)
+are mapped into memory and evaluated by `polynomials`, at some 20 ns an epoch and pair of bodies.
+All other types are left to spiceypy; see `spice`.
+
+Source: NAIF, SPK Required Reading; jplephem.
+"""
+
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from attitude.epochs.inputs import Instant
+from attitude.errors import AttitudeError
+from attitude.immutable import read_only
+from attitude.paths import pieces
+from attitude.paths.bodies import body_name
+from attitude.paths.path import Path, spelled
+from attitude.paths.spk_segment import FRAMES, Segment
+from attitude.paths.spk_spice import SpiceSegment
+
+_KM = 1000.0
+# NAIF numbers of inertial frames.
+
+
+class Kernel:
+    """What one SPK file holds.  Made by `open_kernel`, which keeps one for each file.
+
+    ``kernel.step(body)`` is the path of a body relative to the center that the file gives it, and
+    ``kernel.bodies`` lists what it knows.
+    """
+
+    def __init__(self, file):
+        self.file = file
+        self.source = FilePath(file).name
+        self._steps = {}
+        self._segments = {}
+        for number, segment in enumerate(_directory(file)):
+            self._segments.setdefault(segment.target, []).append((number, segment))
+
+    def __reduce__(self):
+        return open_kernel, (self.file,)
+
+    @property
+    def bodies(self):
+        """The names of the bodies in the file, and of the one that they are relative to."""
+        centers = {segment.center for each in self._segments.values() for _, segment in each}
+        return tuple(body_name(number) for number in sorted(centers | set(self._segments)))
+
+    def step(self, body):
+        """The path of a body relative to its center in this file.
+
+        Raises
+        ------
+        AttitudeError
+            For a body that the file lacks, a frame that is not inertial, or a type of segment
+            that needs spiceypy where that is not installed.
+        """
+        name = body_name(body)
+        if name not in self._steps:
+            numbers = [number for number in self._segments if body_name(number) == name]
+            if not numbers:
+                raise AttitudeError(self._lacks(name))
+            self._steps[name] = self._opened(name, self._segments[numbers[0]])
+        return self._steps[name]
+
+    def _opened(self, name, segments):
+        centers = {segment.center for _, segment in segments}
+        if len(centers) > 1:
+            listed = ", ".join(sorted(body_name(center) for center in centers))
+            raise AttitudeError(
+                f"{self.source} gives {name} relative to {listed} at different times; give a file "
+                "with one center for it."
+            )
+        parts = [_segment_path(self, name, number, segment) for number, segment in segments]
+        # Of segments that overlap, the last in the file counts, as in SPICE.
+        return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
+
+    def _lacks(self, name):
+        hint = ""
+        if f"{name} barycenter" in self.bodies:
+            hint = f' It has the barycentre of its system: "{name} barycenter".'
+        return (
+            f"{self.source} has no {name}; it has {', '.join(self.bodies)}.{hint} Give one of "
+            "these, or another kernel."
+        )
+
+    def __repr__(self):
+        return f"<{self.source}: {', '.join(self.bodies)}>"
+
+
+def open_kernel(file):
+    """The `Kernel` of an SPK file, which is opened once.
+
+    Raises
+    ------
+    AttitudeError
+        For a path that is no file, or a file that is no SPK kernel.  Nothing is downloaded.
+    """
+    path = os.path.abspath(os.path.expanduser(os.fspath(file)))
+    if not os.path.isfile(path):
+        raise AttitudeError(
+            f"the kernel {os.fspath(file)!r} is not a file; give the path of an SPK file (.bsp), "
+            "which must be there already: nothing is downloaded."
+        )
+    status = os.stat(path)
+    return _open_once(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=64)
+def _open_once(path, modified, size):
+    return Kernel(path)
+
+
+def _directory(file):
+    """jplephem's segments of a file, which is closed again; `_words` reads the numbers."""
+    from jplephem.spk import SPK
+
+    try:
+        spk = SPK.open(file)
+    except Exception as err:  # jplephem raises what its unpacking meets
+        raise AttitudeError(
+            f"{FilePath(file).name} is not an SPK kernel ({err}); give a file such as de440.bsp."
+        ) from err
+    segments = spk.segments
+    spk.close()
+    if not segments or spk.daf.ni != 6:
+        raise AttitudeError(
+            f"{FilePath(file).name} holds no positions of bodies (it is a DAF of another kind, or "
+            "empty); give an SPK kernel such as de440.bsp."
+        )
+    return segments
+
+
+def _words(file, segment):
+    """All numbers of a segment, mapped into memory."""
+    order = {b"BIG-IEEE": ">f8", b"LTL-IEEE": "<f8"}[segment.daf.locfmt]
+    count = segment.end_i - segment.start_i + 1
+    start = 8 * (segment.start_i - 1)
+    try:
+        words = np.memmap(file, dtype=order, mode="r", offset=start, shape=(count,))
+    except ValueError as err:
+        raise AttitudeError(
+            f"{FilePath(file).name} ends before the numbers that its directory announces; it is "
+            "damaged or was copied in part: get it anew."
+        ) from err
+    # A plain array: a memmap is slow to slice, and foreign byte order unknown to numba.
+    return np.asarray(words).view(np.ndarray).astype(np.float64, copy=False)
+
+
+def _segment_path(kernel, name, number, segment):
+    if segment.frame not in FRAMES:
+        raise AttitudeError(
+            f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
+            "frames are read: J2000 (1) and ECLIPJ2000 (17)."
+        )
+    if segment.data_type in (2, 3):
+        return KernelSegment(kernel, number, name, segment)
+    return SpiceSegment(kernel, number, name, segment)
+
+
+class KernelSegment(Segment):
+    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals."""
+
+    def __init__(self, kernel, number, name, segment):
+        super().__init__(kernel, number, name, segment)
+        words = _words(kernel.file, segment)
+        start, width, size, count = words[-4:].tolist()
+        self._has_rates = segment.data_type == 3
+        components = 6 if self._has_rates else 3
+        rows, size = int(count), int(size)
+        if not (width > 0.0 and rows * size + 4 == words.size and (size - 2) % components == 0):
+            raise AttitudeError(
+                f"{kernel.source} has a damaged segment for {name}: its directory does not fit "
+                "its size; get the file anew."
+            )
+        self.pieces = pieces.EqualPieces(
+            start=Instant(start),
+            width=width,
+            records=read_only(words[:-4].reshape(rows, size)),
+            skip=2,
+            count=(size - 2) // components,
+            factor=_KM,
+            least=segment.start_second - start,
+            most=segment.end_second - start,
+        )
+
+    def _position(self, instant, hi, lo):
+        return self._in_icrf(pieces.values(self.pieces, *pieces.placed(self, instant, hi, lo)))
+
+    def _state(self, instant, hi, lo):
+        placed = pieces.placed(self, instant, hi, lo)
+        if self._has_rates:
+            # Type 3 has polynomials of their own for the velocity, after those of the position.
+            position = pieces.values(self.pieces, *placed)
+            skip = self.pieces.skip + 3 * self.pieces.count
+            velocity = pieces.values(self.pieces, *placed, skip=skip)
+        else:
+            position, velocity = pieces.values_and_rates(self.pieces, *placed)
+        return self._in_icrf(position), self._in_icrf(velocity)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Succession(Path):
+    """Paths of one thing from one center that cover different spans of time.
+
+    Where several cover an epoch, the first in `parts` counts.
+    """
+
+    parts: tuple
+    name: str
+
+    @property
+    def center(self):
+        return self.parts[0].center
+
+    @property
+    def source(self):
+        return ", ".join(dict.fromkeys(part.source for part in self.parts))
+
+    @property
+    def span(self):
+        ends = [part.span for part in self.parts]
+        return (
+            min((end[0] for end in ends), key=lambda each: (each.seconds, each.low)),
+            max((end[1] for end in ends), key=lambda each: (each.seconds, each.low)),
+        )
+
+    def refuse_outside(self, instant, seconds):
+        spans = sorted((part.span for part in self.parts), key=lambda span: span[0].seconds)
+        listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in spans)
+        raise AttitudeError(
+            f"{self.name} is known from {listed} ({self.source}), but was asked for at "
+            f"{spelled(instant.after(float(seconds)))}; leave that epoch out, or give a path that "
+            "covers it."
+        )
+
+    def _position(self, instant, hi, lo):
+        return self._joined(instant, hi, lo, "_position")
+
+    def _state(self, instant, hi, lo):
+        return self._joined(instant, hi, lo, "_state")
+
+    def _joined(self, instant, hi, lo, method):
+        from attitude.paths.path import since
+
+        rows = np.empty((2 if method == "_state" else 1, 3, hi.size))
+        lo = np.broadcast_to(lo, hi.shape)
+        left = np.ones(hi.size, dtype=bool)
+        for part in self.parts:
+            first, last = (since(each, instant) for each in part.span)
+            here = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
+            here &= (hi - last[0]) + (lo - last[1]) <= 0.0
+            if here.any():
+                at = np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here])
+                rows[:, :, here] = getattr(part, method)(instant, *at)
+                left &= ~here
+        if left.any():
+            self.refuse_outside(instant, hi[np.argmax(left)])
+        return rows[0] if method == "_position" else tuple(rows)
+
+
+def spk(file, target):
+    """The path of a target in an SPK file, relative to the center that the file gives it.
+
+    Parameters
+    ----------
+    file : path
+        Of an SPK kernel.  Types 2 and 3 are read here, all others (21 of Horizons, 9, 13, 1, ...)
+        by spiceypy, which ``pip install attitude-propagation[spice]`` brings.
+    target : str or int
+        A name such as "moon", or a NAIF number such as 20099942.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that is none or no kernel, and for a target that it lacks.
+
+    Notes
+    -----
+    Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), SPICE
+    being given epochs that its one double holds.  `relative` leads to other centers.
+    """
+    return open_kernel(file).step(target)

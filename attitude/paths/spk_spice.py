@@ -1,0 +1,65 @@
+"""Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy.
+
+SPICE keeps loaded kernels in a pool for the whole process; here one segment of one file is read
+by its own handle, and the pool is neither asked nor changed.  SPICE is not made for threads: paths
+of these segments are to be compressed before they are shared by several.
+"""
+
+import importlib.util
+from functools import lru_cache
+
+import numpy as np
+
+from attitude import pairs
+from attitude.errors import AttitudeError
+from attitude.paths.spk_segment import Segment
+
+
+class SpiceSegment(Segment):
+    """A segment that SPICE evaluates, one epoch at a time: some 4 microseconds each.
+
+    SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); what that
+    leaves out is added along the velocity.
+    """
+
+    def __init__(self, kernel, number, name, segment):
+        super().__init__(kernel, number, name, segment)
+        if importlib.util.find_spec("spiceypy") is None:
+            raise AttitudeError(
+                f"{kernel.source} has {name} in a segment of type {segment.data_type}, which needs "
+                'SPICE; install it with pip install "attitude-propagation[spice]".'
+            )
+        self._arguments = (kernel.file, number)
+
+    def _state(self, instant, hi, lo):
+        import spiceypy
+
+        self.check_span(instant, hi, lo)
+        seconds, rest = pairs.add((hi, lo), instant.seconds, instant.low)
+        seconds, rest = np.broadcast_arrays(seconds, rest)
+        handle, descriptor = _handle(*self._arguments)
+        states = np.empty((seconds.size, 6))
+        for k, second in enumerate(seconds.tolist()):
+            try:
+                states[k] = spiceypy.spkpvn(handle, descriptor, second)[1]
+            except spiceypy.exceptions.SpiceyError as err:
+                spiceypy.reset()
+                raise AttitudeError(
+                    f"SPICE cannot evaluate {self.name} in {self.source} at {second!r} s past "
+                    f"J2000 ({err.short}); check the file with SPICE's brief."
+                ) from err
+        position, velocity = 1e3 * states.T[:3], 1e3 * states.T[3:]
+        position += velocity * rest
+        return self._in_icrf(position), self._in_icrf(velocity)
+
+
+@lru_cache(maxsize=64)
+def _handle(file, number):
+    """SPICE's handle of a file, opened for reading outside of the pool, and one descriptor."""
+    import spiceypy
+
+    handle = spiceypy.dafopr(file)
+    spiceypy.dafbfs(handle)
+    for _ in range(number + 1):
+        spiceypy.daffna()
+    return handle, spiceypy.dafgs()[:5]

@@ -1,0 +1,171 @@
+"""What follows from published numbers that have errors."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.published.dynamic_inertia import (
+    from_periods,
+    known_mode,
+    moments_from_ratios,
+    refuse_missing_mode,
+)
+from attitude.regime import known_convention, regimes
+
+_RESULTS = (
+    "energy_ratio",
+    "dynamic_inertia",
+    "P_psi",
+    "P_phi_L",
+    "P_phi_S",
+    "theta_least",
+    "theta_greatest",
+    "libration",
+    "spin_rate_along",
+)
+
+
+class Uncertain(NamedTuple):
+    """A value, and by how much it may be smaller and greater."""
+
+    value: float
+    minus: float
+    plus: float
+
+
+def spread(*, A_over_C, B_over_C, mode, convention, P_psi, P_phi):
+    """The spread of E/E0, periods and angles that errors of the published numbers leave.
+
+    Parameters
+    ----------
+    A_over_C, B_over_C : float, (value, error) or (value, minus, plus)
+        Ratios of the moments A <= B <= C; signs of the errors do not matter.
+    P_psi, P_phi : likewise, s or Quantities
+    mode, convention
+        As in `Spin.from_periods`.
+
+    Returns
+    -------
+    dict of str to Uncertain
+        energy_ratio (2EC/L^2), dynamic_inertia (over C), P_psi, P_phi_L, P_phi_S (s), theta_least,
+        theta_greatest (rad; the range of the nutation angle of the convention's axis), libration
+        (rad), spin_rate_along (2E/L, rad/s).  Each input is moved to either end of its error, the
+        others staying; what that moves a result by is added in quadrature, downward and upward
+        apart.  An end beyond what a body or the mode allows is moved to the last place that is
+        possible.
+
+    Raises
+    ------
+    AttitudeError
+        Where the values themselves belong to no motion.
+
+    >>> found = spread(A_over_C=(0.61, -0.08, 0.11), B_over_C=(0.965, -0.015, 0.009),
+    ...     mode="SAM", convention="S", P_psi="263 h", P_phi="27.38 h")
+    >>> "{:.4f} -{:.4f} +{:.4f}".format(*found["energy_ratio"])
+    '1.0236 -0.0253 +0.0217'
+    """
+    mode, convention = known_mode(mode), known_convention(convention)
+    inputs = np.array(
+        [
+            _with_errors(A_over_C, "A_over_C", None),
+            _with_errors(B_over_C, "B_over_C", None),
+            _with_errors(P_psi, "P_psi", "s"),
+            _with_errors(P_phi, "P_phi", "s"),
+        ]
+    )
+    values = inputs[:, 0]
+    moments = moments_from_ratios(*values[:2])
+    refuse_missing_mode(moments, mode)
+    ends = [values]
+    for k in range(4):
+        for sign, error in ((-1.0, inputs[k, 1]), (1.0, inputs[k, 2])):
+            step = np.zeros(4)
+            step[k] = sign * error
+            ends.append(_possible_end(values, step, mode, convention))
+    found = _results(np.array(ends), mode, convention)
+    if np.isnan(found[0]).any():
+        from_periods(moments, mode, convention, *values[2:])  # raises the sentence
+    change = found[1:] - found[0]
+    minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
+    plus = np.sqrt(np.sum(np.maximum(change, 0.0) ** 2, axis=0))
+    return {
+        name: Uncertain(float(value), float(less), float(more))
+        for name, value, less, more in zip(_RESULTS, found[0], minus, plus, strict=True)
+    }
+
+
+def _possible_end(values, step, mode, convention):
+    """values + step, or as far that way as there are motions (bisected)."""
+    if not np.any(step) or not np.isnan(_results((values + step)[None], mode, convention)).any():
+        return values + step
+    low, high = 0.0, 1.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        inside = not np.isnan(_results((values + middle * step)[None], mode, convention)).any()
+        low, high = (middle, high) if inside else (low, middle)
+    return values + low * step
+
+
+def _results(sets, mode, convention):
+    """(N, 9) of sets (N, 4); NaN where there is no motion."""
+    from attitude.solution.place_of_d import positions_all
+
+    a, b, P_psi, P_phi = sets.T
+    fine = (a > 0.0) & (a <= b) & (b <= 1.0) & (a + b >= 1.0) & (P_psi > 0.0) & (P_phi > 0.0)
+    out = np.full((len(sets), len(_RESULTS)), np.nan)
+    places = np.full((len(sets), 3), np.nan)
+    moments = np.column_stack([a, b, np.ones(len(sets))])
+    long_axis = np.full(len(sets), mode == "LAM")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = P_psi / P_phi - (convention == "S")
+    part = places[fine]
+    positions_all(moments[fine], long_axis[fine], ratios[fine], part)
+    places[fine] = part
+    fine &= ~np.isnan(places[:, 0])
+    if not np.any(fine):
+        return out
+    moments, (y, rest, unit_period) = moments[fine], places[fine].T
+    rates = _rates(moments, mode, y, rest) * (unit_period / P_psi[fine])[:, None]
+    regime = regimes(moments, rates)
+    theta = regime.nutation(convention)
+    out[fine] = np.column_stack(
+        [
+            regime.energy_ratio,
+            regime.dynamic_inertia,
+            regime.P_psi,
+            regime.P_phi_L,
+            regime.P_phi_S,
+            theta,
+            regime.libration,
+            regime.spin_rate_along,
+        ]
+    )
+    return out
+
+
+def _rates(moments, mode, y, rest):
+    """The angular velocity for L = 1 where the momentum crosses the plane of A and C."""
+    a, b, c = moments.T
+    if mode == "LAM":
+        below, above = (b - a) * rest, (c - b) + (b - a) * y
+    else:
+        below, above = (b - a) + (c - b) * y, (c - b) * rest
+    # l_A^2 : l_C^2 = A (C-D) : C (D-A)
+    along_a, along_c = np.sqrt(a * above), np.sqrt(c * below)
+    size = np.hypot(along_a, along_c)
+    return np.column_stack([along_a / (size * a), np.zeros(len(a)), along_c / (size * c)])
+
+
+def _with_errors(value, name, unit):
+    given = validation.real(value, name, unit=unit)
+    if given.shape == ():
+        return float(given), 0.0, 0.0
+    if given.shape == (2,):
+        return float(given[0]), abs(float(given[1])), abs(float(given[1]))
+    if given.shape == (3,):
+        return float(given[0]), abs(float(given[1])), abs(float(given[2]))
+    raise AttitudeError(
+        f"{name} has shape {given.shape}; give a value, (value, error) or (value, minus, plus)."
+    )

@@ -1,0 +1,150 @@
+"""Where a target is seen from a viewer: at t, where the target was when its light left.
+
+The epoch of emission is t minus the light time, which depends on where the target was then: a
+fixed point, iterated until the target moves by less than rounding in what is left (SPICE's
+"converged Newtonian").  Positions are barycentric, as the speed of light is.
+
+Near targets (below a light second) need care: the difference of two barycentric positions rounds
+by 3e-5 m, and most of what both have in common is the motion of the Earth.  There the light time
+shifts the viewer instead: target(t - T) - viewer(t) = [target - viewer](t - T) - T v(t - T/2),
+v being the barycentric velocity of the viewer; the bracket is formed without the Earth's distance
+to the Sun, and the next term of that series is T^3 / 24 times the viewer's jerk: 1e-9 m where both
+are in low orbit.
+
+Source: NAIF, SPK Required Reading, "light time corrections"; Kaplan et al., AJ 97, 1197 (1989).
+"""
+
+import numpy as np
+
+from attitude import pairs
+from attitude.errors import AttitudeError
+from attitude.paths import relative
+from attitude.paths.bodies import SSB
+from attitude.paths.path import Path, common_span, since, spelled
+from attitude.physical_constants import SPEED_OF_LIGHT_M_S
+
+_NEAR = 1.0  # light seconds
+_EPS = np.finfo(np.float64).eps
+# Rounding of a difference of barycentric positions, in units of eps times their size.
+_ROUNDINGS = 2.0
+_NOISE = 1e3
+# The secant doubles the digits of each pass: 1e-4, 1e-12 and so on for planets.
+_MOST_PASSES = 30
+
+
+class Sightline(Path):
+    """From a viewer at t to a target as its light arrives at t.
+
+    Parameters
+    ----------
+    target, viewer : Path or str
+    ephemeris : see `paths.relative`
+    sample : (Instant, array, array)
+        Some epochs at which it will be asked, which tell whether the target is near.
+
+    Attributes
+    ----------
+    is_near : bool
+    """
+
+    def __init__(self, target, viewer, ephemeris, sample):
+        self.geometric = relative(target, viewer, ephemeris)
+        self.target = relative(target, SSB, ephemeris)
+        self.viewer = relative(viewer, SSB, ephemeris)
+        self.name, self.center = self.geometric.name, self.geometric.center
+        self.source = self.geometric.source
+        # The target may be asked for before its span only: that is told where it happens.
+        self.span = None
+        self._ends = common_span([self.target])
+        geometric = self._guess(*sample, self.geometric)
+        self.is_near = bool(np.max(_length(geometric), initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
+        # The largest number that enters a difference.
+        self._size = 0.0
+        if not self.is_near:
+            self._size = float(np.max(np.abs(self.viewer._position(*sample)), initial=0.0))
+        self.roughness = self.geometric.roughness + 8.0 * _EPS * self._size
+
+    def _position(self, instant, hi, lo):
+        return self._solved(instant, hi, lo)[0]
+
+    def _state(self, instant, hi, lo):
+        seen, light = self._solved(instant, hi, lo)
+        moved = self.target._state(instant, *_earlier(hi, lo, light))[1]
+        towards = seen / np.maximum(_length(seen), np.finfo(np.float64).tiny)
+        own = self.viewer._state(instant, hi, lo)[1]
+        # d/dt of target(t - T) - viewer(t), with T' from T = |seen| / c.
+        rate = (
+            _dot(towards, moved - own)
+            / SPEED_OF_LIGHT_M_S
+            / (1.0 + _dot(towards, moved) / SPEED_OF_LIGHT_M_S)
+        )
+        return seen, moved * (1.0 - rate) - own
+
+    def _solved(self, instant, hi, lo):
+        """The vectors (3, N), and light times (N,) as used to find them."""
+        look = self._near(instant, hi, lo) if self.is_near else self._far(instant, hi, lo)
+        seen, light = look(None), np.zeros(hi.size)
+        limit = self._rounding(seen)
+        found = _length(seen) / SPEED_OF_LIGHT_M_S
+        used, speed, slope = light, np.zeros(hi.size), np.zeros(hi.size)
+        for _ in range(_MOST_PASSES):
+            light = used + (found - used) / (1.0 - slope)
+            before, seen = seen, look(light)
+            change, found_before = light - used, found
+            found, used = _length(seen) / SPEED_OF_LIGHT_M_S, light
+            # Once an epoch has settled its differences are rounding: what they told is kept.
+            moves = np.abs(change) > _NOISE * limit / SPEED_OF_LIGHT_M_S
+            np.divide(_length(seen - before), np.abs(change), out=speed, where=moves)
+            np.divide(found - found_before, change, out=slope, where=moves)
+            # What is wrong with `seen`: the way of the target in what the light time is off.
+            if not np.max(speed * np.abs(found - light), initial=0.0) > limit:
+                return seen, light
+        raise AttitudeError(
+            f"the light of {self.name} does not arrive at {spelled(instant.after(float(hi[0])))} "
+            "or near it: it moves as fast as light; give paths in m and m/s."
+        )
+
+    def _far(self, instant, hi, lo):
+        own = self.viewer._position(instant, hi, lo)
+
+        def look(light):
+            if light is None:
+                return self._guess(instant, hi, lo, self.target) - own
+            return self.target._position(instant, *_earlier(hi, lo, light)) - own
+
+        return look
+
+    def _near(self, instant, hi, lo):
+        def look(light):
+            if light is None:
+                return self._guess(instant, hi, lo, self.geometric)
+            seen = self.geometric._position(instant, *_earlier(hi, lo, light))
+            middle = _earlier(hi, lo, 0.5 * light)
+            return seen - light * self.viewer._state(instant, *middle)[1]
+
+        return look
+
+    def _guess(self, instant, hi, lo, path):
+        """Positions at the epochs themselves; the last known one after the end of the target's
+        span, since it is asked for an epoch before."""
+        if self._ends is not None and hi.size:
+            last = since(self._ends[1], instant)
+            beyond = (hi - last[0]) + (lo - last[1]) > 0.0
+            if beyond.any():
+                hi, lo = np.where(beyond, last[0], hi), np.where(beyond, last[1], lo)
+        return path._position(instant, hi, lo)
+
+    def _rounding(self, seen):
+        return _ROUNDINGS * _EPS * (self._size + np.max(np.abs(seen), initial=0.0))
+
+
+def _earlier(hi, lo, light):
+    return pairs.add((hi, np.broadcast_to(lo, hi.shape)), -light)
+
+
+def _length(vectors):
+    return np.sqrt(vectors[0] ** 2 + vectors[1] ** 2 + vectors[2] ** 2)
+
+
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

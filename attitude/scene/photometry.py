@@ -1,0 +1,77 @@
+"""The part of a view that needs a shape: how bright the body is."""
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+from attitude.scene.lazy import quantity
+
+
+class Brightness:
+    """Mixed into `View`."""
+
+    @quantity("m2 / sr")
+    def brightness(self):
+        """Intensity towards the observer over the Sun's irradiance on the body, in sunlight."""
+        from attitude import light_curve
+
+        scene = self.scene
+        if scene.shape is None:
+            raise AttitudeError(
+                "brightness needs a shape; give the scene shape=, an Ellipsoid or Mesh of "
+                "attitude.shape."
+            )
+        sun, observer = (self._flat(v) for v in (self.sun_direction, self.observer_direction))
+        known = np.flatnonzero(np.isfinite(sun[0]))
+        is_whole = known.size == self.seconds.size
+        if not is_whole:
+            sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
+        found = light_curve.brightness(
+            scene.shape, scene.law, sun.T, observer.T, shadows=scene.shadows, threads=scene.threads
+        )
+        if not is_whole:
+            found, some = np.full(self.seconds.size, np.nan), found
+            found[known] = some
+        return self._numbers(found)
+
+    @quantity("mag")
+    def reduced_magnitude(self):
+        """Magnitude at 1 au from Sun and observer, V(1, 1, alpha), in full sunlight."""
+        from attitude import light_curve
+
+        bright, scene = np.asarray(self.brightness).reshape(-1), self.scene
+        known = ~np.isnan(bright)
+        out = np.full(bright.size, np.nan)
+        if not known.any():
+            return self._numbers(out)
+        if scene.phase_function is None:
+            band = scene.sun_magnitude
+            given = {} if band is None else {"sun_magnitude": band}
+            out[known] = light_curve.reduced_magnitude(bright[known], **given)
+        else:
+            angles = np.asarray(self.phase_angle).reshape(-1)[known]
+            out[known] = light_curve.phased_magnitude(
+                bright[known], scene.shape, scene.law, angles, scene.phase_function
+            )
+        return self._numbers(out)
+
+    @quantity("mag")
+    def magnitude(self):
+        """Apparent magnitude, in the shadow that other bodies cast; inf where nothing is seen."""
+        from attitude.light_curve import magnitudes
+
+        for found, name in ((self.sun_line, "sun"), (self.observer_line, "observer")):
+            if found.distance is None:
+                raise AttitudeError(
+                    f"the {name} is a direction, infinitely far away, where an apparent magnitude "
+                    "has no meaning; ask for reduced_magnitude, or give a path."
+                )
+        found = np.array(self.reduced_magnitude).reshape(-1)
+        known = ~np.isnan(found)
+        far = [
+            np.asarray(each).reshape(-1)[known]
+            for each in (self.sun_distance, self.observer_distance)
+        ]
+        found[known] += magnitudes.distance_modulus(*far)
+        if self.scene.shadow_of:
+            found += magnitudes.dimming(self.lit_fraction.reshape(-1))
+        return self._numbers(found)

@@ -1,0 +1,120 @@
+"""Last stage: from the internal axes of the solution to the axes that were given.
+
+q(t) = q(0) b q_int(0)* q_int(t) b*, where b carries internal to given body axes: one constant
+quaternion on each side, multiplied out to one matrix that the kernels apply.
+"""
+
+import math
+from itertools import product as combinations
+
+import numpy as np
+
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.instructions import larger
+from attitude.solution import codes
+from attitude.solution.series import four
+
+
+def _signed_permutations():
+    """Proper signed permutations as matrices and unit quaternions, [first, second, sign 1, sign 3].
+
+    Column k of the matrix is the principal axis that becomes internal axis k: `first`, `second`
+    and the third one; index 1 for a negative sign.  The sign of the second axis follows.
+    """
+    matrices, quaternions = np.zeros((3, 3, 2, 2, 3, 3)), np.zeros((3, 3, 2, 2, 4))
+    for first, second in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)):
+        third = 3 - first - second
+        for minus1, minus3 in combinations((0, 1), repeat=2):
+            matrix = np.zeros((3, 3))
+            matrix[first, 0], matrix[third, 2] = 1 - 2 * minus1, 1 - 2 * minus3
+            matrix[:, 1] = np.cross(matrix[:, 2], matrix[:, 0])
+            # 4 q q^T has entries that are sums of those of the matrix; any non-zero column is q.
+            (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = matrix
+            outer = np.array(
+                [
+                    [1 + xx + yy + zz, zy - yz, xz - zx, yx - xy],
+                    [zy - yz, 1 + xx - yy - zz, xy + yx, xz + zx],
+                    [xz - zx, xy + yx, 1 - xx + yy - zz, yz + zy],
+                    [yx - xy, xz + zx, yz + zy, 1 - xx - yy + zz],
+                ]
+            )
+            column = outer[:, np.argmax(np.diag(outer))]
+            matrices[first, second, minus1, minus3] = matrix
+            quaternions[first, second, minus1, minus3] = column / np.sqrt(column @ column)
+    return matrices, quaternions
+
+
+_MATRICES, _QUATERNIONS = _signed_permutations()
+_UNIT = np.eye(4)
+
+
+@entry_point
+def attach_all(wxyz, principal, constants):
+    """The frame of those of B motions that tumble, and the axes of their angular velocity.
+
+    Given
+        wxyz       (B, 4) body to inertial at the epoch, of any length
+        principal  (1 or B, 4) principal axes to given body axes
+    """
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.fault == codes.FINE and c.form != codes.UNIFORM:
+            given = four(principal[b if len(principal) > 1 else 0])
+            _attach(unit(four(wxyz[b])), _axes(given, c), unit(four(c.internal)), c.frame)
+
+
+@subroutine
+def unit(q):
+    """A quaternion of any length as a unit quaternion."""
+    size = larger(larger(abs(q[0]), abs(q[1])), larger(abs(q[2]), abs(q[3])))
+    w, x, y, z = q[0] / size, q[1] / size, q[2] / size, q[3] / size
+    size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    return w * size, x * size, y * size, z * size
+
+
+@subroutine
+def product(p, q):
+    """The quaternion product p q."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+    )
+
+
+@subroutine
+def turned_by(q, v):
+    """The vector q v q*; v itself, bit for bit, when q is 1."""
+    a, b, c = v
+    d = 2.0 * (q[2] * c - q[3] * b)
+    e = 2.0 * (q[3] * a - q[1] * c)
+    f = 2.0 * (q[1] * b - q[2] * a)
+    return (
+        a + q[0] * d + (q[2] * f - q[3] * e),
+        b + q[0] * e + (q[3] * d - q[1] * f),
+        c + q[0] * f + (q[1] * e - q[2] * d),
+    )
+
+
+@subroutine
+def _axes(principal, c):
+    """The quaternion from internal to given body axes; its matrix is kept for the rates."""
+    first, second, minus1, minus3 = four(c.jacobi)
+    internal, axes = _MATRICES[first, second, minus1, minus3], c.axes
+    for k in range(3):
+        column = turned_by(principal, (internal[0, k], internal[1, k], internal[2, k]))
+        for i in range(3):
+            axes[i, k] = column[i]
+    return product(principal, four(_QUATERNIONS[first, second, minus1, minus3]))
+
+
+@subroutine
+def _attach(start, body, internal, frame):
+    back = (internal[0], -internal[1], -internal[2], -internal[3])
+    left = product(product(start, body), back)
+    right = (body[0], -body[1], -body[2], -body[3])
+    for k in range(4):
+        column = product(product(left, four(_UNIT[k])), right)
+        for j in range(4):
+            frame[j, k] = column[j]

@@ -1,0 +1,252 @@
+"""What a motion is like, as numbers: periods, ranges and times of its regime.
+
+Symbols: A <= B <= C the moments, D = L^2/2E the dynamic inertia.  In Jacobi order (section 3 of van
+Zon & Schofield 2006) the third axis is the one about which the momentum circulates: that of A in
+long-axis mode, that of C in short-axis mode; the first is the other extreme.  With L = 1 and l_i
+the direction cosines of the momentum, w1 ~ cn, w2 ~ -sn and w3 ~ dn, so that every range below is
+met at sn = 0 and at cn = 0.
+"""
+
+import math
+
+import numpy as np
+
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.solution import codes
+from attitude.solution.constants import jacobi
+from attitude.solution.twofloat import HALF_PI, absolute, less, pair, sub
+
+# Rates are in turns per second, angles in rad, speeds in rad/s, times in s.
+REGIME = np.dtype(
+    [
+        ("mode", "i8"),
+        ("circulates", "i8"),  # 1 about the short axis, -1 about the long one, 0 about neither
+        ("energy_ratio", "f8"),  # 2 E C / L^2
+        ("dynamic_inertia", "f8"),  # D
+        ("m", "f8"),
+        ("mc", "f8"),  # 1 - m
+        ("psi_rate", "f8"),  # positive
+        ("phi_rate_long", "f8"),
+        ("phi_rate_short", "f8"),
+        ("nutation_long", "f8", 2),  # least, greatest
+        ("nutation_short", "f8", 2),
+        ("precession_long", "f8", 2),
+        ("precession_short", "f8", 2),
+        ("libration", "f8"),  # amplitude of psi in the labelling where it librates
+        ("speed", "f8"),  # |w| at the epoch
+        ("speed_at", "f8", 2),  # |w| at sn = 0 and at cn = 0
+        ("speed_along", "f8"),  # component along the momentum, 2 E / L
+        ("flip", "f8"),
+        ("dwell", "f8"),
+    ]
+)
+# Below this m, K(m) - pi/2 is its series to two terms, good to 1e-20; above, the difference of
+# pairs of doubles keeps 20 digits.
+_SMALL_M = 1e-10
+# Steps of the trapezoidal sum in ln tan(am): its error exp(-pi^2 / h) is below one double.
+_STEP = 0.25
+_TAIL = 42.0
+
+
+@entry_point
+def modes_all(constants, modes):
+    """Fill the codes (B,) of B states of which D2 is known (solution.classify)."""
+    for b in range(len(constants)):
+        c = constants[b]
+        if c.form != codes.UNIFORM:
+            jacobi(c)
+        modes[b] = c.mode
+
+
+@entry_point
+def regimes_all(moments, constants, out):
+    """Fill the regimes (B,) of B states.
+
+    Given
+        moments    (B, 3, 2) pairs, as the constants were made from
+        constants  (B,)
+    """
+    for b in range(len(out)):
+        c, o = constants[b], out[b]
+        largest = max(moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0])
+        _shared(math.frexp(largest)[1], c, o)
+        if c.mode == codes.AT_REST:
+            _at_rest(o)
+        elif c.form == codes.UNIFORM:
+            _uniform(c, o)
+        else:
+            _tumbling(c, o)
+
+
+@subroutine
+def _shared(inertia, c, o):
+    energy = square = largest = speed = 0.0
+    for k in range(3):
+        i, w = c.moments[k, 0], c.omega[k, 0]
+        energy += i * w * w
+        square += (i * w) ** 2
+        speed += w * w
+        largest = max(largest, i)
+    o.mode = c.mode
+    o.energy_ratio = largest * energy / square  # 0/0 = nan at rest
+    o.dynamic_inertia = math.ldexp(square / energy, inertia)
+    o.speed = math.ldexp(math.sqrt(speed), c.tempo)
+    o.speed_along = math.ldexp(energy / math.sqrt(square), c.tempo)
+
+
+@subroutine
+def _at_rest(o):
+    o.circulates = 0
+    o.m, o.mc = 0.0, 1.0
+    o.psi_rate = o.phi_rate_long = o.phi_rate_short = 0.0
+    o.speed_along = o.libration = o.dwell = 0.0
+    o.flip = math.inf
+    for k in range(2):
+        o.nutation_long[k] = o.nutation_short[k] = math.nan
+        o.precession_long[k] = o.precession_short[k] = o.speed_at[k] = 0.0
+
+
+@subroutine
+def _uniform(c, o):
+    """Constant angular velocity: what a vanishing wobble about it would have."""
+    p, r = 0, 2  # the long and the short axis; equal moments in the order given
+    for k in range(3):
+        if less(pair(c.moments[k]), pair(c.moments[p])):
+            p = k
+    for k in range(2, -1, -1):
+        if less(pair(c.moments[r]), pair(c.moments[k])):
+            r = k
+    long_axis = c.circulates >= 0 and c.circulates == p
+    o.circulates = 0 if c.circulates < 0 else (-1 if long_axis else 1)
+    o.m, o.mc = 0.0, 1.0
+    o.libration = o.dwell = 0.0
+    turns = o.speed / (2.0 * math.pi)
+    o.psi_rate = abs(c.psi_rate)
+    o.phi_rate_long = o.phi_rate_short = turns
+    o.flip = 0.5 / o.psi_rate if o.psi_rate > 0.0 else math.inf
+    for k in range(2):
+        o.precession_long[k] = o.precession_short[k] = o.speed_at[k] = o.speed
+    if p != r:
+        q = 3 - p - r
+        a, b, d = c.moments[p, 0], c.moments[q, 0], c.moments[r, 0]
+        if long_axis:
+            # 1 - s = (1 - s^2) / (1 + s) for s = sqrt((B-A)(C-A)/BC): a needle's phi is slow
+            s = o.psi_rate / turns
+            o.phi_rate_long = turns * (a / b) * ((b + d - a) / d) / (1.0 + s)
+            o.precession_long[0], o.precession_long[1] = o.speed * (a / d), o.speed * (a / b)
+        elif c.circulates >= 0:
+            o.phi_rate_short = turns + o.psi_rate
+            o.precession_short[0], o.precession_short[1] = o.speed * (d / b), o.speed * (d / a)
+        elif c.omega[q, 0] != 0.0 and c.omega[p, 0] == 0.0 and c.omega[r, 0] == 0.0:
+            low = sub(pair(c.moments[q]), pair(c.moments[p]))[0]
+            high = sub(pair(c.moments[r]), pair(c.moments[q]))[0]
+            growth = o.speed * math.sqrt((low / a) * (high / d)) if low > 0.0 else 0.0
+            if growth > 0.0:  # about the middle axis: the fixed point of the separatrix
+                o.m, o.mc, o.libration = 1.0, 0.0, 0.5 * math.pi
+                o.flip, o.dwell = math.pi / growth, math.inf
+    x, z = c.moments[p, 0] * c.omega[p, 0], c.moments[r, 0] * c.omega[r, 0]
+    y = 0.0
+    for k in range(3):
+        if k != p and k != r:
+            y = c.moments[k, 0] * c.omega[k, 0]
+    for k in range(2):
+        o.nutation_long[k] = math.atan2(math.hypot(y, z), abs(x))
+        o.nutation_short[k] = math.atan2(math.hypot(x, y), abs(z))
+
+
+@subroutine
+def _tumbling(c, o):
+    one, two = c.jacobi[0], c.jacobi[1]
+    three = 3 - one - two
+    first, second, third = pair(c.moments[one]), pair(c.moments[two]), pair(c.moments[three])
+    i1, i2, i3 = first[0], second[0], third[0]
+    w1, w2, w3 = c.omega[one, 0], c.omega[two, 0], c.omega[three, 0]
+    long_axis = less(third, first)
+    d12, d13 = absolute(sub(first, second))[0], absolute(sub(first, third))[0]
+    d23 = absolute(sub(second, third))[0]
+    d1 = i2 * d12 * w2 * w2 + i3 * d13 * w3 * w3
+    d3 = i1 * d13 * w1 * w1 + i2 * d23 * w2 * w2
+    d2 = c.d2[0]
+    separatrix = c.mode == codes.SEPARATRIX
+    o.circulates = 0 if separatrix else (-1 if long_axis else 1)
+    o.m, o.mc = c.m, c.mc[0]
+    o.psi_rate = abs(c.psi_rate)
+    # The sum of the rates of both phases is that of phi in the other labelling.
+    circulating = c.phi_rate
+    other = 2.0 * c.precession[0]
+    if separatrix:
+        circulating = other
+    # cos^2 and sin^2 of the nutation, each up to one factor, at sn = 0 and at cn = 0
+    least = math.atan2(math.sqrt(i1 * d3), math.sqrt(i3 * d1))
+    most = math.atan2(math.sqrt(i2 * d3), math.sqrt(i3 * d2))
+    most = max(least, most)
+    o.libration = most
+    momentum = math.hypot(math.hypot(i1 * w1, i2 * w2), i3 * w3)
+    momentum = math.ldexp(momentum, c.tempo)
+    rate1, rate2, rate3 = momentum / i1, momentum / i2, momentum / i3
+    # Of the other extreme axis both ends come near, but on the separatrix, where it stops halfway.
+    low = 0.5 * math.pi - least
+    high = 0.5 * math.pi if separatrix else 0.5 * math.pi + least
+    if long_axis:
+        o.phi_rate_long, o.phi_rate_short = circulating, other
+        _between(o.nutation_long, least, most)
+        _between(o.nutation_short, low, high)
+        _between(o.precession_long, rate1, rate2)
+        _between(o.precession_short, rate3, o.speed_along)
+    else:
+        o.phi_rate_long, o.phi_rate_short = other, circulating
+        _between(o.nutation_short, least, most)
+        _between(o.nutation_long, low, high)
+        _between(o.precession_short, rate1, rate2)
+        _between(o.precession_long, rate3, o.speed_along)
+    o.speed_at[0] = math.hypot(c.amplitudes[0], c.amplitudes[2])
+    o.speed_at[1] = math.hypot(c.amplitudes[1], math.sqrt(c.mc[0]) * c.amplitudes[2])
+    # On the separatrix the middle axis turns by gd(wp t), at wp when it is fastest.
+    speed = math.ldexp(math.sqrt((d1 / i1) * (d23 / i2) / i3), c.tempo)
+    o.flip = math.pi / speed
+    if separatrix:
+        o.dwell = math.inf
+    elif c.m < _SMALL_M:
+        o.dwell = 0.25 * math.pi * c.m * (1.0 + 0.5625 * c.m) / speed
+    else:
+        o.dwell = 2.0 * sub(pair(c.quarter), HALF_PI)[0] / speed
+
+
+@subroutine
+def _between(field, x, y):
+    field[0], field[1] = min(x, y), max(x, y)
+
+
+@entry_point
+def mean_speeds(regimes, out):
+    """Fill the time averages (N,) of the magnitude of the angular velocity, rad/s.
+
+    It goes as sqrt(s0^2 cn^2 + s1^2 sn^2).  In x = ln tan(am u) the average is an integral over
+    the whole line of a function that is analytic for |Im x| < pi/2, whatever the modulus: the
+    trapezoidal sum has all digits, also where the period is 1e100 flips long.
+    """
+    for b in range(len(out)):
+        o = regimes[b]
+        s0, s1, mc = o.speed_at[0], o.speed_at[1], o.mc
+        if mc <= 0.0 or s0 == s1:
+            out[b] = s1
+            continue
+        size = max(s0, s1)
+        p, q = (s0 / size) ** 2, (s1 / size) ** 2
+        count = int((2.0 * _TAIL - 0.5 * math.log(mc)) / _STEP)
+        total = weights = 0.0
+        for k in range(count + 1):
+            x = -_TAIL + k * _STEP
+            if x < 0.0:
+                t = math.exp(x)
+                square = t * t
+                weight = t / math.sqrt((1.0 + square) * (1.0 + mc * square))
+                value = (p + q * square) / (1.0 + square)
+            else:
+                t = math.exp(-x)
+                square = t * t
+                weight = t / (math.sqrt(1.0 + square) * math.sqrt(square + mc))
+                value = (p * square + q) / (1.0 + square)
+            total += weight * math.sqrt(value)
+            weights += weight
+        out[b] = size * total / weights

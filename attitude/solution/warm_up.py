@@ -1,0 +1,88 @@
+"""Compilation ahead of use, by two processes side by side.
+
+Numba compiles one function at a time in a process.  All that a propagation may want is divided
+here into two halves that take about as long; called for no bodies, each is only compiled, or read
+from the disk cache, where the other process finds it.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from attitude.compilation.deferral import uncollected
+from attitude.solution.record import CONSTANTS
+
+
+def compile_ahead():
+    """Compile what is not in the disk cache; on a single core nothing is done before it is used.
+
+    Where the cache cannot be written, what the other process compiles is lost, and compiled at its
+    first use.
+    """
+    if not sys.executable or _cores() < 2:
+        return
+    package = Path(__file__).parent.parent
+    paths = [str(package.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
+    other = subprocess.Popen(
+        [sys.executable, "-P", "-c", f"from {__name__} import compile_loops as c; c()"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        compile_stages()
+    except BaseException:  # Ctrl-C above all: nothing is left running
+        other.kill()
+        raise
+    finally:
+        other.wait()
+
+
+def compile_stages():
+    """Compile what leads from a state to rates and phases."""
+    with uncollected():
+        from attitude.solution import motion
+        from attitude.solution.classify import refine_all
+
+        constants, wxyz, principal = _no_bodies()
+        motion.prepare_all(_no_pairs(), wxyz, _no_pairs(), principal, constants)
+        refine_all(constants)
+        motion.solve_all(constants)
+        motion.uniform_all(wxyz, principal, constants)
+
+
+def compile_loops():
+    """Compile the series, what attaches them to the given axes, and the loops over epochs."""
+    with uncollected():
+        from attitude.solution import motion
+
+        constants, wxyz, principal = _no_bodies()
+        for stage in (
+            motion.trigonometric_all,
+            motion.hyperbolic_all,
+            motion.trigonometric_rates_all,
+            motion.hyperbolic_rates_all,
+        ):
+            stage(constants)
+        motion.attach_all(wxyz, principal, constants)
+        for loop in motion.OF_FORM.values():
+            loop(constants, np.zeros((1, 0)), None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)))
+
+
+def _no_pairs():
+    return np.zeros((0, 3, 2))
+
+
+def _no_bodies():
+    return np.zeros(0, CONSTANTS), np.zeros((0, 4)), np.zeros((1, 4))
+
+
+def _cores():
+    """Those that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,155 @@
+"""Splitting schemes: in which order, and how long, torques and free motion act in a step.
+
+A step of length h is  kick b0 h, free motion a1 h, kick b1 h, ..., free motion an h, kick bn h,
+the same forwards and backwards; each is time-reversible and, where the torque has a potential,
+symplectic.  Since the free motion is exact, momentum about any axis that the torque leaves alone
+is conserved to rounding, and what is left is the commutator of torque and motion.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.immutable import Frozen, frozen
+
+# How far from 1 published coefficients, of 15 digits, may add up to.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Scheme(Frozen):
+    """The coefficients of a splitting scheme, in units of the step.
+
+    Attributes
+    ----------
+    name : str
+    order : int
+    kicks : (n + 1,) array
+    flights : (n,) array
+    gradients : (n + 1,) array
+        Of the force gradient, in units of h^3.
+    source : str
+
+    Raises
+    ------
+    AttitudeError
+        For arrays of other lengths, and kicks or flights that do not add up to 1.
+    """
+
+    name: str
+    order: int
+    kicks: np.ndarray
+    flights: np.ndarray
+    gradients: np.ndarray
+    source: str
+
+    def __post_init__(self):
+        for name in ("kicks", "flights", "gradients"):
+            self._set(name, frozen(validation.real(getattr(self, name), f"{name} of a Scheme")))
+        shapes = [each.shape for each in (self.kicks, self.flights, self.gradients)]
+        count = self.flights.size
+        if count < 1 or shapes != [(count + 1,), (count,), (count + 1,)]:
+            raise AttitudeError(
+                f"a Scheme has kicks, flights and gradients of shapes {shapes}; give n + 1, n and "
+                "n + 1 numbers, n at least 1."
+            )
+        for name in ("kicks", "flights"):
+            total = math.fsum(getattr(self, name))
+            if abs(total - 1.0) > _ROUNDING:
+                raise AttitudeError(
+                    f"the {name} of a Scheme add up to {total!r}; they are shares of a step, and "
+                    "must add up to 1."
+                )
+        if not isinstance(self.order, int) or self.order < 1:
+            raise AttitudeError(f"order is {self.order!r}; give a whole number from 1.")
+
+    @property
+    def evaluations(self):
+        """Torque evaluations a step (the last kick's is the next step's first)."""
+        asked = (self.kicks != 0.0) | (self.gradients != 0.0)
+        shared = int(asked[0] and asked[-1])
+        return int(np.count_nonzero(asked)) - shared + 2 * int(np.count_nonzero(self.gradients))
+
+
+def scheme(name):
+    """A scheme by its name, or the scheme itself.
+
+    Raises
+    ------
+    AttitudeError
+        For any other name; the message lists them.
+    """
+    if isinstance(name, Scheme):
+        return name
+    if not isinstance(name, str) or name not in SCHEMES:
+        listed = ", ".join(repr(each) for each in SCHEMES)
+        raise AttitudeError(f"scheme is {name!r}; it must be one of {listed}, or a Scheme.")
+    return SCHEMES[name]
+
+
+def _both_ways(half, middle):
+    return [*half, *middle, *reversed(half)]
+
+
+def _suzuki():
+    p = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
+    parts = [p, p, 1.0 - 4.0 * p, p, p]
+    kicks = [0.5 * p, p, 0.5 * (1.0 - 3.0 * p), 0.5 * (1.0 - 3.0 * p), p, 0.5 * p]
+    return Scheme(
+        "suzuki", 4, kicks, parts, [0.0] * 6, "Suzuki 1990, Phys. Lett. A 146, 319: five steps"
+    )
+
+
+def _blanes_moan():
+    b = [0.0829844064174052, 0.396309801498368, -0.0390563049223486]
+    a = [0.245298957184271, 0.604872665711080]
+    a.append(0.5 - sum(a))
+    return Scheme(
+        "blanes-moan",
+        4,
+        _both_ways(b, [1.0 - 2.0 * sum(b)]),
+        _both_ways(a, []),
+        [0.0] * 7,
+        "Blanes & Moan 2002, J. Comput. Appl. Math. 142, 313: SRKN 6, order 4",
+    )
+
+
+_XI = 0.1931833275037836
+
+SCHEMES = {
+    each.name: each
+    for each in (
+        Scheme(
+            "kick-rotate-kick",
+            2,
+            [0.5, 0.5],
+            [1.0],
+            [0.0, 0.0],
+            "van Zon & Schofield 2007, Phys. Rev. E 75, 056701 (cond-mat/0612404)",
+        ),
+        Scheme(
+            "rotate-kick-rotate", 2, [0.0, 1.0, 0.0], [0.5, 0.5], [0.0] * 3, "its adjoint order"
+        ),
+        Scheme(
+            "hoa",
+            2,
+            [_XI, 1.0 - 2.0 * _XI, _XI],
+            [0.5, 0.5],
+            [0.0] * 3,
+            "van Zon, Omelyan & Schofield 2008, J. Chem. Phys. 128, 136102; McLachlan 1995",
+        ),
+        _suzuki(),
+        _blanes_moan(),
+        Scheme(
+            "force-gradient",
+            4,
+            [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+            [0.5, 0.5],
+            [0.0, 1.0 / 72.0, 0.0],
+            "Suzuki 1995; Chin 1997, Phys. Lett. A 226, 344; van Zon, Omelyan & Schofield 2008",
+        ),
+    )
+}

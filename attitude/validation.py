@@ -1,0 +1,193 @@
+"""Where numbers from outside are checked, once: shapes, units, finiteness.
+
+Behind these functions there are only float64 arrays in SI units and radians.  A gate never
+changes a value: what it returns is exactly what was given, converted to the unit asked for.
+"""
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+
+
+def real(value, name, *, shape=None, unit=None, finite=True):
+    """The value as a new float64 array.
+
+    Parameters
+    ----------
+    value : array_like, astropy Quantity, or text such as ``"14.5 deg/day"``
+        Plain numbers are already in `unit`; a Quantity or a text is converted to it.
+    name : str
+        How the value is called in the error message.
+    shape : tuple, optional
+        What is allowed; a leading ``...`` stands for any leading axes.
+    unit : str, optional
+        Unit of the result, as astropy spells it; without it the value is a pure number.
+    finite : bool
+        Whether NaN and infinity are refused.
+
+    Raises
+    ------
+    AttitudeError
+        For another shape, unit or type, or a number that is not finite.
+    """
+    array = _floats(value, name, unit)
+    if shape is not None and not _fits(array.shape, shape):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
+    if finite and not np.all(np.isfinite(array)):
+        bad = array[~np.isfinite(array)].flat[0]
+        raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
+    return array
+
+
+def rows(value, name, width, *, unit=None):
+    """The value as a float64 array (..., width), not copied where it is one already.
+
+    Numbers may be of any kind, NaN too: the compiled solution checks what it is given.
+    """
+    array = value
+    if type(value) is not np.ndarray or value.dtype != np.float64:
+        array = _floats(value, name, unit)
+    if array.shape[-1:] != (width,):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled((..., width))}.")
+    return array
+
+
+def seconds(value, name):
+    """The value as a float64 array of seconds, not copied where it is one already; NaN allowed."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    if type(value) is float:
+        return np.array(value)
+    return _floats(value, name, "s")
+
+
+def number(value, name, *, unit=None):
+    """One finite number as a float; see `real`."""
+    return float(real(value, name, shape=(), unit=unit))
+
+
+def positive(value, name, *, unit=None):
+    """One finite number greater than zero as a float; see `real`."""
+    given = number(value, name, unit=unit)
+    if not given > 0.0:
+        raise AttitudeError(f"{name} is {given!r}; it must be greater than zero.")
+    return given
+
+
+def one_of(value, name, allowed):
+    """The value itself, if it is among the allowed ones."""
+    if value not in allowed:
+        listed = ", ".join(repr(choice) for choice in allowed)
+        raise AttitudeError(f"{name} is {value!r}; it must be one of {listed}.")
+    return value
+
+
+def unit_vector(value, name):
+    """The vector (3,) of length one along a value, or an AttitudeError for what has no direction.
+
+    >>> unit_vector((0, 3e-300, -4e-300), "axis")
+    array([ 0. ,  0.6, -0.8])
+    """
+    vector = real(value, name, shape=(3,))
+    size = np.max(np.abs(vector))
+    if size == 0.0:
+        raise AttitudeError(
+            f"{name} is zero, which has no direction; give a vector of any other length."
+        )
+    vector = vector / size  # so that its square neither over- nor underflows
+    return vector / np.sqrt(vector @ vector)
+
+
+def _floats(value, name, unit):
+    if type(value) is tuple and all(type(item) in (int, float) for item in value):
+        return np.array(value, dtype=np.float64)
+    if _mask_of(value) is not None and np.any(_mask_of(value)):
+        raise AttitudeError(
+            f"{name} has masked entries; give a number for each, or leave them out."
+        )
+    if isinstance(value, str) or _holds(value, str) or _holds_quantities(value):
+        value = _quantity(value, name)
+    elif getattr(value, "unit", None) is not None and not hasattr(value, "to_value"):
+        value = value.quantity if hasattr(value, "quantity") else value  # a column of a table
+    if hasattr(value, "unit") and hasattr(value, "to_value"):
+        value = _in_unit(value, name, unit)
+    try:
+        array = np.asarray(value)
+    except ValueError as err:
+        raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
+    except TypeError as err:
+        raise AttitudeError(f"{name} is {shown(value)}; give real numbers.") from err
+    if array.dtype.kind not in "fiu":
+        raise AttitudeError(
+            f"{name} is {shown(value)}; give real numbers"
+            + (f" in {unit}, or a Quantity." if unit else ".")
+        )
+    return np.array(array, dtype=np.float64)
+
+
+def _mask_of(value):
+    if isinstance(value, np.ma.MaskedArray):
+        return np.ma.getmaskarray(value)
+    return np.asarray(value.mask) if hasattr(value, "unmasked") else None
+
+
+def _holds(value, kind):
+    return isinstance(value, (list, tuple)) and any(isinstance(item, kind) for item in value)
+
+
+def _holds_quantities(value):
+    return isinstance(value, (list, tuple)) and any(
+        hasattr(item, "to_value") or _holds_quantities(item) for item in value
+    )
+
+
+def _quantity(value, name):
+    from astropy import units
+
+    try:
+        if isinstance(value, (list, tuple)):
+            # Each entry may have a unit of its own.
+            return units.Quantity([_quantity(item, name) for item in value])
+        return units.Quantity(value)
+    except (TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"{name} is {shown(value)}, which is not a number with a unit that astropy knows; "
+            'write it like "14.5 deg/day".'
+        ) from err
+
+
+def _in_unit(quantity, name, unit):
+    from astropy import units
+
+    if unit is None:
+        if quantity.unit.is_equivalent(units.dimensionless_unscaled):
+            return quantity.to_value(units.dimensionless_unscaled)
+        raise AttitudeError(f"{name} is in {quantity.unit}; it must be a pure number.")
+    if quantity.unit == units.dimensionless_unscaled:
+        return quantity.value
+    wanted = units.Unit(unit)
+    try:
+        return quantity.to_value(wanted)
+    except ValueError as err:  # of another kind; or from a file, of a name that astropy kept
+        raise AttitudeError(
+            f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
+        ) from err
+
+
+def _fits(given, allowed):
+    if allowed and allowed[0] is Ellipsis:
+        tail = allowed[1:]
+        return len(given) >= len(tail) and (not tail or given[-len(tail) :] == tuple(tail))
+    return given == tuple(allowed)
+
+
+def _spelled(shape):
+    if shape == ():
+        return "a single number"
+    return "(" + ", ".join("..." if n is Ellipsis else str(n) for n in shape) + ")"
+
+
+def shown(value):
+    """A value as it appears in an error message: one line, shortened."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
