@@ -30,7 +30,7 @@ HOUSE = (
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("deferral", "disk_cache", "instructions", "simd", "simd_lowering", "pointers"),
+        *("deferral", "disk_cache", "ieee", "instructions", "simd", "simd_lowering", "pointers"),
         *("lowering", "decorators", "callbacks"),
     ),
     "solution": (

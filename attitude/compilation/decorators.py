@@ -14,8 +14,11 @@ debuggers and coverage.
 
 import os
 import threading
+from types import FunctionType
 
 import numpy as np
+
+from attitude.compilation import ieee
 
 # Nothing is called through C.
 _EXACT = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -59,13 +62,15 @@ class Compilable:
         self.py_func = python
         self.targetoptions = options
         self._kept = kept
-        self._dispatcher = None
+        self._dispatcher = self._python = None
         self.__name__, self.__doc__ = python.__name__, python.__doc__
         self.__module__, self.__qualname__ = python.__module__, python.__qualname__
         self.__wrapped__ = python
 
     def __call__(self, *arguments):
-        return self.py_func(*arguments)
+        if self._python is None:
+            self._python = _with_ieee_math(self.py_func)
+        return self._python(*arguments)
 
     def __repr__(self):
         return f"<{type(self).__name__} {self.__module__}.{self.__name__}>"
@@ -106,7 +111,15 @@ class EntryPoint(Compilable):
     def _in_python(self, *arguments):
         # Compiled code divides by zero and overflows without a word.
         with np.errstate(all="ignore"):
-            return self.py_func(*map(_with_fields, arguments))
+            return super().__call__(*map(_with_fields, arguments))
+
+
+def _with_ieee_math(function):
+    """The function with `ieee` in the place of `math`."""
+    names = {**function.__globals__, "math": ieee}
+    return FunctionType(
+        function.__code__, names, function.__name__, function.__defaults__, function.__closure__
+    )
 
 
 def _with_fields(argument):

@@ -22,7 +22,7 @@ class _Scratch(int):
 
 def call(address, t, wxyz, omega, given, parameters, out):
     """Call a function of `solution.march`; all but t are addresses."""
-    _CALL(address)(t, wxyz, omega, given, parameters, out)
+    _CALL(int(address))(t, *map(int, (wxyz, omega, given, parameters, out)))
 
 
 def scratch():
@@ -38,17 +38,17 @@ def scratch():
 
 def number(address, k):
     """The double in place k from an address."""
-    return ctypes.c_double.from_address(address + 8 * k).value
+    return ctypes.c_double.from_address(int(address + 8 * k)).value
 
 
 def whole(address, k):
     """The whole number of 64 bits in place k from an address."""
-    return ctypes.c_int64.from_address(address + 8 * k).value
+    return ctypes.c_int64.from_address(int(address + 8 * k)).value
 
 
 def put(address, k, x):
     """Store a double in place k from an address."""
-    ctypes.c_double.from_address(address + 8 * k).value = x
+    ctypes.c_double.from_address(int(address + 8 * k)).value = x
 
 
 def put_three(address, k, x, y, z):
