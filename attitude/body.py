@@ -7,7 +7,7 @@ import numpy as np
 
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.solution.principal import PrincipalAxes
 
 # Asymmetry of a tensor, relative to its largest entry, that is taken for rounding.
@@ -21,7 +21,7 @@ _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body(Frozen):
+class Body(Immutable):
     """A rigid body's inertia.
 
     Give moments or tensor, not both.

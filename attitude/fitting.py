@@ -16,7 +16,8 @@ from attitude.attitude_table.table import AttitudeTable
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import Frozen, frozen
+from attitude.history import AttitudeHistory
+from attitude.immutable import Immutable, frozen
 from attitude.spin import Spin
 
 # Central differences of the model, whose own error is 1e-15: good to 1e-10 of the derivatives.
@@ -27,7 +28,7 @@ _LIMIT = 18.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(Frozen):
+class Fit(Immutable):
     """A free rotation and how well it meets the records.
 
     Attributes
@@ -114,7 +115,7 @@ class _Records:
 
     def __init__(self, table, sigma, rate_sigma):
         history = table.history if isinstance(table, AttitudeTable) else table
-        if not hasattr(history, "wxyz") or len(getattr(history, "shape", ())) != 1:
+        if not isinstance(history, AttitudeHistory) or len(history.shape) != 1:
             raise AttitudeError("fit takes an AttitudeTable, or an AttitudeHistory of a row, (N,).")
         self.epoch = history.epoch
         low = np.zeros(len(history)) if history.low is None else np.asarray(history.low)

@@ -6,14 +6,14 @@ import numpy as np
 
 from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 
 # Epochs from which on one vector is turned by the compiled loop, in 3 to 9 ns an epoch instead of
 # 10 to 16: below, loading it (4 ms, once) takes longer.
 _MANY = 1 << 17
 
 
-class AttitudeHistory(Frozen):
+class AttitudeHistory(Immutable):
     """The rotation of one body at each of some epochs.
 
     Made by ``motion.at(t)``; S is the shape of t.  All arrays are read-only.
@@ -42,9 +42,6 @@ class AttitudeHistory(Frozen):
         self._set("seconds", frozen(seconds))
         self._set("low", None if low is None else frozen(low))
         self._set("wxyz", frozen(wxyz))
-
-    def __setattr__(self, name, value):
-        raise AttributeError("an AttitudeHistory does not change; make a new one with .at(t).")
 
     @property
     def shape(self):
@@ -86,9 +83,11 @@ class AttitudeHistory(Frozen):
     @cached_property
     def angular_acceleration(self):
         """(S, 3) rad/s2 over the body axes: the rate of change of angular_velocity."""
-        if hasattr(self.motion, "angular_acceleration_at"):  # torques, or more than one body
-            return frozen(self.motion.angular_acceleration_at(self.seconds, self.low))
-        return frozen(self.motion.angular_acceleration_from(self.angular_velocity))
+        return frozen(
+            self.motion.angular_acceleration_at(
+                self.seconds, self.low, angular_velocity=self.angular_velocity
+            )
+        )
 
     @cached_property
     def angular_velocity_inertial(self):

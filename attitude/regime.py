@@ -12,7 +12,7 @@ import numpy as np
 
 from attitude import propagation, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
@@ -122,7 +122,7 @@ def _range_of(name):
     return property(lambda self: self._rows[name])
 
 
-class Regime(Frozen):
+class Regime(Immutable):
     """Periods, ranges and times of the motions of states of shape S; made by `regimes`.
 
     All attributes have shape S (a float for one state); those marked (S, 2) hold the least and the
@@ -178,9 +178,6 @@ class Regime(Frozen):
 
     def __init__(self, rows):
         self._set("_rows", frozen(rows))
-
-    def __setattr__(self, name, value):
-        raise AttributeError("a Regime does not change; make a new one.")
 
     def _number(self, name):
         value = self._rows[name]

@@ -15,7 +15,8 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
+from attitude.motion import Motion
 
 # Singular values below this part of the greatest are those of lines that the span cannot tell
 # apart, or that noise alone would fill.
@@ -64,7 +65,7 @@ def lines(motion, order=2, *, convention=None):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SeriesFit(Frozen):
+class SeriesFit(Immutable):
     """A series in two frequencies, fitted by least squares.
 
     Attributes
@@ -352,7 +353,7 @@ def _orders(order):
 
 
 def _frequencies(motion, convention):
-    if hasattr(motion, "regime"):
+    if isinstance(motion, Motion):
         found = motion.regime
         P_phi = motion.period_phi if convention is None else found.P_phi(convention)
         return 1.0 / motion.period_psi, 1.0 / P_phi

@@ -6,11 +6,11 @@ import numpy as np
 
 from attitude import epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Spin(Frozen):
+class Spin(Immutable):
     """Attitude and angular velocity of a body at an epoch.
 
     Parameters

@@ -452,7 +452,10 @@ def test_dates_and_several_conditions():
         (lambda m: events.in_cone(m, (0, 0, 0), (1, 0, 0), 0.1), "axis is zero"),
         (lambda m: events.in_cone(m, (1, 0, 0), (1, 0, 0), 0.0), "half_angle"),
         (lambda m: events.in_cone(m, (1, 0, 0), "sun", 0.1), "does not know where"),
-        (lambda m: events.in_cone(7, (1, 0, 0), (1, 0, 0), 0.1), "int is given as the motion"),
+        (
+            lambda m: events.in_cone(7, (1, 0, 0), (1, 0, 0), 0.1),
+            "motion is int; give a",
+        ),
         (lambda m: events.illuminated(m, (1, 0, 0)), "sun is None"),
         (lambda m: events.glint(m, (1, 0, 0), (1, 0, 0), (0, 1, 0), sun_radius=2.0), "sun_radius"),
         (lambda m: events.past_meridian(m, (1, 0, 0), m.momentum), "along the pole"),

@@ -454,7 +454,7 @@ def test_what_is_no_history(tmp_path):
         (MOTION.at([]), None, "no epochs"),
         (MOTION.at([0.0, np.nan]), None, "NaN"),
         (MOTION.at([1.0, 0.0]), None, "not later"),
-        (5, [1.0], "no .at"),
+        (5, [1.0], "source is int; give a FreeRotation"),
     ]:
         with pytest.raises(AttitudeError, match=re.escape(sentence)):
             aem.write(path, source, t=t)

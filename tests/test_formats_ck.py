@@ -88,7 +88,7 @@ def test_the_attitude_is_read_back_through_spice(tmp_path):
         with pytest.raises(AttitudeError, match="no attitude of TUMBLER"):
             kernel.at("2027-01-01")
         with pytest.raises(AttitudeError, match="no moments of inertia"):
-            kernel.angular_acceleration_from(np.zeros(3))
+            kernel.angular_acceleration_at(t)
     with pytest.raises(AttitudeError, match="no attitude"):
         kernel.at(times)  # closed
 

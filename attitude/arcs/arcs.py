@@ -12,17 +12,19 @@ array([[0. , 0. , 0.5],
        [0. , 0. , 0. ]])
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 
 from attitude import epochs, frames, pairs, propagation, validation
-from attitude.arcs.triggers import first
+from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.history import AttitudeHistory
-from attitude.immutable import Frozen, frozen
+from attitude.free_rotation import rate_bounds
+from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.immutable import Immutable, frozen
+from attitude.motion import Motion
 from attitude.solution.record import CONSTANTS
 from attitude.spin import Spin
 
@@ -30,7 +32,7 @@ _NO_LOW = frozen(np.zeros(1))
 
 
 @dataclass(frozen=True, eq=False)
-class Impulse(Frozen):
+class Impulse(Immutable):
     """Angular momentum added in an instant.
 
     Parameters
@@ -59,7 +61,7 @@ class Impulse(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class InertiaChange(Frozen):
+class InertiaChange(Immutable):
     """The body becomes another in an instant: a boom is deployed, a servicer docks.
 
     Body axes, attitude and angular momentum stay; the angular velocity follows from them.
@@ -87,7 +89,7 @@ class InertiaChange(Frozen):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Arcs(Frozen):
+class Arcs(Motion):
     """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
 
     Parameters
@@ -121,9 +123,11 @@ class Arcs(Frozen):
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """
 
-    body: Body
-    spin: Spin
-    changes: tuple
+    body: Body = field()
+    spin: Spin = field()
+    changes: tuple = field()
+
+    smooth = True
 
     def __post_init__(self):
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
@@ -152,38 +156,49 @@ class Arcs(Frozen):
         """How many arcs there are."""
         return len(self.joints) + 1
 
-    def at(self, t, low=None):
-        """The attitudes at some epochs; see `FreeRotation.at`."""
-        seconds, low = epochs.seconds_since(self.spin.epoch, t, low)
-        wxyz = self._evaluate(seconds, low)[0]
-        kept = None if low is None else np.array(low)
-        return AttitudeHistory(self, self.spin.epoch, np.array(seconds), kept, wxyz)
+    @property
+    def epoch(self):
+        """Instant from which its seconds count: that of the spin."""
+        return self.spin.epoch
 
     def wxyz_at(self, seconds, low=None):
         """Attitudes (..., 4), body to ICRF, at TDB seconds since the epoch (and low ones).
 
         The floor under `at`, for inner loops: numbers in, numbers out.
         """
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low)[0]
+        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 0)[0]
 
-    def angular_velocity_at(self, seconds, low=None):
-        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, rates=True)[1]
-
-    def angular_acceleration_at(self, seconds, low=None):
+    def angular_acceleration_at(self, seconds, low=None, *, angular_velocity=None):
         """Euler's equations with the body of each epoch: (..., 3) rad/s2 in body axes."""
-        from attitude.free_rotation.free_rotation import FreeRotation
-
-        rates = np.array(self.angular_velocity_at(seconds, low))
-        rest = np.float64(0.0) if low is None else np.asarray(low)
-        out = np.empty(rates.shape)
-        for number, (body, (high, more)) in enumerate(zip(self._bodies, self._starts, strict=True)):
-            if number and body is self._bodies[number - 1]:
-                continue
-            on = (seconds > high) | ((seconds == high) & (rest >= more)) | (number == 0)
-            out[on] = FreeRotation(body, self.spin).angular_acceleration_from(rates[on])
+        if angular_velocity is None:
+            angular_velocity = self.angular_velocity_at(seconds, low)
+        out = np.empty(angular_velocity.shape)
+        for body, on in self._bodies_on(seconds, low):
+            motion = FreeRotation(body, self.spin)
+            out[on] = motion.angular_acceleration_from(angular_velocity[on])
         out[np.isnan(seconds)] = np.nan
         return out
+
+    def constant_body(self, what):
+        """The Body of all arcs, or an AttitudeError for one that changes."""
+        if any(isinstance(change, InertiaChange) for change in self.changes):
+            raise AttitudeError(
+                f"{what} follows from a body's inertia, which changes along these arcs; "
+                "give a motion with one body."
+            )
+        return self.body
+
+    def momentum_in_body(self, history):
+        """Angular momentum (S, 3), kg m2/s over the body axes, with the body of each epoch."""
+        out = np.full(history.angular_velocity.shape, np.nan)
+        for body, on in self._bodies_on(history.seconds, history.low):
+            out[on] = history.angular_velocity[on] @ body.tensor
+        return out
+
+    def rate_bounds(self, seconds):
+        """`RateBounds` on the arc of TDB seconds since the epoch."""
+        omega = self.angular_velocity_at(np.float64(seconds))
+        return rate_bounds.of_free_rotation(self.body_at(float(seconds)), omega)
 
     def body_at(self, t):
         """The Body at one epoch."""
@@ -191,6 +206,26 @@ class Arcs(Frozen):
         if np.ndim(seconds):
             raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
         return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
+
+    def _bodies_on(self, seconds, low):
+        """Each Body, and at which epochs (S,) the motion has it; NaN falls on the first."""
+        rest = np.float64(0.0) if low is None else np.asarray(low)
+        starts = [
+            (body, *start)
+            for k, (body, start) in enumerate(zip(self._bodies, self._starts, strict=True))
+            if not k or body is not self._bodies[k - 1]
+        ]
+        since = [
+            np.ones(np.shape(seconds), dtype=bool)
+            if not k
+            else (seconds > high) | ((seconds == high) & (rest >= more))
+            for k, (_, high, more) in enumerate(starts)
+        ]
+        until = [~each for each in since[1:]] + [np.ones(np.shape(seconds), dtype=bool)]
+        return [
+            (body, here & before)
+            for (body, *_), here, before in zip(starts, since, until, strict=True)
+        ]
 
     # How the arcs are joined ---------------------------------------------------------------------
 
@@ -231,7 +266,7 @@ class Arcs(Frozen):
 
     def _epoch(self, at, name):
         """(high, low) seconds since the epoch of the spin, or None for an event."""
-        if hasattr(at, "values") and hasattr(at, "arm"):
+        if isinstance(at, Trigger):
             return None
         seconds, low = epochs.seconds_since(self.spin.epoch, at, name=name)
         if np.ndim(seconds):
@@ -294,7 +329,7 @@ class Arcs(Frozen):
 
     # Evaluation ----------------------------------------------------------------------------------
 
-    def _evaluate(self, seconds, low, *, rates=False):
+    def _evaluate(self, seconds, low, order):
         shape = seconds.shape
         # Views of what was given, read-only: one type of array, one compilation.
         t = frozen(np.ascontiguousarray(seconds).reshape(-1))
@@ -306,14 +341,16 @@ class Arcs(Frozen):
                 pair = pairs.two_sum(t, np.ascontiguousarray(low).reshape(-1))
             t, t_low = frozen(pair[0]), frozen(pair[1])
         wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if rates else None
+        omega = np.empty((1, 3, t.size)) if order else None
         beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
         if beyond >= 0:
             self._refuse(float(t[beyond]))
-        return (
-            wxyz[0].T.reshape(*shape, 4),
-            omega[0].T.reshape(*shape, 3) if rates else None,
-        )
+        found = [wxyz[0].T.reshape(*shape, 4)]
+        if order:
+            found.append(omega[0].T.reshape(*shape, 3))
+        if order > 1:
+            found.append(self.angular_acceleration_at(seconds, low, angular_velocity=found[1]))
+        return found
 
     def _refuse(self, t):
         """Raise what a free rotation says of an epoch beyond its reach."""

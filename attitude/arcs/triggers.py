@@ -12,18 +12,44 @@ import numpy as np
 
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.events.rate_bounds import Bounded, free
+from attitude.events.rate_bounds import Bounded
 from attitude.events.root_finding import refined
 from attitude.events.search import TOUCH, isolated, shifted
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.validation import unit_vector
 
 # Knots of a first look, in radians of the fastest rotation; as many are looked at together.
 _SPACING, _BLOCK = Bounded.spacing, 256
 
 
+class Trigger(Immutable):
+    """The base of events at which a change may happen, found on the exact motion.
+
+    A new kind defines
+
+    ``values(history)``
+        A smooth function of the attitude that changes its sign at the event, and its rate per
+        second, at the epochs of an AttitudeHistory.
+    ``arm``
+        The length that turns with the body: the attitude changes the function by at most `arm`
+        times the turn.
+    ``drift``
+        The greatest rate of whatever else changes the function, per second.
+    ``within``
+        Seconds after the change before it (or the epoch of the spin) in which the event must
+        happen; None for a thousand turns at the fastest rate that the motion can have.
+    """
+
+    arm: float
+    drift: float
+    within: float | None = None
+
+    def values(self, history):
+        raise NotImplementedError(f"{type(self).__name__} defines no values")
+
+
 @dataclass(frozen=True, eq=False)
-class AxisCrossesDirection(Frozen):
+class AxisCrossesDirection(Trigger):
     """A body axis reaches a given angle to a direction that is fixed in ICRF.
 
     Parameters
@@ -60,7 +86,7 @@ class AxisCrossesDirection(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class PointMeetsPlane(Frozen):
+class PointMeetsPlane(Trigger):
     """A point of the body reaches a plane that is fixed in ICRF axes.
 
     The centre of mass moves uniformly: it is at `start` at the epoch of the spin.
@@ -117,7 +143,7 @@ def first(event, motion, start, end, name):
 
     Parameters
     ----------
-    event : object with ``values(history)``, ``arm``, ``drift`` and ``within``
+    event : Trigger
     motion : Arcs
         Free from `start` on.
     start : float
@@ -132,9 +158,9 @@ def first(event, motion, start, end, name):
     AttitudeError
         If it does not happen in that time.
     """
-    pace = free(motion.body_at(start), motion.angular_velocity_at(start)).pace
+    bounds = motion.rate_bounds(start)
     away = abs(event.values(motion.at(start))[0]) + event.arm
-    rate = pace.first + (event.drift / away if event.drift else 0.0)
+    rate = bounds.first + (event.drift / away if event.drift else 0.0)
     if not rate > 0.0:
         raise AttitudeError(f"{name} waits for an event of a body that does not move.")
     within = event.within if event.within is not None else 1000.0 * 2.0 * np.pi / rate
@@ -151,7 +177,7 @@ def first(event, motion, start, end, name):
 
         values = evaluate(knots)
         noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
-        bound = event.arm * pace.second
+        bound = event.arm * bounds.second
         brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
         if brackets.size:
             return float(left + np.min(refined(evaluate, *brackets)))

@@ -9,14 +9,15 @@ from attitude import representations as forms
 from attitude.attitude_table import interpolation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import frozen
+from attitude.motion import Motion
 
 # How far outside of its records a table answers: the rounding of epochs given as dates, in s.
 _SLACK = 1e-9
 _FASTEST = 1e30
 
 
-class AttitudeTable(Frozen):
+class AttitudeTable(Motion):
     """Attitudes at some epochs, and by interpolation between them.
 
     Parameters
@@ -157,9 +158,6 @@ class AttitudeTable(Frozen):
             self._set(name, frozen(value) if isinstance(value, np.ndarray) else value)
         return self
 
-    def __setattr__(self, name, value):
-        raise AttributeError("an AttitudeTable does not change; make a new one.")
-
     def __len__(self):
         return len(self.seconds)
 
@@ -185,48 +183,14 @@ class AttitudeTable(Frozen):
     @cached_property
     def history(self):
         """The records as an AttitudeHistory, just as they were given."""
-        history = TableHistory(self, self.epoch, self.seconds, self.low, self.wxyz)
+        history = AttitudeHistory(self, self.epoch, self.seconds, self.low, self.wxyz)
         if self.angular_velocity is not None:
             history.__dict__["angular_velocity"] = self.angular_velocity
         return history
 
-    def at(self, t, low=None):
-        """The attitudes at some epochs, as of `FreeRotation.at`.
-
-        Returns
-        -------
-        AttitudeHistory
-            Continuous in sign within a segment.  At the epochs of records it holds just those.
-
-        Raises
-        ------
-        AttitudeError
-            For epochs outside of the span, in a gap between segments, or between records that
-            are more than half a turn apart by their own angular velocities.
-        """
-        seconds, low = epochs.seconds_since(self.epoch, t, low)
-        wxyz = self._evaluate(seconds, low, 0)[0]
-        low = None if low is None else np.array(low)
-        return TableHistory(self, self.epoch, np.array(seconds), low, wxyz)
-
-    def angular_velocity_at(self, seconds, low=None):
-        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch.
-
-        That of the interpolated attitude; with given rates and Lagrange or slerp, those rates
-        interpolated in the same way.
-        """
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 1)[1]
-
-    def angular_acceleration_at(self, seconds, low=None):
-        """Its derivative (..., 3), rad/s2 in body axes; 0 on great circles without given rates."""
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 2)[2]
-
-    def angular_acceleration_from(self, angular_velocity):
-        """Not known: a table has no inertia.  Ask the history, which knows its epochs."""
-        raise AttitudeError(
-            "a table of attitudes has no moments of inertia, from which angular velocities would "
-            "give accelerations; ask table.at(t).angular_acceleration, or fit a FreeRotation."
-        )
+    def has_rates_at(self, seconds, low=None):
+        """Whether angular velocities were given."""
+        return self.angular_velocity is not None
 
     def _evaluate(self, seconds, low, order):
         hi = np.ravel(seconds)
@@ -340,21 +304,6 @@ class AttitudeTable(Frozen):
         other._set("low", frozen(lo))
         other._set("_limits", tuple((float(a), float(b)) for a, b in limits))
         return other
-
-
-class TableHistory(AttitudeHistory):
-    """An AttitudeHistory of a table, whose angular acceleration comes from the interpolation."""
-
-    @cached_property
-    def angular_acceleration(self):
-        """(S, 3) rad/s2 over the body axes."""
-        return frozen(self.motion.angular_acceleration_at(self.seconds, self.low))
-
-    def __getitem__(self, index):
-        part = super().__getitem__(index)
-        history = TableHistory(part.motion, part.epoch, part.seconds, part.low, part.wxyz)
-        history.__dict__.update(part.__dict__)
-        return history
 
 
 def refuse_speed(rates):

@@ -76,8 +76,7 @@ def run(arguments):
     reading = {"body": arguments.body, "kernels": arguments.kernels, "orbit": path}
     found = detect.opened(arguments.input, tolerance=tolerance, **reading)
     with ExitStack() as stack:
-        if hasattr(found.motion, "close"):
-            stack.enter_context(found.motion)  # SPICE's kernels are unloaded at the end
+        stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
         _convert(arguments, wanted, found, path)
 
 
@@ -97,11 +96,15 @@ def _convert(arguments, wanted, found, path):
 
 
 def _is_motion(source):
-    return hasattr(source, "spin")
+    from attitude.free_rotation.free_rotation import FreeRotation
+
+    return isinstance(source, FreeRotation)
 
 
 def _is_table(source):
-    return hasattr(source, "segments")
+    from attitude.attitude_table.table import AttitudeTable
+
+    return isinstance(source, AttitudeTable)
 
 
 def _fitted(arguments, source):

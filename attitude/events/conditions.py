@@ -1,7 +1,7 @@
 """What can be true of an attitude at an epoch: conditions that `find_discrete` searches.
 
 A condition is one or several signs of smooth functions, the channels.  Each channel knows bounds
-of its first two derivatives from the pace of the motion and the drift of the directions.
+of its first two derivatives from the rates of the motion and the drift of the directions.
 """
 
 import numpy as np
@@ -145,7 +145,7 @@ def past_meridian(motion, axis, direction, pole=None):
     """
     source = source_of(motion)
     if pole is None:
-        if not hasattr(source.motion, "momentum"):
+        if source.motion.momentum is None:
             raise AttitudeError("this motion has no constant momentum; give a pole.")
         pole = source.motion.momentum
     pole = unit_vector(pole, "pole")
@@ -214,8 +214,8 @@ class Height:
     def value(self, moment):
         return dot(moment.body(self.directions[0]), self.axis)
 
-    def bounds(self, pace, drifts):
-        return turning(pace, drifts[0])[:2]
+    def bounds(self, rates, drifts):
+        return turning(rates, drifts[0])[:2]
 
 
 class Cone(Height):
@@ -261,10 +261,10 @@ class Mirrored:
         sine = SUN_RADIUS_M / moment.view.sun_distance
         return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
 
-    def bounds(self, pace, drifts):
+    def bounds(self, rates, drifts):
         # r.s = 2 (n.o)(n.s) - o.s, the last of which moves among the stars alone.
-        s1, s2, _ = turning(pace, drifts[0])
-        o1, o2, _ = turning(pace, drifts[1])
+        s1, s2, _ = turning(rates, drifts[0])
+        o1, o2, _ = turning(rates, drifts[1])
         s, o = drifts
         return (
             2.0 * (s1 + o1) + s.first + o.first,
@@ -272,9 +272,9 @@ class Mirrored:
         )
 
 
-def turning(pace, drift):
+def turning(rates, drift):
     """Bounds of the first three derivatives of u.a, u with a drift and a on the turning body."""
-    a1, a2, a3 = pace
+    a1, a2, a3 = rates
     d1, d2, d3 = drift
     return (
         a1 + d1,
@@ -306,7 +306,7 @@ def _of_one(source, channel):
 def axis_or_long(axis, source):
     if axis is not None:
         return unit_vector(axis, "axis")
-    body = getattr(source.motion, "body", None)
+    body = source.motion.body
     if body is None:
         raise AttitudeError("this motion has no body, whose long axis could be told; give an axis.")
     return np.array(body.principal_axes[:, int(np.argmin(body.moments))])

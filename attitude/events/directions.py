@@ -11,7 +11,9 @@ import numpy as np
 
 from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
+from attitude.motion import motion_of
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
+from attitude.scene.scene import Scene
 from attitude.validation import unit_vector
 
 # Sampled less than a radian of its turning and the body's apart, a direction's differences are
@@ -166,21 +168,21 @@ class Aberrated:
         return Drift() if self._fixed else estimated(moment.inertial(self), moment.step)
 
 
-class Motion:
-    """What a search asks a motion for."""
+class OfMotion:
+    """What a search takes from a motion."""
 
     scene = None
 
     def __init__(self, motion):
         self.motion = motion
-        self.epoch = motion.spin.epoch if hasattr(motion, "spin") else motion.epoch
+        self.epoch = motion.epoch
 
     def at(self, hi, lo, step=None):
         return Moment(self, hi, lo, step)
 
 
 class OfReception:
-    """What a search asks a scene for; its epochs are those at which light is received."""
+    """What a search takes from a scene; its epochs are those at which light is received."""
 
     def __init__(self, scene):
         if scene.motion is None:
@@ -200,14 +202,9 @@ class OfReception:
 
 def source_of(given):
     """The source of a search: a motion, or a scene."""
-    if hasattr(given, "motion") and hasattr(given, "at"):
+    if isinstance(given, Scene):
         return OfReception(given)
-    if hasattr(given, "at") and (hasattr(given, "spin") or hasattr(given, "epoch")):
-        return Motion(given)
-    raise AttitudeError(
-        f"{type(given).__name__} is given as the motion; give a FreeRotation, anything else with "
-        ".at(t) that returns an AttitudeHistory, or a Scene."
-    )
+    return OfMotion(motion_of(given))
 
 
 def values_at(source, value, t, low=None):

@@ -7,6 +7,7 @@ from attitude.errors import AttitudeError
 from attitude.events.conditions import Condition
 from attitude.events.events import Events
 from attitude.events.search import crossings, difference, one_source
+from attitude.scene.scene import Scene
 
 # Samples of a plain function in a block.
 _BLOCK = 8192
@@ -108,22 +109,23 @@ def shadow_state(lit):
     >>> times.round(3), states            # penumbra, umbra, penumbra, light
     (array([1047.198, 2094.395, 4188.79 , 5235.988]), array([1, 2, 1, 0]))
     """
-    if hasattr(lit, "motion") and hasattr(lit, "at"):
-        scene = lit
-        state = _shadow_of(lambda t: scene.at(t).lit_fraction)
-        state.epoch = scene.epoch
-        return state
+    if isinstance(lit, Scene):
+        return ShadowState(lit, lit.epoch)
     if not callable(lit):
         raise AttitudeError(f"lit is {lit!r}; give a Scene or a function of seconds.")
-    return _shadow_of(lit)
+    return ShadowState(lit)
 
 
-def _shadow_of(lit):
-    def state(t):
-        fraction = np.asarray(lit(t), dtype=np.float64)
+class ShadowState:
+    """0 in full light, 1 in penumbra, 2 in umbra, at seconds (N,) since its epoch."""
+
+    def __init__(self, lit, epoch=None):
+        self.lit, self.epoch = lit, epoch
+
+    def __call__(self, t):
+        lit = self.lit.at(t).lit_fraction if isinstance(self.lit, Scene) else self.lit(t)
+        fraction = np.asarray(lit, dtype=np.float64)
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
-
-    return state
 
 
 def _changes(condition, moment, channel, rising):
@@ -168,7 +170,7 @@ def _of_function(start, stop, f, step, epoch, tolerance):
     tolerance = (
         1e-9 * step if tolerance is None else validation.positive(tolerance, "tolerance", unit="s")
     )
-    own = getattr(f, "epoch", None)
+    own = f.epoch if isinstance(f, ShadowState) else None
     if own is not None and epoch is not None:
         raise AttitudeError("the function has the epoch of its scene; leave epoch= out.")
     begin, end, epoch = plain_span(start, stop, own if epoch is None else epoch)

@@ -6,10 +6,10 @@ import numpy as np
 
 from attitude import epochs
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 
 
-class Events(Frozen):
+class Events(Immutable):
     """Events in order of time; ``times, values = events`` takes them apart.
 
     Attributes
@@ -33,9 +33,6 @@ class Events(Frozen):
         self._set("low", frozen(low))
         self._set("values", frozen(values))
         self._set("which", frozen(np.zeros(len(seconds), int) if which is None else which))
-
-    def __setattr__(self, name, value):
-        raise AttributeError("Events do not change; search again.")
 
     @classmethod
     def joined(cls, epoch, parts, kind=bool):

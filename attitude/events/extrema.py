@@ -166,7 +166,7 @@ class Receding:
     """The rate of change of u.a, of a direction u and a body axis a: rises at greatest angles."""
 
     def __init__(self, axis, direction):
-        self._axis, self.directions = axis, (direction,)
+        self._axis, self.directions, self._rate = axis, (direction,), None
         # Differences lose what the spacing divides by; in units of the greatest rate.
         self.noise = 0.0 if isinstance(direction, Fixed) else 1e-12
 
@@ -199,11 +199,11 @@ class Receding:
 
     def _stencil_rate(self, moment):
         # The same spacing for all blocks, so that an epoch has one value.
-        if not hasattr(self, "_rate"):
+        if self._rate is None:
             start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
             limit = pieces(moment.source, start, start)[0][2]
             self._rate = limit.guess(moment.source, start) or 1.0
         return self._rate
 
-    def bounds(self, pace, drifts):
-        return turning(pace, drifts[0])[1:]
+    def bounds(self, rates, drifts):
+        return turning(rates, drifts[0])[1:]

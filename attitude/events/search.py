@@ -20,8 +20,9 @@ import numpy as np
 from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.events.conditions import Condition, same_source
-from attitude.events.rate_bounds import Pace, pieces
+from attitude.events.rate_bounds import pieces
 from attitude.events.root_finding import refined
+from attitude.motion import RateBounds
 
 # Crossings nearer to each other than this, in rad of the fastest rotation, may be taken for none.
 TOUCH = 1e-6
@@ -92,11 +93,11 @@ def blocks(source, channels, start, stop):
             knots = np.arange(count + 1) * (length / count)
             knots[-1] = length
             moment = source.at(*shifted(base, knots), step=length / count)
-            pace = limit.of(moment)
+            rates = limit.of(moment)
             if source.scene is not None:
-                pace = Pace(*(bound * _DOPPLER for bound in pace))
+                rates = RateBounds(*(bound * _DOPPLER for bound in rates))
             drifts = {d: d.drift(moment) for d in directions}
-            fastest = pace.first + max((d.first for d in drifts.values()), default=0.0)
+            fastest = rates.first + max((d.first for d in drifts.values()), default=0.0)
             if fastest > 2.0 * rate and fastest * length / count > limit.spacing:
                 rate = fastest  # faster than was thought: look again, with nearer knots
                 continue
@@ -106,7 +107,7 @@ def blocks(source, channels, start, stop):
                     moment,
                     knots,
                     [
-                        (*channel.bounds(pace, [drifts[d] for d in channel.directions]), fastest)
+                        (*channel.bounds(rates, [drifts[d] for d in channel.directions]), fastest)
                         for channel in channels
                     ],
                 )

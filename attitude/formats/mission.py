@@ -293,7 +293,7 @@ def _looks(content, motion, folder):
     from attitude.formats import photometry
 
     given = content["shape"]
-    body = getattr(motion, "body", None)
+    body = None if motion is None else motion.body
     found = photometry.shape_of(given, body, lambda value, name: _file(value, folder, name))
     law = photometry.law_of(content.get("scattering", {}), found["shape"])
     scale = photometry.scale_of(content.get("magnitude", {}))

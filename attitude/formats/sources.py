@@ -6,6 +6,7 @@ from attitude import epochs
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
+from attitude.motion import motion_of
 
 PIECE = 16384
 
@@ -37,7 +38,7 @@ class Records:
     def __init__(self, motion, epoch, seconds, low, history=None):
         self.motion, self.epoch, self.seconds, self.low = motion, epoch, seconds, low
         self._history = history
-        self.meta = dict(getattr(motion, "meta", {}))
+        self.meta = dict(motion.meta)
         self.table = motion if isinstance(motion, AttitudeTable) else None
         if len(seconds) == 0:
             raise AttitudeError("there are no epochs to write; give one or more.")
@@ -50,12 +51,7 @@ class Records:
                 f"epoch {k + 1} is not later than the one before it; files of attitudes hold "
                 "increasing epochs, each once."
             )
-        if self.table is not None:
-            self.has_rates = self.table.angular_velocity is not None
-        elif hasattr(motion, "has_rates_at"):  # a C-kernel, which may hold attitudes alone
-            self.has_rates = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
-        else:
-            self.has_rates = True
+        self.has_rates = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
 
     def __len__(self):
         return len(self.seconds)
@@ -106,20 +102,12 @@ def _of_history(history):
         raise AttitudeError(
             f"the epochs have shape {history.shape}; a file wants a row of them, (N,)."
         )
-    return Records(history.motion, history.epoch, history.seconds, history.low, history)
+    return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
 
 
 def _of_motion(motion, t):
-    if not hasattr(motion, "at"):
-        raise AttitudeError(f"{type(motion).__name__} has no .at(t); give a motion with t=.")
-    start = motion.epoch if isinstance(motion, AttitudeTable) else _epoch_of(motion)
-    seconds, low = epochs.seconds_since(start, t)
+    motion = motion_of(motion, "source")
+    seconds, low = epochs.seconds_since(motion.epoch, t)
     if seconds.ndim != 1:
         raise AttitudeError(f"t has shape {seconds.shape}; a file wants a row of epochs, (N,).")
-    return Records(motion, start, seconds, low)
-
-
-def _epoch_of(motion):
-    if hasattr(motion, "spin"):
-        return motion.spin.epoch
-    return motion.at(np.zeros(0)).epoch
+    return Records(motion, motion.epoch, seconds, low)

@@ -45,14 +45,14 @@ from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.formats import spin_sections
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import Frozen
+from attitude.immutable import Immutable
 from attitude.spin import Spin
 from attitude.textfiles import toml
 from attitude.textfiles.atomic_write import written_whole
 
 
 @dataclass(frozen=True, eq=False)
-class SpinFile(Frozen):
+class SpinFile(Immutable):
     """What a spin file holds.
 
     Attributes
@@ -146,7 +146,7 @@ def write(path, motion, *, name=None, source=None, note=None):
 
 def text(motion, *, name=None, source=None, note=None):
     """The text of a spin file; see `write`."""
-    if not isinstance(getattr(motion, "body", None), Body):
+    if not isinstance(motion, (FreeRotation, SpinFile)):
         raise AttitudeError(
             f"motion is {motion!r}; a spin file holds a FreeRotation, or what read() returned."
         )
@@ -154,7 +154,8 @@ def text(motion, *, name=None, source=None, note=None):
     labels = {"name": name, "source": source, "note": note}
     lines = []
     for key, label in labels.items():
-        label = getattr(motion, key, None) if label is None else label
+        if label is None and isinstance(motion, SpinFile):
+            label = getattr(motion, key)
         if label is not None:
             lines.append(f"{key} = {_quoted(label, key)}")
     lines += ["", "[body]", *_body_lines(body), "", "[spin]"]

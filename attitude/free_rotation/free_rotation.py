@@ -1,17 +1,17 @@
 """The free rotation of a body from its state at an epoch, exact at any other."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from attitude import epochs, frames, propagation, published, quaternion
+from attitude import frames, propagation, published, quaternion
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.free_rotation import polhode, predictability
-from attitude.history import AttitudeHistory
-from attitude.immutable import Frozen, frozen
+from attitude.free_rotation import polhode, predictability, rate_bounds
+from attitude.immutable import frozen
+from attitude.motion import Motion
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
@@ -21,7 +21,7 @@ _ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeRotation(Frozen):
+class FreeRotation(Motion):
     """Torque-free motion of a rigid body, in closed form.
 
     Parameters
@@ -58,8 +58,8 @@ class FreeRotation(Frozen):
     (4,)
     """
 
-    body: Body
-    spin: Spin
+    body: Body = field()
+    spin: Spin = field()
 
     def __post_init__(self):
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
@@ -81,30 +81,20 @@ class FreeRotation(Frozen):
         # The constants are made anew: what is in them may change between versions.
         return FreeRotation, (self.body, self.spin)
 
-    def at(self, t, low=None):
-        """The attitudes at some epochs.
+    @property
+    def epoch(self):
+        """Instant from which its seconds count: that of the spin."""
+        return self.spin.epoch
 
-        Parameters
-        ----------
-        t : array_like
-            TDB seconds since the epoch of the spin (plain numbers or time Quantities), or epochs:
-            astropy Time, skyfield Time, datetime, datetime64, ISO text in UTC, or lists of them.
-            A scalar gives a scalar history; NaN gives NaN.
-        low : array_like, optional
-            With plain numbers: a second double, t + low being the seconds.
+    def rate_bounds(self, seconds):
+        """`RateBounds` of a body axis, the same at all epochs."""
+        return rate_bounds.of_free_rotation(self.body, self.spin.angular_velocity)
 
-        Returns
-        -------
-        AttitudeHistory
-        """
-        seconds, low = epochs.seconds_since(self.spin.epoch, t, low)
-        return AttitudeHistory(
-            self, self.spin.epoch, *_kept(seconds, low), self._evaluate(seconds, low)[0]
-        )
-
-    def angular_velocity_at(self, seconds, low=None):
-        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        return self._evaluate(seconds, low, rates=True)[1]
+    def angular_acceleration_at(self, seconds, low=None, *, angular_velocity=None):
+        """Euler's equations: (..., 3) rad/s2 in body axes, at TDB seconds since the epoch."""
+        if angular_velocity is None:
+            angular_velocity = self.angular_velocity_at(seconds, low)
+        return self.angular_acceleration_from(angular_velocity)
 
     def angular_acceleration_from(self, angular_velocity):
         """Euler's equations: (..., 3) rad/s2 in body axes, from angular velocities there."""
@@ -214,6 +204,8 @@ class FreeRotation(Frozen):
             tolerance=tolerance,
         )
 
+    smooth = True
+
     @cached_property
     def momentum(self):
         in_body = self.body.tensor @ self.spin.angular_velocity
@@ -289,22 +281,19 @@ class FreeRotation(Frozen):
 
         return description(self)
 
-    def _evaluate(self, seconds, low, *, rates=False):
+    def _evaluate(self, seconds, low, order):
         shape = seconds.shape
         t = np.ascontiguousarray(seconds).reshape(1, -1)
         t_low = None if low is None else np.ascontiguousarray(low).reshape(1, -1)
         wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if rates else None
+        omega = np.empty((1, 3, t.size)) if order else None
         propagation.evaluate(self._constants, t, t_low, wxyz, omega)
-        return (
-            wxyz[0].T.reshape(*shape, 4),
-            omega[0].T.reshape(*shape, 3) if rates else None,
-        )
-
-
-def _kept(seconds, low):
-    """The arrays for the history: it freezes what it keeps, so what was given is copied."""
-    return np.array(seconds), None if low is None else np.array(low)
+        found = [wxyz[0].T.reshape(*shape, 4)]
+        if order:
+            found.append(omega[0].T.reshape(*shape, 3))
+        if order > 1:
+            found.append(self.angular_acceleration_from(found[1]))
+        return found
 
 
 def _period(rate):

@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude import pairs, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen
+from attitude.immutable import Immutable
 from attitude.paths.earth_rotation import table_span, to_celestial
 from attitude.paths.path import Path
 from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M
@@ -20,7 +20,7 @@ from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Site(Frozen, Path):
+class Site(Immutable, Path):
     """A place that rests on the turning Earth.  Made by `site` and `observatory`.
 
     Attributes

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from attitude.epochs.inputs import Instant
-from attitude.immutable import Frozen, frozen, read_only
+from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import since
 
 
 @dataclass(frozen=True, eq=False)
-class EqualPieces(Frozen):
+class EqualPieces(Immutable):
     """Pieces of one width.
 
     Attributes
@@ -53,7 +53,7 @@ class EqualPieces(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class CellPieces(Frozen):
+class CellPieces(Immutable):
     """Pieces that each fill one or more equal cells: short where the motion is quick.
 
     Attributes are those of `EqualPieces`, and
@@ -93,7 +93,7 @@ class CellPieces(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class KnotPieces(Frozen):
+class KnotPieces(Immutable):
     """Pieces between knots, as the rows of a table give them.
 
     Attributes are those of `EqualPieces`, and

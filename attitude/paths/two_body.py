@@ -8,7 +8,7 @@ import numpy as np
 from attitude import epochs, frames, validation
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen, read_only
+from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import Path, since
 from attitude.paths.uniform import known_center
 
@@ -29,7 +29,7 @@ GM = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Kepler(Frozen, Path):
+class Kepler(Immutable, Path):
     """Two-body motion.  Made by `kepler` and `mpc_orbit`.
 
     Attributes

@@ -6,7 +6,7 @@ import numpy as np
 
 from attitude import epochs, frames, validation
 from attitude.epochs.inputs import Instant
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.paths.bodies import SSB, body_name
 from attitude.paths.path import Path, since
 from attitude.validation import unit_vector
@@ -15,7 +15,7 @@ _J2000 = Instant(0.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Uniform(Frozen, Path):
+class Uniform(Immutable, Path):
     """r(t) = position + velocity (t - epoch): uniform motion.  Made by `uniform` and `fixed`."""
 
     start: np.ndarray
@@ -82,7 +82,7 @@ def fixed(position, *, center=SSB, frame="icrf", name="fixed point"):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Direction(Frozen):
+class Direction(Immutable):
     """Something infinitely far away: a Sun or an observer that is always seen the same way.
 
     It has no position; `is_direction` tells it from a path, so that nothing is asked of an

@@ -21,7 +21,7 @@ import numpy as np
 
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.published import conventions, dynamic_inertia
 from attitude.regime import Mode, known_convention, regimes
 
@@ -33,7 +33,7 @@ _LOST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Published(Frozen):
+class Published(Immutable):
     """A spin state in the form of a paper's table; made by ``motion.published(convention=)``.
 
     Attributes

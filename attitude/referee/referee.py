@@ -21,7 +21,7 @@ from attitude import quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import Frozen
+from attitude.immutable import Immutable
 from attitude.spin import Spin
 from attitude.splitting.ascending import ascending
 
@@ -44,7 +44,7 @@ _MOST_STEPS = 2.0**53
 
 
 @dataclass(frozen=True, eq=False)
-class Run(Frozen):
+class Run(Immutable):
     """One integrator at one step or tolerance.
 
     Attributes
@@ -75,7 +75,7 @@ class Run(Frozen):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Frozen):
+class Comparison(Immutable):
     """The runs of `compare`; print it for a table."""
 
     runs: tuple

@@ -6,7 +6,7 @@ import numpy as np
 
 from attitude import paths
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen, read_only
+from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import Path, spelled
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
@@ -21,7 +21,7 @@ _SAMPLE = 65
 
 
 @dataclass(frozen=True, eq=False)
-class Line(Frozen):
+class Line(Immutable):
     """What a line of sight was at each epoch.
 
     Attributes

@@ -71,14 +71,11 @@ class Pointing:
         motion = self.scene.motion
         if motion is None:
             self.attitude  # noqa: B018  raises the sentence
-        fixed = getattr(motion, "momentum", None)
-        if fixed is not None:
-            momentum = np.asarray(fixed, dtype=np.float64)[:, None]
+        if motion.momentum is not None:
+            momentum = np.asarray(motion.momentum, dtype=np.float64)[:, None]
         else:
-            rates = self._flat(self.attitude.angular_velocity)
-            in_body = np.moveaxis((self._body("the angular momentum").tensor @ rates), 0, -1)
-            shaped = in_body.reshape(*self.shape, 3)
-            momentum = self._flat(self.attitude.body_to_inertial(shaped))
+            in_body = motion.momentum_in_body(self.attitude)
+            momentum = self._flat(self.attitude.body_to_inertial(in_body))
         size = np.sqrt(np.sum(momentum * momentum, axis=0))
         if np.any(size == 0.0):
             raise AttitudeError(
@@ -86,17 +83,6 @@ class Pointing:
                 "its axes instead."
             )
         return momentum / size
-
-    def _body(self, what):
-        """The one body of the motion, whose inertia is needed for something."""
-        motion = self.scene.motion
-        body = getattr(motion, "body", None)
-        if body is None or any(hasattr(each, "body") for each in getattr(motion, "changes", ())):
-            raise AttitudeError(
-                f"{what} follows from a body's inertia, but the motion ({type(motion).__name__}) "
-                "has none, or one that changes; give a motion with one body."
-            )
-        return body
 
     @quantity("rad")
     def aspect_angle(self):
@@ -128,7 +114,7 @@ class Pointing:
         return self._axis_angles(self.sun_direction)
 
     def _axis_angles(self, direction):
-        body = self._body("a principal axis")
+        body = self.scene.motion.constant_body("a principal axis")
         order = np.argsort(body.moments, kind="stable")
         flat = self._flat(direction)
         rows = [
@@ -139,7 +125,7 @@ class Pointing:
 
     def _long_axis(self):
         """The unit vector (3,) in body axes of the least moment of inertia."""
-        body = self._body("the long axis")
+        body = self.scene.motion.constant_body("the long axis")
         least = body.moments == body.moments.min()
         if np.sum(least) > 1:
             raise AttitudeError(

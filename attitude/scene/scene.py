@@ -6,14 +6,15 @@ import numpy as np
 
 from attitude import epochs, pairs, paths, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen
+from attitude.immutable import Immutable
+from attitude.motion import motion_of
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path
 from attitude.scene import shadow
 from attitude.scene.view import View
 
 
-class Scene(Frozen):
+class Scene(Immutable):
     """A rotating body, where it is, who looks at it, and what lights it.
 
     Parameters
@@ -90,13 +91,7 @@ class Scene(Frozen):
         sun_magnitude=None,
         phase_function=None,
     ):
-        if motion is not None and not hasattr(motion, "at"):
-            raise AttitudeError(
-                f"motion is {type(motion).__name__}; give something with .at(t), such as a "
-                "FreeRotation, or None for a scene without rotation."
-            )
-        self._set("motion", motion)
-        self.epoch  # noqa: B018  refuses a motion without one
+        self._set("motion", None if motion is None else motion_of(motion))
         self._set("ephemeris", None if ephemeris is None else paths.ephemeris(ephemeris))
         self._set("center", None if center is None else _place(center, "center"))
         self._set("observer", _place(observer, "observer", is_direction_allowed=True))
@@ -123,9 +118,6 @@ class Scene(Frozen):
                 "phase_function tells how bright the body is by itself; leave out sun_magnitude."
             )
         self._set("phase_function", phase_function)
-
-    def __setattr__(self, name, value):
-        raise AttributeError("a Scene does not change; make a new one.")
 
     def at(self, times, low=None):
         """The scene as its light is received at some epochs.
@@ -168,15 +160,7 @@ class Scene(Frozen):
     @property
     def epoch(self):
         """The Instant from which plain numbers count: that of the motion, or None without one."""
-        if self.motion is None:
-            return None
-        for owner in (self.motion, getattr(self.motion, "spin", None)):
-            if isinstance(getattr(owner, "epoch", None), epochs.Instant):
-                return owner.epoch
-        raise AttitudeError(
-            f"the motion ({type(self.motion).__name__}) has neither .epoch nor .spin, so that it "
-            "is not known what its seconds count from; give it one of them."
-        )
+        return None if self.motion is None else self.motion.epoch
 
     def _require_center(self):
         for place, name in ((self.observer, "observer"), (self.sun, "sun")):

@@ -4,7 +4,7 @@ import numpy as np
 
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen, read_only
+from attitude.immutable import Immutable, frozen, read_only
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles, lines_of_sight, shadow
 from attitude.scene.lazy import Quantity, kept, quantity
@@ -17,7 +17,7 @@ _XYZ = ("x", "y", "z")
 _NO_LOW = frozen(np.zeros(1))
 
 
-class View(Pointing, Sky, Brightness, Frozen):
+class View(Pointing, Sky, Brightness, Immutable):
     """What is seen at some epochs of reception.  Made by ``scene.at(times)``.
 
     S is the shape of the times.  Vectors are (S, 3), views of component-major memory; all arrays
@@ -39,9 +39,6 @@ class View(Pointing, Sky, Brightness, Frozen):
         self._set("seconds", frozen(seconds))
         self._set("low", None if low is None else frozen(low))
         self._set("_evaluated", [])
-
-    def __setattr__(self, name, value):
-        raise AttributeError("a View does not change; make a new one with scene.at(times).")
 
     @property
     def evaluated(self):

@@ -13,14 +13,14 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 
 # How far from 1 published coefficients, of 15 digits, may add up to.
 _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Scheme(Frozen):
+class Scheme(Immutable):
     """The coefficients of a splitting scheme, in units of the step.
 
     Attributes

@@ -12,15 +12,14 @@ array([0. , 0. , 0.1])
 """
 
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from attitude import epochs, validation
+from attitude import validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.history import AttitudeHistory
-from attitude.immutable import Frozen, frozen
+from attitude.motion import Motion
 from attitude.spin import Spin
 from attitude.splitting.schemes import scheme
 from attitude.splitting.steps import FixedSteps, System, VaryingSteps
@@ -28,7 +27,7 @@ from attitude.torques.torque import Torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TorquedRotation(Frozen):
+class TorquedRotation(Motion):
     """Rotation of a rigid body under torques, by a splitting scheme around exact free motion.
 
     Parameters
@@ -71,12 +70,14 @@ class TorquedRotation(Frozen):
     Omelyan & Schofield, J. Chem. Phys. 128, 136102 (2008).
     """
 
-    body: Body
-    spin: Spin
-    torques: tuple
+    body: Body = field()
+    spin: Spin = field()
+    torques: tuple = field()
     step: float = None
     scheme: object = "kick-rotate-kick"
     tolerance: float = None
+
+    smooth = True
 
     def __post_init__(self):
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
@@ -111,27 +112,10 @@ class TorquedRotation(Frozen):
         names = ", ".join(type(torque).__name__ for torque in self.torques)
         return f"<TorquedRotation: {names}; {self.scheme.name}, {how}>"
 
-    def at(self, t, low=None):
-        """The attitudes at some epochs; see `FreeRotation.at`."""
-        seconds, low = epochs.seconds_since(self.spin.epoch, t, low)
-        found = self._evaluate(seconds, low)
-        kept = None if low is None else np.array(low)
-        history = AttitudeHistory(
-            self, self.spin.epoch, np.array(seconds), kept, np.ascontiguousarray(found[..., :4])
-        )
-        # Made together; asking for it again would integrate again.
-        history.__dict__["angular_velocity"] = frozen(np.ascontiguousarray(found[..., 4:]))
-        return history
-
-    def angular_velocity_at(self, seconds, low=None):
-        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        return np.ascontiguousarray(self._evaluate(seconds, low)[..., 4:])
-
-    def angular_acceleration_at(self, seconds, low=None):
-        """Euler's equations with the torque: (..., 3) rad/s2 in body axes."""
-        seconds = np.asarray(seconds, dtype=np.float64)
-        found = self._evaluate(seconds, low)
-        return self._system.acceleration(seconds, low, found)
+    @property
+    def epoch(self):
+        """Instant from which its seconds count: that of the spin."""
+        return self.spin.epoch
 
     @property
     def steps_taken(self):
@@ -139,9 +123,16 @@ class TorquedRotation(Frozen):
         ahead, behind = (grid.reached for grid in self._grids)
         return behind, ahead
 
-    def _evaluate(self, seconds, low):
+    def _evaluate(self, seconds, low, order):
+        # Attitudes and angular velocities are integrated together.
+        states = self._states(seconds, low)
+        found = [np.ascontiguousarray(part) for part in (states[..., :4], states[..., 4:])]
+        if order > 1:
+            found.append(self._system.acceleration(seconds, low, states))
+        return found
+
+    def _states(self, seconds, low):
         """(..., 7): wxyz body to ICRF, angular velocity over body axes."""
-        seconds = np.asarray(seconds, dtype=np.float64)
         flat = seconds.reshape(-1)
         rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
         out = np.full((flat.size, 7), np.nan)

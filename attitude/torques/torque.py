@@ -3,14 +3,14 @@
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.immutable import Frozen
+from attitude.immutable import Immutable
 from attitude.paths.path import since
 
 # Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.
 BY_ATTITUDE, BY_RATE, SLIP = 0, 1, 2
 
 
-class Torque(Frozen):
+class Torque(Immutable):
     """The base of all torques.
 
     Attributes

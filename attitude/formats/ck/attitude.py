@@ -9,13 +9,12 @@ from attitude import epochs, quaternion
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 from attitude.formats.ck.spice_pool import Loaded, spiceypy
-from attitude.history import AttitudeHistory
-from attitude.immutable import Frozen
+from attitude.motion import Motion
 
 _REFERENCE = "J2000"
 
 
-class KernelAttitude(Frozen):
+class KernelAttitude(Motion):
     """The attitude of a frame that SPICE knows, from any C-kernel (or other kernel with frames).
 
     Parameters
@@ -57,55 +56,30 @@ class KernelAttitude(Frozen):
         """Unload these kernels, and nothing else; a second time does nothing."""
         self._loaded.close()
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
-
-    def at(self, t, low=None):
-        """The attitudes at some epochs, as of `FreeRotation.at`.
-
-        Raises
-        ------
-        AttitudeError
-            For epochs at which the kernels have no attitude.
-        """
-        seconds, low = epochs.seconds_since(self.epoch, t, low)
-        wxyz, _ = self._evaluate(seconds, low)
-        low = None if low is None else np.array(low)
-        return AttitudeHistory(self, self.epoch, np.array(seconds), low, wxyz)
-
-    def angular_velocity_at(self, seconds, low=None):
-        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds past J2000.
-
-        Raises
-        ------
-        AttitudeError
-            Where the kernels have none: C-kernels may hold attitudes alone.
-        """
-        seconds = np.asarray(seconds, dtype=np.float64)
-        rates = self._evaluate(seconds, low)[1]
-        if np.any(np.isnan(rates[~np.isnan(seconds)])):
-            raise AttitudeError(
-                f"the kernels have attitudes of {self.frame}, but no angular velocities; do "
-                "without, or make an AttitudeTable of the attitudes, which finds them."
-            )
-        return rates
-
-    def has_rates_at(self, seconds, low=None):
-        """Whether the kernels hold angular velocities at these seconds, and not attitudes alone."""
-        seconds = np.asarray(seconds, dtype=np.float64)
-        return not np.any(np.isnan(self._evaluate(seconds, low)[1]))
-
-    def angular_acceleration_from(self, angular_velocity):
+    def angular_acceleration_at(self, seconds, low=None, *, angular_velocity=None):
         """Not known: a kernel has no inertia."""
         raise AttitudeError(
             "a kernel has no moments of inertia, from which angular velocities would give "
             "accelerations; make an AttitudeTable of it, or fit a FreeRotation."
         )
 
-    def _evaluate(self, seconds, low):
+    def has_rates_at(self, seconds, low=None):
+        """Whether the kernels hold angular velocities at these seconds, and not attitudes alone."""
+        seconds = np.asarray(seconds, dtype=np.float64)
+        return not np.any(np.isnan(self._read(seconds, low)[1]))
+
+    def _evaluate(self, seconds, low, order):
+        wxyz, rates = self._read(seconds, low)
+        if not order:
+            return [wxyz]
+        if np.any(np.isnan(rates[~np.isnan(seconds)])):
+            raise AttitudeError(
+                f"the kernels have attitudes of {self.frame}, but no angular velocities; do "
+                "without, or make an AttitudeTable of the attitudes, which finds them."
+            )
+        return [wxyz, rates]
+
+    def _read(self, seconds, low):
         """Attitudes, and rates over the body axes (NaN where there are none)."""
         hi = np.ravel(seconds)
         rest = np.zeros(hi.size) if low is None else np.ravel(np.broadcast_to(low, seconds.shape))

@@ -12,6 +12,7 @@ from attitude import epochs, pairs, quaternion
 from attitude import representations as forms
 from attitude.attitude_table import interpolation
 from attitude.errors import AttitudeError
+from attitude.motion import motion_of
 
 DEGREE = 7
 _MOST_RECORDS = 20_000_000
@@ -28,8 +29,9 @@ class Plan:
             raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5.")
         if not (isinstance(tolerance, (int, float)) and 1e-14 <= tolerance <= 1.0):
             raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
+        motion = motion_of(motion)
         self.kind, self.tolerance, self._motion = kind, float(tolerance), motion
-        epoch = motion.at(np.zeros(0)).epoch if not hasattr(motion, "span") else motion.epoch
+        epoch = motion.epoch
         ends = [epochs.seconds_since(epoch, value) for value in (start, stop)]
         ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in ends]
         # The clock starts at an epoch that is one double of TDB, not after the start.

@@ -24,7 +24,7 @@ import numpy as np
 from attitude import epochs, frames, pairs, validation
 from attitude.errors import AttitudeError
 from attitude.formats.ccsds import epochs as ccsds_epochs
-from attitude.immutable import Frozen, frozen
+from attitude.immutable import Immutable, frozen
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
 from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import is_number, opened
@@ -34,7 +34,7 @@ _MOST = 100_000_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DamitLightCurve(Frozen):
+class DamitLightCurve(Immutable):
     """One light curve of an asteroid with its geometry.
 
     Parameters
