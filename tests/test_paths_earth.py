@@ -127,6 +127,7 @@ def test_omm_gives_the_path_of_the_tle(form, tmp_path):
         ({"INCLINATION": "steep"}, "cannot be read"),
         ({"MEAN_ELEMENT_THEORY": "DSST"}, "MEAN_ELEMENT_THEORY is DSST; it must be SGP4"),
         ({"TIME_SYSTEM": "TAI"}, "TIME_SYSTEM is TAI"),
+        ({"CLASSIFICATION_TYPE": "secret"}, "CLASSIFICATION_TYPE is 'secret'; it must be one"),
     ],
 )
 def test_messages_of_other_elements_are_refused(change, message):

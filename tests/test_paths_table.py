@@ -232,6 +232,7 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("T00:03:00.000 7", "T00:63:00.000 7", r"segment at line 5 .*00:63:00"),
         ("META_STOP\n", "", r"line \d+"),
         ("META_START\n", "", r"line 14: META_STOP has no META_START"),
+        ("OBJECT_ID", "META_START\nOBJECT_ID", r"line 7: line 5 is META_START too"),
         ("= EARTH", "=", r"line 8: CENTER_NAME has no value"),
         ("ORIGINATOR = ", "ORIGINATOR ", r"line 3: 'ORIGINATOR TEST' stands before META_START"),
     ],

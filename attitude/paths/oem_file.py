@@ -95,6 +95,8 @@ def _segments(lines):
                 )
             continue
         if text == "META_START":
+            if where == "metadata":
+                raise lines.fault(f"line {segment.line} is META_START too; META_STOP is missing.")
             segment, where = _Segment(lines.number), "metadata"
             found.append(segment)
         elif text == "META_STOP":

@@ -178,6 +178,11 @@ def omm(message, *, name=None):
         if given.upper() not in allowed:
             raise AttitudeError(f"{label}: {keyword} is {given}; it must be {allowed[0]}.")
     fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
+    letter = fields["CLASSIFICATION_TYPE"]
+    if len(letter) != 1 or not letter.isascii():
+        raise AttitudeError(
+            f"{label}: CLASSIFICATION_TYPE is {letter!r}; it must be one letter, such as U."
+        )
     stamp = fields["EPOCH"].removesuffix("Z")
     fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # as sgp4 reads it
     title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
