@@ -17,10 +17,8 @@ What the entry does not hold is asked for:
 """
 
 import difflib
-import tomllib
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +29,8 @@ from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.published.dynamic_inertia import moments_from_ratios
 from attitude.spin import Spin
+from attitude.textfiles import toml
+from attitude.textfiles.lines import packaged
 
 # The ways to give a state, and what each needs.
 _NEEDED = {
@@ -308,8 +308,8 @@ def load(name, **given):
 
 @cache
 def _entries():
-    text = resources.files("attitude").joinpath("data/spin_states.toml").read_text("utf-8")
-    tables = tomllib.loads(text)
+    name = "data/spin_states.toml"
+    tables = toml.parsed(packaged(name), name)
     sources = tables.pop("sources")
     return {name: _entry(name, table, sources) for name, table in tables.items()}
 

@@ -5,19 +5,19 @@ mpmath oracle of the project's tests; benchmarks/make_reference.py wrote the fil
 and compared.
 """
 
-import json
 import platform
 import sys
 import time
 from dataclasses import dataclass
 from decimal import Decimal
-from importlib import resources
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 from attitude.propagation import propagate
 from attitude.solution.warm_up import compile_ahead
+from attitude.textfiles import records
+from attitude.textfiles.lines import packaged
 
 # What is promised: rad, and angular velocity relative to its largest component.
 LARGEST_ERROR = 4e-15
@@ -85,8 +85,8 @@ def check():
 
 def reference_states():
     """The stored states: family, moments, wxyz0, omega0, t, and exact wxyz, omega as text."""
-    text = resources.files("attitude").joinpath("reference/states.json").read_text("utf-8")
-    return json.loads(text)["states"]
+    name = "reference/states.json"
+    return records.of_json(packaged(name), name)["states"]
 
 
 def errors_of(state):

@@ -38,6 +38,7 @@ ORDERS = {
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march", "regimes", "place_of_d", "principal", "vectors", "warm_up"),
     ),
+    "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
@@ -105,7 +106,7 @@ def test_imports_point_up_the_house(name):
 
 @pytest.mark.parametrize("name", [name for name in MODULES if _room(name) in ORDERS])
 def test_files_stand_in_order(name):
-    """Each file of the solution and of the compilation knows those before it only."""
+    """Each file of a package with an order imports those before it only."""
     room, here = _room(name), name.rpartition(".")[2]
     if here == room:
         return
@@ -144,6 +145,54 @@ def test_only_the_compilation_knows_the_compiler(name):
         found += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         for each in found:
             assert each.partition(".")[0] not in COMPILERS, f"{name} imports {each}"
+
+
+# Parsers of text, and functions that open files: numpy's and those of Python's modules too.
+PARSERS = ("xml", "tomllib", "csv", "json", "configparser", "codecs", "fileinput", "linecache")
+OPENERS = (
+    *("open", "fdopen", "read_text", "read_bytes", "write_text", "write_bytes", "open_text"),
+    *("loadtxt", "genfromtxt", "fromfile", "fromregex", "savetxt", "tofile"),
+)
+# Exactly what modules outside of textfiles/ use of these, and why.
+ALLOWED_ACCESS = {
+    # The summary of a SPICE kernel, checked before SPICE reads it: a binary format.
+    "attitude.formats.ck.daf_head": {"open"},
+    # FITS, a binary format, is given to astropy as an open file; parquet, another, has JSON in it.
+    "attitude.formats.tables": {"open", "json"},
+    # jplephem opens an SPK, a binary format.
+    "attitude.paths.spk": {"SPK.open"},
+    # Standard output is turned to the null device after the reader of a pipe has gone.
+    "attitude.cli": {"os.open"},
+}
+
+
+def _text_access(name):
+    """Parsers that a module imports, and functions that open files it names."""
+    found = set()
+    for node in ast.walk(ast.parse(MODULES[name].read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names} & {*PARSERS}
+        elif isinstance(node, ast.ImportFrom):
+            names = {alias.name for alias in node.names} & {*OPENERS}
+            found |= names | ({node.module.partition(".")[0]} & {*PARSERS})
+        elif isinstance(node, ast.Name) and node.id in OPENERS:
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute) and node.attr in OPENERS:
+            found.add(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) != "textfiles"])
+def test_only_textfiles_reads_and_parses_text(name):
+    """One reader of each notation and one policy for XML: no second one opens or parses files."""
+    assert _text_access(name) == ALLOWED_ACCESS.get(name, set()), f"{name}: use attitude.textfiles"
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) == "textfiles"])
+def test_textfiles_stand_below_what_reads_files(name):
+    allowed = ("textfiles", "errors", "immutable", "validation", "pairs", "physical_constants")
+    for other in _imports(name):
+        assert _room(other) in allowed, f"{name} imports {other}"
 
 
 def test_no_cycles():

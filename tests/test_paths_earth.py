@@ -1,6 +1,7 @@
 """Satellites and ground sites against skyfield, astropy and ERFA, without any network."""
 
 import json
+import time
 
 import erfa
 import numpy as np
@@ -126,11 +127,101 @@ def test_omm_gives_the_path_of_the_tle(form, tmp_path):
         ({"INCLINATION": "steep"}, "cannot be read"),
         ({"MEAN_ELEMENT_THEORY": "DSST"}, "MEAN_ELEMENT_THEORY is DSST; it must be SGP4"),
         ({"TIME_SYSTEM": "TAI"}, "TIME_SYSTEM is TAI"),
+        ({"CLASSIFICATION_TYPE": "secret"}, "CLASSIFICATION_TYPE is 'secret'; it must be one"),
     ],
 )
 def test_messages_of_other_elements_are_refused(change, message):
     with pytest.raises(AttitudeError, match=message):
         paths.omm({**OMM, **change})
+
+
+XML = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<omm><segment>\n'
+    + "".join(f"<{key}>{value}</{key}>\n" for key, value in OMM.items())
+    + "</segment></omm>\n"
+)
+LAUGHS = "".join(f'<!ENTITY l{k} "{f"&l{k - 1};" * 10}">\n' for k in range(1, 10))
+
+
+@pytest.mark.parametrize(
+    "old, new, error",
+    [
+        ("<omm>", "<!DOCTYPE omm><omm>", r"line 2: it has a document type declaration"),
+        ("<omm>", '<!DOCTYPE omm SYSTEM "file:///etc/passwd"><omm>', "document type declaration"),
+        ("<omm>", '<!DOCTYPE omm [<!ENTITY n "2.">]><omm>', "document type declaration"),
+        (
+            "ENVISAT",
+            '<!DOCTYPE omm [<!ENTITY n SYSTEM "file:///etc/passwd">]>',
+            "line 3: it is not well-formed XML",
+        ),
+        ("ENVISAT", "&undefined;", r"line 3: it is not well-formed XML \(undefined entity\)"),
+        ("</segment>", "</section>", r"line \d+: it is not well-formed XML \(mismatched tag\)"),
+        ("ENVISAT", "E" * 30000, "a text in it is longer than 20000 characters"),
+        ("<segment>", "<a>" * 40 + "<segment>", "nested deeper than 32"),
+        ("segment>", "part>", "holds 0 satellites"),
+    ],
+)
+@pytest.mark.parametrize("as_file", [False, True])
+def test_xml_with_entities_or_errors_is_refused(tmp_path, old, new, error, as_file):
+    text = XML.replace(old, new)
+    assert text != XML
+    name, given = ("envisat.xml", tmp_path / "envisat.xml") if as_file else ("OMM", text)
+    (tmp_path / "envisat.xml").write_text(text)
+    with pytest.raises(AttitudeError, match=error) as caught:
+        paths.omm(given)
+    assert str(caught.value).startswith(name)
+
+
+@pytest.mark.parametrize("value", ["2002-009A", "&l9;"])
+def test_entities_that_multiply_are_refused_before_they_are_expanded(tmp_path, value):
+    # Ten to the ninth power of "lol", 3 GB, if they were expanded.
+    text = XML.replace("<omm>", f'<!DOCTYPE omm [<!ENTITY l0 "lol">\n{LAUGHS}]>\n<omm>')
+    (tmp_path / "laughs.xml").write_text(text.replace("2002-009A", value))
+    start = time.process_time()
+    with pytest.raises(AttitudeError, match=r"laughs.xml, line 2: it has a document type"):
+        paths.omm(tmp_path / "laughs.xml")
+    assert time.process_time() - start < 1.0  # s; expanding them takes minutes
+
+
+def test_xml_is_read_as_it_was_written(tmp_path):
+    file = tmp_path / "envisat.xml"
+    for declared in ("utf-16", "utf8", "ISO-8859-1"):  # as some programs declare UTF-8
+        text = XML.replace("UTF-8", declared).replace("ENVISAT", "A &amp; B&#46; <!-- c -->\u03b1")
+        text = text.replace("<MEAN_MOTION>", '<MEAN_MOTION units="rev/day">')
+        file.write_text(text, encoding="utf-8-sig")
+        assert paths.omm(file).name == paths.omm(text).name == "A & B. \u03b1"
+    two = XML.replace("</omm>", XML[XML.index("<segment>") :].replace("ENVISAT", "OTHER"))
+    assert paths.omm(two, name="other").name == "OTHER"
+    with pytest.raises(AttitudeError, match="OMM holds 2 satellites"):
+        paths.omm(two)
+
+
+@pytest.mark.parametrize(
+    "text, error",
+    [
+        ('{"EPOCH": }', r"OMM, line 1: it is not valid JSON \(Expecting value"),
+        ("[1, 2]", "OMM holds JSON values that are no objects"),
+        ("[" * 100_000, "OMM.* JSON"),
+        ("a,b\n" + "x" * 200_000 + ",2\n", r"OMM, line \d: it is not valid CSV"),
+        ("A = 1\nB = 2\nC\n", "OMM, line 3: 'C' is no \"KEYWORD = value\""),
+        ("A = 1\n= 2\n", "OMM, line 2: '= 2' is no \"KEYWORD = value\""),
+    ],
+)
+def test_messages_that_cannot_be_parsed_are_refused_by_line(text, error):
+    with pytest.raises(AttitudeError, match=error):
+        paths.omm(text)
+
+
+def test_keywords_have_units_comments_and_any_line_ends(tmp_path):
+    text = "CCSDS_OMM_VERS = 2.0\nCOMMENT a = b\n\n" + "\n".join(f"{k}={v}" for k, v in OMM.items())
+    text = text.replace("98.4160", "98.4160 [deg]") + "\nUSER_DEFINED_a-b c = 1 [km]\n"
+    for end in ("\n", "\r\n", "\r"):
+        (tmp_path / "envisat.omm").write_bytes(text.replace("\n", end).encode())
+        assert paths.omm(tmp_path / "envisat.omm").lines == paths.omm(text).lines
+    assert ("USER_DEFINED_A-B C", "1") in paths.omm(text).lines
+    seconds = np.linspace(0.0, 6000.0, 5)
+    found, known = (paths.omm(each).position(NOW, seconds) for each in (text, OMM))
+    assert np.array_equal(found, known)
 
 
 @pytest.mark.parametrize(

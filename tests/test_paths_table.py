@@ -217,7 +217,7 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
     [
         ("CCSDS_OEM_VERS", "CCSDS_AEM_VERS", r"probe.oem, line 1: .*CCSDS_OEM_VERS"),
         ("CENTER_NAME = EARTH\n", "", r"line 14: the metadata from line 5 on lack CENTER_NAME"),
-        ("CENTER_NAME = EARTH", "CENTER_NAME EARTH", r"line 8: .*not of the form keyword = value"),
+        ("CENTER_NAME = EARTH", "CENTER_NAME EARTH", r'line 8: .* is no "KEYWORD = value"'),
         ("= EARTH", "= VULCAN", r"segment at line 5 .*CENTER_NAME is 'VULCAN'"),
         ("= ICRF", "= ITRF-97", r"segment at line 5: REF_FRAME is ITRF-97"),
         ("= UTC", "= MRT", r"segment at line 5: TIME_SYSTEM is MRT"),
@@ -232,6 +232,9 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("T00:03:00.000 7", "T00:63:00.000 7", r"segment at line 5 .*00:63:00"),
         ("META_STOP\n", "", r"line \d+"),
         ("META_START\n", "", r"line 14: META_STOP has no META_START"),
+        ("OBJECT_ID", "META_START\nOBJECT_ID", r"line 7: line 5 is META_START too"),
+        ("= EARTH", "=", r"line 8: CENTER_NAME has no value"),
+        ("ORIGINATOR = ", "ORIGINATOR ", r"line 3: 'ORIGINATOR TEST' stands before META_START"),
     ],
 )
 def test_malformed_messages_are_refused_by_file_line_and_keyword(tmp_path, old, new, error):
@@ -240,12 +243,25 @@ def test_malformed_messages_are_refused_by_file_line_and_keyword(tmp_path, old, 
     assert "probe.oem" in str(caught.value)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_line_ends_and_comments_of_other_systems(tmp_path, end):
+    text = MESSAGE.replace("COMMENT states", "COMMENT\nCOMMENT=x\nCOMMENT: y\nCOMMENTS")
+    text = "\ufeff" + text.replace("OBJECT_NAME", "object_name")
+    (tmp_path / "other.oem").write_bytes(text.replace("\n", end).encode())
+    found, known = paths.oem(tmp_path / "other.oem"), paths.oem(message(tmp_path))
+    at = instant("2026-01-01T00:01:30")
+    assert np.array_equal(found.position(at, 0.0), known.position(at, 0.0))
+
+
 def test_what_is_no_message_is_refused(tmp_path):
     with pytest.raises(AttitudeError, match="cannot be read"):
         paths.oem(tmp_path / "missing.oem")
     (tmp_path / "binary.oem").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(AttitudeError, match="cannot be read"):
+    with pytest.raises(AttitudeError, match=r"binary.oem, line 1: .* is it a text file\?"):
         paths.oem(tmp_path / "binary.oem")
+    (tmp_path / "x.oem").write_text('<?xml version="1.0"?>\n<oem></oem>\n')
+    with pytest.raises(AttitudeError, match=r"x.oem, line 1: .* \(not XML\)"):
+        paths.oem(tmp_path / "x.oem")
     (tmp_path / "empty.oem").write_text("CCSDS_OEM_VERS = 2.0\n")
     with pytest.raises(AttitudeError, match="no META_START"):
         paths.oem(tmp_path / "empty.oem")

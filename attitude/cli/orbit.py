@@ -4,8 +4,6 @@ import re
 
 from attitude.errors import AttitudeError
 
-_SNIFFED = 4096
-
 
 def add_arguments(parser):
     parser.add_argument(
@@ -60,13 +58,9 @@ def path_of(arguments):
 
 
 def _kind(file):
-    from attitude.textfiles.lines import unreadable
+    from attitude.textfiles.lines import beginning
 
-    try:
-        with open(file, "rb") as stream:
-            start = stream.read(_SNIFFED).lstrip(b"\xef\xbb\xbf \t\r\n")
-    except OSError as err:
-        raise unreadable(file, err) from err
+    start = beginning(file)
     for mark, kind in (
         (rb"DAF/SPK|NAIF/DAF", "spk"),
         (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),

@@ -4,7 +4,7 @@ import os
 from typing import NamedTuple
 
 from attitude.errors import AttitudeError
-from attitude.textfiles.lines import unreadable
+from attitude.textfiles.lines import beginning
 
 # Ending -> format, for writing, and for reading where the content does not tell.
 ENDINGS = {
@@ -24,7 +24,6 @@ ENDINGS = {
 }
 # Formats that hold a motion, and not attitudes at epochs.
 OF_MOTIONS = ("apm", "apm-xml", "spin", "damit")
-_SNIFFED = 4096
 
 
 def of_file(path):
@@ -35,12 +34,7 @@ def of_file(path):
     AttitudeError
         Where neither content nor ending tells.
     """
-    try:
-        with open(path, "rb") as file:
-            start = file.read(_SNIFFED)
-    except OSError as err:
-        raise unreadable(path, err) from err
-    text = start.lstrip(b"\xef\xbb\xbf \t\r\n")
+    text = beginning(path)
     for mark, found in (
         (b"CCSDS_AEM_VERS", "aem"),
         (b"CCSDS_APM_VERS", "apm"),

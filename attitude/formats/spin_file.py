@@ -33,7 +33,6 @@ that text to the nanosecond does not hold is written as two doubles,
 ``"820497600.0 + 1.5e-12 s TDB since J2000"``.
 """
 
-import json
 import os
 from dataclasses import dataclass
 from functools import cached_property
@@ -157,11 +156,11 @@ def text(motion, *, name=None, source=None, note=None):
         if label is None and isinstance(motion, SpinFile):
             label = getattr(motion, key)
         if label is not None:
-            lines.append(f"{key} = {_quoted(label, key)}")
+            lines.append(f"{key} = {toml.quoted(label, key)}")
     lines += ["", "[body]", *_body_lines(body), "", "[spin]"]
     lines += [
-        f"epoch = {_quoted(_epoch_text(spin.epoch), 'epoch')}  # {spin.epoch.utc_iso} UTC",
-        f"frame = {_quoted(spin.frame, 'frame')}",
+        f"epoch = {toml.quoted(_epoch_text(spin.epoch), 'epoch')}  # {spin.epoch.utc_iso} UTC",
+        f"frame = {toml.quoted(spin.frame, 'frame')}",
         f"wxyz = {_listed(spin.wxyz)}  # body to frame",
         f"angular_velocity = {_listed(spin.angular_velocity)}  # rad/s, body axes",
     ]
@@ -196,10 +195,3 @@ def _epoch_text(instant):
 
 def _listed(row):
     return "[" + ", ".join(repr(float(number)) for number in row) + "]"
-
-
-def _quoted(value, key):
-    if not isinstance(value, str):
-        raise AttitudeError(f"{key} is {value!r}; give text.")
-    # JSON escapes as TOML does, but for the delete character.
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

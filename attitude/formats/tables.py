@@ -26,7 +26,7 @@ from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.csv_rows import ATTITUDE, RATES
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
 from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import NoNumber, numbers, opened
+from attitude.textfiles.lines import NoNumber, numbers, opened, whole
 
 KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
 _BATCH = 16384
@@ -96,24 +96,35 @@ def read(path, *, tolerance=TOLERANCE):
         return _read_csv(path, tolerance)
     if kind == "parquet":
         return _read_parquet(path, tolerance)
-    from astropy.table import QTable
-
     origin = os.fspath(path)
     try:
-        # Opened here, so that no broken file stays open in astropy.
-        with open(path, "rb") as file, warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            if kind == "ecsv":
-                lines = file.read().decode("utf-8-sig").replace("\r\n", "\n").split("\n")
-                table = QTable.read(lines, format="ascii.ecsv")
-            else:
-                table = QTable.read(file, format="fits", astropy_native=True)
+        table = (_of_ecsv if kind == "ecsv" else _of_fits)(path)
+    except AttitudeError:
+        raise
     except OSError as err:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
     except Exception as err:  # what astropy raises for broken files is of any kind
         reason = " ".join(str(err).split())[:200] or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
     return from_table(table, origin, tolerance=tolerance)
+
+
+def _of_ecsv(path):
+    from astropy.table import QTable
+
+    lines = whole(path, "give a table in ECSV").split("\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return QTable.read(lines, format="ascii.ecsv")
+
+
+def _of_fits(path):
+    from astropy.table import QTable
+
+    # Opened here, because astropy leaves a broken file open.
+    with open(path, "rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return QTable.read(file, format="fits", astropy_native=True)
 
 
 def write(path, source, *, t=None, rates=True):

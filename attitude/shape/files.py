@@ -6,6 +6,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
+from attitude.textfiles.lines import whole
 
 _FORMATS = {".obj": "obj", ".txt": "damit", ".stl": "stl", ".ply": "ply"}
 # Statements of OBJ that say nothing about the surface as such.
@@ -53,7 +54,8 @@ def read(path, *, unit="m", format=None, closed=True, repair=False):
     if kind in ("stl", "ply"):
         parts = _through_trimesh(path, kind)
     else:
-        lines = _lines(path)
+        advice = 'give a shape in text, or say format="stl" or "ply" of a binary one'
+        lines = whole(path, advice).splitlines()
         parts = (read_obj if kind == "obj" else read_damit)(lines, path.name)
     vertices, facets, materials = parts
     if repair:
@@ -140,16 +142,6 @@ def read_damit(lines, name="shape.txt"):
         where = f"{name}, line {at}"
         facets.append([_corner(f, vertex_count, where) for f in _three(line, where)])
     return np.array(rows), np.array(facets), SURFACE
-
-
-def _lines(path):
-    try:
-        return path.read_text(encoding="utf-8", errors="strict").splitlines()
-    except UnicodeDecodeError as err:
-        raise AttitudeError(
-            f"{path.name}: is not text (byte {err.start}); a binary shape is read with "
-            'format="stl" or "ply".'
-        ) from err
 
 
 def _statements(lines):

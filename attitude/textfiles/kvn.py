@@ -1,11 +1,10 @@
-"""The keyword = value notation of CCSDS messages."""
+"""The KEYWORD = value notation of CCSDS messages: AEM, APM, OEM and OMM."""
 
 import re
 
 from attitude.errors import AttitudeError
 
-# KEYWORD = value [unit]
-_PAIR = re.compile(r"\s*([A-Za-z0-9_]+)\s*=\s*(.*?)\s*")
+# value [unit]
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
 
 
@@ -37,19 +36,31 @@ def pair(lines, line):
     comment = comment_of(text)
     if comment is not None:
         return "COMMENT", comment
-    found = _PAIR.fullmatch(text)
-    if found is None:
+    keyword, equals, value = text.partition("=")
+    if not equals or not keyword.strip():
         raise lines.fault(f'{shown(text)} is no "KEYWORD = value".')
-    keyword, value = found.groups()
-    return keyword.upper(), value
+    return keyword.strip().upper(), value.strip()
 
 
 def comment_of(text):
-    """The text of a comment line, or None."""
+    """The text of a line that begins with COMMENT, also of COMMENT=text; None of others."""
     text = text.strip()
-    if text == "COMMENT":
-        return ""
-    return text[8:].strip() if text.startswith(("COMMENT ", "COMMENT\t")) else None
+    return text[7:].removeprefix("=").strip() if text.startswith("COMMENT") else None
+
+
+def values(lines):
+    """Keyword -> value of a message of one block, such as an OMM: the last of each keyword.
+
+    Comments are left out, and units: what follows an opening bracket.
+    """
+    found = {}
+    for line in lines:
+        if not lines.text(line).strip():
+            continue
+        keyword, value = pair(lines, line)
+        if keyword != "COMMENT":
+            found[keyword] = value.partition("[")[0].strip()
+    return found
 
 
 def without_unit(value):

@@ -1,5 +1,10 @@
-"""Text files line by line, with a sentence that names file and line for whatever is wrong."""
+"""Text files by line, as a whole, or by their first bytes; errors name the file and the line.
 
+A line ends in a line feed, a carriage return or both.  Text is UTF-8, with or without a mark of
+the byte order.
+"""
+
+import io
 import os
 from contextlib import contextmanager
 
@@ -9,6 +14,7 @@ from attitude.errors import AttitudeError
 
 # Longer lines are no attitude data but a binary or a broken file, bytes.
 LONGEST = 20_000
+_RECOGNIZED = 4096
 
 
 class Lines:
@@ -57,9 +63,59 @@ def opened(path):
     """
     try:
         with open(path, "rb") as file:
-            yield Lines(file, path)
+            start = file.peek(1)
+            returns_alone = b"\r" in start and b"\n" not in start
+            yield Lines(_ReturnsAsFeeds(file) if returns_alone else file, path)
     except OSError as err:
         raise unreadable(path, err) from err
+
+
+class _ReturnsAsFeeds:
+    """An open binary file whose lines end in carriage returns alone, read with line feeds."""
+
+    def __init__(self, file):
+        # Latin-1 maps each byte to one character and back.
+        self._text = io.TextIOWrapper(file, encoding="latin-1", newline=None)
+
+    def readline(self, size):
+        return self._text.readline(size).encode("latin-1")
+
+
+def of_text(text, name):
+    """The `Lines` of a text; `name` stands for the file in the messages."""
+    return Lines(io.BytesIO("\n".join(text.splitlines()).encode("utf-8", "surrogatepass")), name)
+
+
+def whole(path, advice):
+    """The text of a file; `advice` ends the message of an error: what to do or to give."""
+    try:
+        with open(path, "rb") as file:
+            text = file.read().decode("utf-8-sig")
+    except OSError as err:
+        raise AttitudeError(
+            f"{os.fspath(path)}: cannot be read ({err.strerror or err}); {advice}."
+        ) from err
+    except UnicodeDecodeError as err:
+        raise AttitudeError(
+            f"{os.fspath(path)}: is not text in UTF-8 (byte {err.start}); {advice}."
+        ) from err
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def beginning(path):
+    """The first 4096 bytes of a file, from the first that is not blank: enough to recognize it."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(_RECOGNIZED).lstrip(b"\xef\xbb\xbf \t\r\n")
+    except OSError as err:
+        raise unreadable(path, err) from err
+
+
+def packaged(name):
+    """The text of a data file of this package, by its path below ``attitude/``."""
+    from importlib import resources
+
+    return resources.files("attitude").joinpath(name).read_text("utf-8")
 
 
 def unreadable(path, err):
@@ -90,7 +146,7 @@ def numbers(tokens, step, places):
             for column, place in enumerate(places):
                 if not is_number(tokens[line * step + place]):
                     raise NoNumber(line, column, tokens[line * step + place]) from None
-    # An underscore elsewhere in the line is not our business.
+    # An underscore elsewhere in the line, in an epoch or a name, is allowed.
     return np.array([list(map(float, tokens[place::step])) for place in places]).T
 
 

@@ -1,25 +1,17 @@
 """Texts in TOML: read with a sentence for what cannot be read, for syntax and unknown keys."""
 
 import difflib
+import json
 import re
 import tomllib
 
 from attitude.errors import AttitudeError
+from attitude.textfiles.lines import whole
 
 
 def read(path, kind):
     """The text of a file; `kind` is what its users call it, such as "spin file"."""
-    try:
-        with open(path, "rb") as file:
-            return file.read().decode("utf-8-sig")
-    except OSError as err:
-        raise AttitudeError(
-            f"{path}: cannot be read ({err.strerror or err}); give the name of a {kind}."
-        ) from err
-    except UnicodeDecodeError as err:
-        raise AttitudeError(
-            f"{path}: is not text in UTF-8 (byte {err.start}); a {kind} is a TOML text."
-        ) from err
+    return whole(path, f"give the name of a {kind}")
 
 
 def parsed(text, origin):
@@ -61,6 +53,14 @@ def text_of(content, key):
     if value is not None and not isinstance(value, str):
         raise AttitudeError(f"{key} is {value!r}; give text in quotes.")
     return value
+
+
+def quoted(value, key):
+    """A text as the value of a key, in quotes."""
+    if not isinstance(value, str):
+        raise AttitudeError(f"{key} is {value!r}; give text.")
+    # JSON escapes as TOML does, but for the delete character.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def listed(words):

@@ -1,4 +1,4 @@
-"""XML out of files that nobody vouches for: no document type, no entities, no external references.
+"""XML from untrusted files: no document type, no entities, no external references.
 
 expat, the standard library's parser, fetches nothing by itself and knows entities only from a
 document type declaration; a file that has one is refused before anything in it is read.
@@ -21,11 +21,11 @@ OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
 
 
 class Events:
-    """Calls what a subclass does with elements: `begin(tag, attributes)`, `end(tag, text)`.
+    """Calls `begin(tag, attributes)` and `end(tag, text)` of a subclass for each element.
 
-    `message` is what a subclass makes of it, None before it begins; `line` is that of the file
-    where the parser stands.  A subclass may keep pieces of the file from the parser (`take`), if
-    it counts their lines (`skipped`).
+    `message` is what a subclass makes of the file, None before the message begins; `line` is the
+    line of the file where the parser stands.  A subclass may keep pieces of the file from the
+    parser (`take`) if it counts their lines (`skipped`).
     """
 
     def __init__(self, path):
@@ -70,10 +70,21 @@ class Events:
         return found
 
     def run(self):
+        """Parse the file."""
         try:
             with open(self.path, "rb") as file:
-                while piece := file.read(_PIECE):
-                    self.take(piece)
+                self._parse(iter(lambda: file.read(_PIECE), b""))
+        except OSError as err:
+            raise unreadable(self.path, err) from err
+
+    def run_text(self, text):
+        """Parse a text in place of the file: the encoding that it declares does not matter."""
+        self._parse([text])
+
+    def _parse(self, pieces):
+        try:
+            for piece in pieces:
+                self.take(piece)
             self.take(b"", last=True)
         except expat.ExpatError as err:
             raise self.fault(
@@ -84,8 +95,6 @@ class Events:
             if isinstance(err, AttitudeError):
                 raise
             raise self.fault(f"its encoding cannot be read ({err}); give UTF-8.") from err
-        except OSError as err:
-            raise unreadable(self.path, err) from err
 
     def take(self, piece, last=False):
         """What the file holds, piece by piece; the last one is empty."""
@@ -117,9 +126,57 @@ class Events:
 
     def _refuse_document_type(self, *_):
         raise self.fault(
-            "it has a document type declaration, in which entities and external references can "
-            "hide; such files are refused. CCSDS messages have none: delete it."
+            "it has a document type declaration, which can define entities and external "
+            "references; such files are refused. CCSDS messages have none: delete it."
         )
 
     def _refuse_entities(self, *_):
-        raise self.fault("it refers to an entity; such files are refused.")
+        raise self.fault("it refers to an entity; such files are refused: write its text.")
+
+
+def records(text, name, tag):
+    """Of each element of a tag, in their order, the texts of its leaves: [{tag: text}, ...].
+
+    Where a leaf is repeated in the element, the last one counts.
+
+    Parameters
+    ----------
+    text : str
+    name : str
+        What stands for the file in the messages.
+    tag : str
+
+    >>> records("<a><b><c>1</c><d>x &amp; y</d></b><b/></a>", "text", "b")
+    [{'c': '1', 'd': 'x & y'}, {'b': ''}]
+    """
+    reader = _Records(name, tag)
+    reader.run_text(text)
+    return reader.found
+
+
+class _Records(Events):
+    """Collects the leaves of the elements of one tag."""
+
+    def __init__(self, name, tag):
+        super().__init__(name)
+        self._tag, self._open, self._is_leaf = tag, [], False
+        self.found = []
+
+    def begin(self, tag, attributes):
+        self._is_leaf = True
+        if tag == self._tag:
+            self._open.append({})
+            self.found.append(self._open[-1])
+
+    def end(self, tag, text):
+        if self._is_leaf:
+            for record in self._open:
+                record[tag] = text
+        self._is_leaf = False
+        if tag == self._tag:
+            self._open.pop()
+
+
+def escaped(text):
+    """Text as it stands between tags."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -5,7 +5,6 @@ The elements are those of CCSDS 505.0-B-1 and 505.0-B-2 (section 4.8) for versio
 """
 
 import re
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from attitude.formats.aem.message import HEADER, VERSIONS, Message, Segment
 from attitude.formats.aem.xml_records import pattern_of
 from attitude.formats.ccsds import attitude_types
 from attitude.textfiles.lines import NoNumber, numbers
-from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events
+from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events, escaped
 
 _BATCH = 4096
 _BEGIN, _END = b"<attitudeState>", b"</attitudeState>"
@@ -275,7 +274,7 @@ def write_message(file, version, header, comments, segments):
 
 def _leaves(file, indent, pairs):
     for tag, text in pairs:
-        file.write(f"{' ' * indent}<{tag}>{escape(text)}</{tag}>\n")
+        file.write(f"{' ' * indent}<{tag}>{escaped(text)}</{tag}>\n")
 
 
 def _as_in_template(segment):

@@ -1,13 +1,12 @@
 """Attitude Parameter Messages as they are written: their blocks, in either notation and version."""
 
-from xml.sax.saxutils import escape
-
 import numpy as np
 
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 from attitude.formats.apm import inertia as apm_inertia
 from attitude.formats.apm.blocks import XML_NAMES
+from attitude.textfiles.xml import escaped
 
 
 def blocks(version, frame, body, wxyz, rates):
@@ -85,7 +84,7 @@ def write_xml(file, message):
     schema = "2.0.0-master-2.0" if version == "1.0" else "4.0.0-master-4.0"
 
     def leaf(indent, key, value, unit="", attribute=""):
-        shown = escape(value) if isinstance(value, str) else repr(value)
+        shown = escaped(value) if isinstance(value, str) else repr(value)
         units = f' units="{unit}"' if unit else ""
         file.write(f"{' ' * indent}<{key}{attribute}{units}>{shown}</{key}>\n")
 
