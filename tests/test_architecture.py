@@ -15,7 +15,7 @@ PACKAGE = Path(attitude.__file__).parent
 HOUSE = (
     ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
-    ("solution", "epochs", "representations"),
+    ("solution", "epochs", "annotations", "representations"),
     ("propagation", "regime"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
