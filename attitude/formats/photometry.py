@@ -184,17 +184,17 @@ def magnitude_of(given, scene):
     distances = {}
     for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
         if key in given:
-            if not getattr(place, "is_direction", False):
+            if not place.is_direction:
                 raise AttitudeError(
                     f"[magnitude] {key} is given, but the {key.partition('_')[0]} is "
-                    f"{getattr(place, 'name', place)}, whose distance is known; leave it out."
+                    f"{place.name}, whose distance is known; leave it out."
                 )
             value = _number(given[key], f"[magnitude] {key}", "m")
             distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
     far = [
         key
         for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
-        if getattr(place, "is_direction", False) and key not in distances
+        if place.is_direction and key not in distances
     ]
     kind = given.get("kind", "reduced" if far else "apparent")
     validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
