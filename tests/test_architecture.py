@@ -56,9 +56,14 @@ def _modules():
 MODULES = _modules()
 
 
-def _imports(name, *, lazy=True):
-    """Modules of the package that a module imports; those inside functions only if lazy."""
+def _imports(name, *, lazy=True, typing=True):
+    """Modules of the package that a module imports; those inside functions only if lazy.
+
+    Those under ``if TYPE_CHECKING:``, which no program executes, only if typing.
+    """
     tree = ast.parse(MODULES[name].read_text())
+    if not typing:
+        tree.body = [node for node in tree.body if not _is_typing_block(node)]
     nodes = ast.walk(tree) if lazy else _executed(tree)
     found = set()
     for node in nodes:
@@ -73,6 +78,10 @@ def _imports(name, *, lazy=True):
                 if alias.name != "__version__"
             }
     return {each for each in found if each == "attitude" or each.startswith("attitude.")}
+
+
+def _is_typing_block(node):
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
 def _executed(tree):
@@ -202,7 +211,7 @@ def test_no_cycles():
 
 def _cycles(lazy):
     """Sets of modules each of which leads to all the others."""
-    graph = {name: _imports(name, lazy=lazy) - {"attitude"} for name in MODULES}
+    graph = {name: _imports(name, lazy=lazy, typing=False) - {"attitude"} for name in MODULES}
     reach = {name: _reachable(name, graph) for name in graph}
     found = []
     for name in graph:

@@ -1,7 +1,7 @@
 """A body, the Sun and an observer at the epochs of observations: the geometry of a light curve.
 
-``Scene(motion, center=...).at(times)`` is a view, which makes each quantity when it is first asked
-for, and only then: `docs/scene.md` says what each of them means.
+``Scene(motion, center=...).at(times)`` is a `View`, which computes each quantity at its first use.
+`docs/scene.md` defines the quantities.
 """
 
 from attitude.scene.scene import Scene
