@@ -7,7 +7,9 @@ import pytest
 from numba.core import event
 
 from attitude.compilation import deferral
+from attitude.compilation.decorators import reduction
 from attitude.compilation.disk_cache import kept_on_disk
+from attitude.compilation.instructions import fence
 
 
 def twice(x):
@@ -98,3 +100,14 @@ def test_an_interrupted_compilation_can_be_had_again(folder):
     finally:
         event.unregister("numba:compile", press)
     assert function(1.5) == 3.0
+
+
+@reduction
+def rearranged(a, b):
+    """b, since sums may be taken in another order, and what the rounded sum leaves of it."""
+    return (a + b) - a, fence(a + b) - a
+
+
+def test_a_fence_keeps_the_order_of_a_sum():
+    assert rearranged(1e16, 1.0) == (1.0, 0.0)
+    assert rearranged.py_func(1e16, 1.0) == (0.0, 0.0)
