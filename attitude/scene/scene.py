@@ -9,6 +9,7 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Frozen
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path
+from attitude.scattering import law as known_law
 from attitude.scene import shadow
 from attitude.scene.view import View
 
@@ -27,7 +28,7 @@ class Scene(Frozen):
         A body, a path, a `paths.direction`, or the numbers of one in ICRF.
     shape : Ellipsoid or Mesh, optional
         Of `attitude.shape`; magnitudes need it.
-    law : str or law
+    law : str or Law
         How its surface scatters; see `attitude.scattering`.
     light_time : bool
         Whether light takes its time.  False puts everything at the epochs given.
@@ -103,7 +104,7 @@ class Scene(Frozen):
         self._set("sun", _place(sun, "sun", is_direction_allowed=True))
         self._require_center()
         self._set("shape", _known_shape(shape))
-        self._set("law", law)
+        self._set("law", known_law(law))
         self._set("light_time", _flag(light_time, "light_time"))
         self._set("aberration", _flag(aberration, "aberration"))
         if tolerance is not None:
