@@ -13,7 +13,9 @@ from numba.core import event
 
 import attitude
 from attitude.compilation import deferral
+from attitude.compilation.decorators import reduction
 from attitude.compilation.disk_cache import kept_on_disk
+from attitude.compilation.instructions import fence
 
 
 def twice(x):
@@ -146,3 +148,14 @@ def test_an_edit_of_another_file_is_compiled(tmp_path):
     assert edited != after, "two_sum is written in another way; edit it in another way here"
     called.write_text(before + name + edited)
     assert run() == ["8.0", "0"]
+
+
+@reduction
+def rearranged(a, b):
+    """b, since sums may be taken in another order, and what the rounded sum leaves of it."""
+    return (a + b) - a, fence(a + b) - a
+
+
+def test_a_fence_keeps_the_order_of_a_sum():
+    assert rearranged(1e16, 1.0) == (1.0, 0.0)
+    assert rearranged.py_func(1e16, 1.0) == (0.0, 0.0)
