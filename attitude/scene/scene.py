@@ -14,6 +14,7 @@ from attitude.motion import motion_of
 from attitude.paths.bodies import body_name, naif_index
 from attitude.paths.composed import NamedBody
 from attitude.paths.place import Place
+from attitude.scattering import law as known_law
 from attitude.scene import shadow
 from attitude.scene.view import View
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths import Direction, Ephemeris, Path
     from attitude.paths.ephemeris_source import EphemerisLike
+    from attitude.scattering import Law
     from attitude.shape import Ellipsoid, Mesh
 
 
@@ -46,7 +48,7 @@ class Scene(Immutable):
         opens the ephemeris when a position is needed.
     shape : Ellipsoid or Mesh, optional
         Of `attitude.shape`, in m; brightness and magnitudes need it.
-    law : str or law
+    law : str or Law
         Scattering law of the surface; see `attitude.scattering`.
     light_time : bool
         Whether positions are corrected for light time.  False evaluates all of them at the epochs
@@ -80,7 +82,8 @@ class Scene(Immutable):
     observer, sun : Path or Direction
     ephemeris : Ephemeris or None
         None: the source that `paths.ephemeris` takes by default.
-    shape, law, light_time, aberration, shadows, threads, sun_magnitude, phase_function
+    law : Law
+    shape, light_time, aberration, shadows, threads, sun_magnitude, phase_function
         As given.
     shadow_of : dict
         Radii in m by the names of the bodies.
@@ -115,7 +118,7 @@ class Scene(Immutable):
     sun: Path | Direction
     ephemeris: Ephemeris | None
     shape: Ellipsoid | Mesh | None
-    law: Any
+    law: Law
     light_time: bool
     aberration: bool
     shadow_of: dict[str, float]
@@ -133,7 +136,7 @@ class Scene(Immutable):
         sun: Path | Direction | str | int | Reals = "sun",
         *,
         shape: Ellipsoid | Mesh | None = None,
-        law: Any = "lommel-seeliger",
+        law: str | Law = "lommel-seeliger",
         light_time: bool = True,
         aberration: bool = False,
         ephemeris: EphemerisLike = None,
@@ -157,7 +160,7 @@ class Scene(Immutable):
         self._set("sun", _place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
         self._set("shape", _known_shape(shape))
-        self._set("law", law)
+        self._set("law", known_law(law))
         self._set("light_time", _flag(light_time, "light_time"))
         self._set("aberration", _flag(aberration, "aberration"))
         if tolerance is not None:
