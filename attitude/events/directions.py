@@ -68,7 +68,7 @@ class Moving(SearchDirection):
     Parameters
     ----------
     function : callable
-        Vectors of any length.  It is called with arrays of TDB seconds in ascending order.
+        Vectors of any length.  It is called with arrays of TDB seconds in any order.
     rate, acceleration : float or Quantity, optional
         Upper bounds of the first and second derivative of the unit vector, 1/s and 1/s2.  Without
         them they are estimated from samples 0.8 rad of rotation apart.
