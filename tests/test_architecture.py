@@ -54,6 +54,8 @@ def _modules():
 
 
 MODULES = _modules()
+# Names of types, which type checkers alone import: a module of any row may be annotated with them.
+TYPES = "attitude.annotations"
 
 
 def _imports(name, *, lazy=True):
@@ -72,6 +74,7 @@ def _imports(name, *, lazy=True):
                 for alias in node.names
                 if alias.name != "__version__"
             }
+    found.discard(TYPES)
     return {each for each in found if each == "attitude" or each.startswith("attitude.")}
 
 
