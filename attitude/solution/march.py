@@ -49,7 +49,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
                  wxyz (4) and as matrix by rows (9), the largest angle of a free motion (1)
         scheme   (3, n + 1) kicks, free motions (the last entry unused), force gradients
         models   (M, 5) each torque's address, its kind (`attitude.torques.torque`), the address
-                 of its parameters, where its samples begin in a row, and the address of the
+                 of its parameters, the first column of its samples, and the address of the
                  function for its force gradient
         start    s since the epoch; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
