@@ -13,7 +13,7 @@ from attitude.formats.aem.message import HEADER, VERSIONS, Message, Segment
 from attitude.formats.aem.xml_records import pattern_of
 from attitude.formats.ccsds import attitude_types
 from attitude.textfiles.lines import NoNumber, numbers
-from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events, escaped
+from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader, escaped
 
 _BATCH = 4096
 _BEGIN, _END = b"<attitudeState>", b"</attitudeState>"
@@ -34,7 +34,7 @@ def read(path, options):
     return reader.message.table()
 
 
-class _Reader(Events):
+class _Reader(ElementReader):
     """Collects the message; records that are written like the one before go by a pattern."""
 
     def __init__(self, path, options):

@@ -4,7 +4,7 @@ Version 1 has other names for the keywords of version 2, and no marks around its
 """
 
 from attitude.textfiles import kvn
-from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events
+from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 
 VERSIONS = ("1.0", "2.0")
 HEADER = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
@@ -189,7 +189,7 @@ def read_xml(path):
     return reader.message
 
 
-class _XmlReader(Events):
+class _XmlReader(ElementReader):
     """Collects the message of an APM in XML."""
 
     def __init__(self, path):
