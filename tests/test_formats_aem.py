@@ -305,7 +305,7 @@ BAD = [
     (r"RATE_FRAME = REF", "ANGVEL_FRAME = REF", r"belongs to version 2\.0"),
     (r"CENTER_NAME = EARTH", "OBJECT_NAME = A", "line 10: OBJECT_NAME was given before, in line 8"),
     (r"REF_FRAME_B = ICRF", "REF_FRAME_B = SOMETHING", "none is known"),
-    (r"REF_FRAME_A = SC_BODY_1", "REF_FRAME_A = EME2000", "both of them axes"),
+    (r"REF_FRAME_A = SC_BODY_1", "REF_FRAME_A = EME2000", "both of them known external axes"),
     (r"ATTITUDE_DIR = A2B", "ATTITUDE_DIR = C2D", "line 13: ATTITUDE_DIR is 'C2D'"),
     (r"ATTITUDE_DIR = A2B\n", "", "lack ATTITUDE_DIR"),
     (r"TIME_SYSTEM = TAI", "TIME_SYSTEM = SCLK", "line 14: TIME_SYSTEM is 'SCLK'"),
