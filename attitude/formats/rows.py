@@ -91,7 +91,7 @@ class Rows:
         except ccsds_epochs.BadEpoch as err:
             shown = tokens[err.index][:60].decode("ascii", "replace")
             raise fault(
-                f"the epoch {shown!r} cannot be taken: {err.reason}.", lines[err.index]
+                f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
         self.add_times(hi, lo, values, lines, fault)
 

@@ -1,4 +1,4 @@
-"""Numbers with a unit behind them, as text in files and on the command line.
+"""Numbers followed by a unit, as text in files and on the command line.
 
 >>> numbers_and_unit("14.51, 33.529, -98.709 deg/day", "rate")
 (['14.51', '33.529', '-98.709'], 'deg/day')
@@ -47,13 +47,13 @@ def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
     Raises
     ------
     AttitudeError
-        If the text is not one or several numbers, separated by commas or spaces, with at most one
-        unit behind them.
+        If the text is not one or several numbers, separated by commas or spaces, followed by at
+        most one unit.
     """
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
-            f"{name} is {text!r}; write numbers with one unit behind them, like "
+            f"{name} is {text!r}; write numbers followed by one unit, like "
             '"14.51 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = found.groups()
@@ -89,7 +89,7 @@ def in_unit(text: str, name: str, unit: str | None) -> NDArray[np.float64]:
     Parameters
     ----------
     text : str
-        Numbers without a unit behind them are in `unit`.
+        Numbers without a unit are in `unit`.
     name : str
         Name of the value in the error message.
     unit : str or None

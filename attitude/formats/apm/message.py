@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from attitude.errors import AttitudeError
     from attitude.textfiles.lines import Fault
 
-Choice = TypeVar("Choice")
+_Choice = TypeVar("_Choice")
 
 
 class Block(dict[str, str]):
@@ -143,7 +143,7 @@ def needs(message: Collected, keyword: str) -> str:
     return message.meta[keyword]
 
 
-def one_of(message: Collected, block: Block, keyword: str, choices: Mapping[str, Choice]) -> Choice:
+def one_of(message: Collected, block: Block, keyword: str, choices: Mapping[str, _Choice]) -> _Choice:
     """The meaning of a keyword's value, out of some choices; AttitudeError for another value."""
     value = block.get(keyword)
     if value is None or value.upper() not in choices:

@@ -138,7 +138,7 @@ class Interpreted:
             raise self._message.fault(str(err), None) from err
 
     def _axes(self, block):
-        """The external axes; whether the rotation goes from them to the body; if A is the body.
+        """The external axes; whether the rotation leads from them to the body; whether A is it.
 
         The name of the body's axes is noted in `_bodies`.
         """
