@@ -323,7 +323,7 @@ BAD = [
     (r"37 1\.0 0 0 0", "37 1.0 0 0 nan", "line 24: it holds a number that is not finite"),
     (r"37 1\.0 0 0 0", "37 1.01 0 0 0", r"line 24: the length of the quaternion is off 1 by 0\.01"),
     (r"37 1\.0 0 0 0", "37 0.0 0 0 0", "line 24: the length of the quaternion is off 1 by 1"),
-    (r"004T00:00:37", "004T00:00:37x", "line 24: the epoch '2026-004T00:00:37x' cannot be taken"),
+    (r"004T00:00:37", "004T00:00:37x", "line 24: the epoch '2026-004T00:00:37x' cannot be read"),
     (r"004T00:00:37", "004T24:00:37", "line 24: the epoch"),
     (r"004T00:00:37", "366T00:00:37", "line 24: the epoch"),
     (r"004T00:00:37", "004T23:59:60", "line 24: .*no leap second"),

@@ -96,7 +96,9 @@ def quoted(value: object, key: str) -> str:
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words as alternatives: "a, b or c"."""
+    """Words as alternatives: "a, b or c"; "none" without words."""
+    if len(words) < 2:
+        return words[0] if words else "none"
     return ", ".join(words[:-1]) + " or " + words[-1]
 
 

@@ -143,7 +143,9 @@ def needs(message: Collected, keyword: str) -> str:
     return message.meta[keyword]
 
 
-def one_of(message: Collected, block: Block, keyword: str, choices: Mapping[str, _Choice]) -> _Choice:
+def one_of(
+    message: Collected, block: Block, keyword: str, choices: Mapping[str, _Choice]
+) -> _Choice:
     """The meaning of a keyword's value, out of some choices; AttitudeError for another value."""
     value = block.get(keyword)
     if value is None or value.upper() not in choices:

@@ -32,10 +32,10 @@ from attitude import epochs, frames, pairs, quaternion
 from attitude import representations as forms
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
+from attitude.paths.path import Path
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
-    from attitude.paths.path import Path
 
 _FIXED = {
     **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
@@ -134,7 +134,7 @@ class Axes:
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
         side = np.zeros(hi.shape)
         if self.kind in _OF_ORBIT:
-            side = _sides(hi, lo, orbit, self.name)
+            side = _sides(hi, lo, _known_path(orbit, self.name))
         rates = np.empty((*hi.shape, 3))
         for s in np.unique(side):
             some = side == s
@@ -186,7 +186,7 @@ def _turned(kind, hi, lo, orbit, name):
 
 
 def _orbital(kind, hi, lo, orbit, name):
-    _refuse_no_orbit(orbit, name)
+    orbit = _known_path(orbit, name)
     for end, _, inside in _ends(orbit, hi, lo):
         beyond = (inside < 0.0) & (inside >= -_SAME)
         hi, lo = np.where(beyond, end.seconds, hi), np.where(beyond, end.low, lo)
@@ -200,17 +200,19 @@ def _orbital(kind, hi, lo, orbit, name):
     return forms.from_matrix(np.stack(columns, axis=-1))
 
 
-def _refuse_no_orbit(orbit, name):
-    if orbit is None:
-        raise AttitudeError(
-            f"the attitude refers to {name}, axes of the orbit; give orbit=, the path of the body "
-            "about its center (on the command line --orbit, a file with the path)."
-        )
+def _known_path(orbit: object, name: str) -> Path:
+    """The path itself; AttitudeError for anything else."""
+    if isinstance(orbit, Path):
+        return orbit
+    given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
+    raise AttitudeError(
+        f"the attitude refers to {name}, axes of the orbit{given}; give orbit=, the path of the "
+        "body about its center (on the command line --orbit, a file with the path)."
+    )
 
 
-def _sides(hi, lo, orbit, name):
+def _sides(hi, lo, orbit):
     """1 if the path begins less than a step before the epoch, -1 if it ends as soon, else 0."""
-    _refuse_no_orbit(orbit, name)
     side = np.zeros(hi.shape)
     for _, sign, inside in _ends(orbit, hi, lo):
         side[inside < _STEP] = sign
