@@ -115,9 +115,10 @@ def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
     _refuse_false_leaps(scale, day, second, part)
     try:
-        return readers.tdb_of_day(scale, day, second, part, "an epoch")
+        hi, lo = readers.tdb_of_day(scale, day, second, part, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
+    return np.asarray(hi), np.asarray(lo)
 
 
 class BadEpoch(Exception):
