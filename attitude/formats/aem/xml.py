@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 _BATCH = 4096
 _BEGIN, _END = b"<attitudeState>", b"</attitudeState>"
-# Bytes of an incomplete record up to which the parser is not given it, because a pattern may match
-# the whole of it.
+# Longest incomplete record, bytes, that is kept back from the parser until its end is read, so that
+# a pattern can match it.
 _LONGEST_RECORD = 1 << 16
 # Layouts of records in one file for which patterns are compiled.
 _MOST_PATTERNS = 50
@@ -46,7 +46,7 @@ class _AemReader(ElementReader):
     """Collects the message; records that differ from the last one in their texts match a pattern.
 
     `_tags` are the tags of the open elements, `_comments` the comments before the message, `_rest`
-    the bytes that neither the parser nor a pattern has had yet.
+    the bytes that are kept back from the parser.
     """
 
     def __init__(self, path, options):
@@ -61,6 +61,7 @@ class _AemReader(ElementReader):
         self.done = False
 
     def take(self, piece, last=False):
+        """Match records that follow a parsed one; give everything else to the parser."""
         buffer, at = self._rest + piece, 0
         self._rest = b""
         while True:

@@ -14,8 +14,8 @@ rtn                       RTN, RSW, RIC, QSW: x away from the center, z along th
 lvlh                      LVLH, VVLH: z to the center, y against the orbit's momentum
 ========================  =========================================================================
 
-For axes of an orbit, rates are relative to the axes as they turn, under names that end in _ROTATING
-or in neither; under names that end in _INERTIAL they are relative to inertial space.
+Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others, with
+_ROTATING or without, have rates relative to the axes as they turn.
 
 Sources: SANA registry of celestial body and orbit-relative reference frames; IERS Conventions
 (2010), chapter 5, as in ERFA's c2t06a; Vallado et al., AIAA 2006-6753 (TEME).
@@ -54,9 +54,9 @@ WRITTEN: dict[str, str] = {
     **{"icrf": "ICRF", "gcrf": "GCRF", "eme2000": "EME2000", "ecliptic": "ECLIPTICJ2000"},
     **{"itrf": "ITRF", "teme": "TEME", "rtn": "RTN", "lvlh": "LVLH"},
 }
-# Seconds, the last decimal of files: epochs of two files that differ by less are the same.
+# Epochs of two files are equal if they differ by at most the last decimal, s.
 _SAME = 1e-12
-# Seconds, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
+# Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
 _STEP = 1.0
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from attitude.formats.sources import HasAttitudes
     from attitude.history import AttitudeHistory
 
-# Of the Hermite polynomials of type 5.
+# Degree of the Hermite polynomials of type 5.
 DEGREE: int = 7
 _MOST_RECORDS = 20_000_000
 # Places at which the error of interpolation is measured, and its ratio to the tolerances.
