@@ -160,8 +160,10 @@ OPENERS = (
 ALLOWED_ACCESS = {
     # The summary of a SPICE kernel, checked before SPICE reads it: a binary format.
     "attitude.formats.ck.daf_head": {"open"},
-    # FITS, a binary format, is given to astropy as an open file; parquet, another, has JSON in it.
-    "attitude.formats.tables": {"open", "json"},
+    # FITS, a binary format, is given to astropy as an open file.
+    "attitude.formats.tables": {"open"},
+    # Parquet, a binary format, has JSON in its schema.
+    "attitude.formats.parquet": {"json"},
     # jplephem opens an SPK, a binary format.
     "attitude.paths.spk": {"SPK.open"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
