@@ -1,6 +1,7 @@
 """The house: data flows down it, imports point up, and importing the package costs little."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +55,8 @@ def _modules():
 
 
 MODULES = _modules()
+# Names of types, which type checkers alone import: a module of any row may be annotated with them.
+TYPES = "attitude.annotations"
 
 
 def _imports(name, *, lazy=True):
@@ -72,6 +75,7 @@ def _imports(name, *, lazy=True):
                 for alias in node.names
                 if alias.name != "__version__"
             }
+    found.discard(TYPES)
     return {each for each in found if each == "attitude" or each.startswith("attitude.")}
 
 
@@ -133,6 +137,30 @@ def test_every_name_of_the_order_exists():
     for room, names in ORDERS.items():
         for name in names:
             assert (PACKAGE / room / f"{name}.py").is_file(), name
+
+
+def _for_type_checkers(tree):
+    """The statements inside of `if TYPE_CHECKING:`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            yield from node.body
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_annotations_are_imported_by_type_checkers_only(name):
+    tree = ast.parse(MODULES[name].read_text())
+    hidden = list(_for_type_checkers(tree))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == TYPES:
+            assert node in hidden, f"{name} imports {TYPES} when it runs"
+
+
+@pytest.mark.parametrize("name", ["attitude", "attitude.torques"])
+def test_type_checkers_see_the_lazy_names(name):
+    """The names that are imported on first use, from the modules that define them."""
+    imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    seen = {each.asname: node.module for node in imports for each in node.names}
+    assert seen == importlib.import_module(name)._WHERE
 
 
 COMPILERS = ("numba", "llvmlite")
