@@ -70,7 +70,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
             f"{name} is {validation.shown(value)}, a length of time; give an epoch: {_DATES}."
         )
     hi, lo = readers.read(kind, leaves, shape, name)
-    assert lo is not None  # as for all dates
+    assert lo is not None  # a date has both doubles
     if hi.shape != ():
         raise AttitudeError(f"{name} has shape {hi.shape}; give one epoch.")
     if not math.isfinite(hi):
