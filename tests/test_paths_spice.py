@@ -1,5 +1,7 @@
 """SPK files of other types, written by SPICE for the test, against SPICE and the orbit itself."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -143,6 +145,8 @@ def test_segments_that_follow_each_other_make_one_path(tmp_path):
     path = paths.spk(file, TARGET)
     et = np.array([EPOCHS[10], EPOCHS[70] + 1.0, EPOCHS[20]])
     assert np.abs(path.position(Instant(0.0), et) - 1e3 * circle(et)[:, :3]).max() < 1e-3
+    again = pickle.loads(pickle.dumps(path))
+    assert all(one is other for one, other in zip(again.parts, path.parts, strict=True))
     with pytest.raises(AttitudeError, match=r"is known from 2022.* to 2022.*, 2022.* to 2022"):
         path.position(Instant(EPOCHS[55]), 0.0)
 

@@ -243,7 +243,7 @@ def test_fixed_sun_and_observer_open_no_ephemeris(monkeypatch):
     def refused(*_):
         raise AssertionError("an ephemeris was opened")
 
-    monkeypatch.setattr("attitude.paths.solar_system.ephemeris", refused)
+    monkeypatch.setattr("attitude.paths.composed.ephemeris", refused)
     motion = Counted()
     view = Scene(motion, None, observer=SOUTH, sun=EAST).at(np.linspace(0.0, 60.0, 5))
     assert np.allclose(view.phase_angle, np.pi / 2, rtol=0, atol=1e-15)

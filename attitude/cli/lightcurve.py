@@ -140,7 +140,7 @@ class _Curve:
             kept["phase_angle"] = view.phase_angle
             if view.scene.shadow_of:
                 kept["lit_fraction"] = view.lit_fraction
-            if _has_horizon(view.scene):
+            if view.scene.observer.has_horizon:
                 kept["elevation"] = view.elevation
         if self._kind == "txt":
             import numpy as np
@@ -188,11 +188,11 @@ def _columns(mission, view):
     own = [("magnitude" if is_apparent else "reduced_magnitude", "mag"), ("brightness", "m2 / sr")]
     own.append(("phase_angle", "deg"))
     for name, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
-        if not getattr(place, "is_direction", False):
+        if not place.is_direction:
             own.append((name, "au" if getattr(view, name)[0] > _FAR else "km"))
     if scene.shadow_of:
         own.append(("lit_fraction", ""))
-    if _has_horizon(scene):
+    if scene.observer.has_horizon:
         own.append(("elevation", "deg"))
     asked = {each.name: each for each in mission.columns}
     own = [asked.pop(name, None) or Column(name, unit) for name, unit in own]
@@ -201,15 +201,11 @@ def _columns(mission, view):
 
 def _require_paths(scene, output):
     for place, name in ((scene.sun, "sun"), (scene.observer, "observer")):
-        if getattr(place, "is_direction", False):
+        if place.is_direction:
             raise AttitudeError(
                 f"--output {output!r}: the {name} is a direction, but DAMIT's files hold vectors "
                 "to Sun and observer; give it as a path, or an --output x.csv."
             )
-
-
-def _has_horizon(scene):
-    return hasattr(scene.observer, "zenith")
 
 
 def _picture(figure):

@@ -186,7 +186,7 @@ def glint(motion, normal, sun=None, observer=None, *, sun_radius=None, velocity=
     radius = sun_radius
     if sun_radius is not None:
         radius = validation.number(sun_radius, "sun_radius", unit="rad")
-    elif source.scene is None or getattr(source.scene.sun, "is_direction", False):
+    elif source.scene is None or source.scene.sun.is_direction:
         radius = SUN_RADIUS
     if radius is not None and not 0.0 < radius < 0.5 * np.pi:
         raise AttitudeError(f"sun_radius is {radius!r} rad; give one above 0 and below pi/2.")

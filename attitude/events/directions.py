@@ -12,6 +12,7 @@ import numpy as np
 from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.motion import motion_of
+from attitude.paths.uniform import Direction
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene.scene import Scene
 from attitude.validation import unit_vector
@@ -33,8 +34,7 @@ class Fixed:
     """A direction that does not move: unit vector (3,) over ICRF axes."""
 
     def __init__(self, vector, name="direction"):
-        vector = getattr(vector, "unit", vector) if _is_far(vector) else vector
-        self.vector = unit_vector(vector, name)
+        self.vector = unit_vector(vector.unit if isinstance(vector, Direction) else vector, name)
         self.name = name
 
     def icrf(self, moment):
@@ -293,10 +293,6 @@ def estimated(vectors, step):
         if len(vectors):
             found[order] = _MARGINS[order] * float(np.max(_lengths(vectors)))
     return Drift(*found)
-
-
-def _is_far(value):
-    return getattr(value, "is_direction", False)
 
 
 def _units(vectors, name):

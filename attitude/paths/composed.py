@@ -1,12 +1,15 @@
 """Paths with different centers joined: where one thing is, seen from another."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import SSB, body_name
+from attitude.paths.ephemeris_source import EphemerisLike
 from attitude.paths.path import Path, common_span
+from attitude.paths.place import Place
 from attitude.paths.solar_system import ephemeris
 
 
@@ -24,7 +27,7 @@ class Composed(Path):
     plus: tuple
     minus: tuple
     name: str
-    center: object
+    center: str | Path
 
     @property
     def source(self):
@@ -55,16 +58,74 @@ class Composed(Path):
         return total[0], total[1]
 
 
-def relative(target, origin=SSB, ephemeris=None):
+@dataclass(frozen=True, eq=False, repr=False)
+class NamedBody(Path):
+    """A body of an ephemeris by its name alone, until a position is needed.
+
+    The path is relative to the solar system barycentre.  `relative` goes on from the name, so that
+    the steps which two bodies share cancel.  Equal to other named bodies of this name, and to the
+    name.
+
+    Attributes
+    ----------
+    name : str
+        As `bodies.body_name` spells it.
+    ephemeris : Ephemeris, path of a kernel, or None
+        See `ephemeris`; it is opened when a position is needed.
+    """
+
+    name: str
+    ephemeris: EphemerisLike = None
+
+    @cached_property
+    def _resolved(self) -> Path:
+        return relative(self)
+
+    @property
+    def source(self):
+        return self._resolved.source
+
+    @property
+    def span(self):
+        return self._resolved.span
+
+    @property
+    def roughness(self):
+        return self._resolved.roughness
+
+    def _position(self, instant, hi, lo):
+        return self._resolved._position(instant, hi, lo)
+
+    def _state(self, instant, hi, lo):
+        return self._resolved._state(instant, hi, lo)
+
+    def __eq__(self, other):
+        if isinstance(other, (str, NamedBody)):
+            return self.name == (other if isinstance(other, str) else other.name)
+        return NotImplemented
+
+    def __hash__(self):
+        return hash(self.name)
+
+    def __repr__(self):
+        return f"<the body {self.name} of an ephemeris>"
+
+
+def relative(
+    target: Path | str | int,
+    origin: Path | str | int = SSB,
+    ephemeris: EphemerisLike = None,
+) -> Path:
     """The path of a target as seen from an origin: target minus origin, geometric.
 
     Parameters
     ----------
     target, origin : Path, str or int
         Paths, or bodies of the ephemeris by name or NAIF number.
-    ephemeris : Ephemeris, path of a kernel, or None
+    ephemeris : Ephemeris, path of a kernel, name, or None
         Where the bodies come from that lead from one to the other, see `ephemeris`.  It is not
-        opened if none is needed: a satellite seen from a ground site needs no planets.
+        opened if none is needed: a satellite seen from a ground site needs no planets.  A
+        `NamedBody` with an ephemeris of its own comes from that one.
 
     Returns
     -------
@@ -95,21 +156,26 @@ def relative(target, origin=SSB, ephemeris=None):
         if target_chain.meeting(origin_chain) is None:
             origin_chain.extend()
     plus, minus = target_chain.parts[: shared[0]], origin_chain.parts[: shared[1]]
-    center = origin if isinstance(origin, Path) else body_name(origin)
     if len(plus) == 1 and not minus:
         return plus[0]
-    name = target.name if isinstance(target, Path) else body_name(target)
-    return Composed(tuple(plus), tuple(minus), name, center)
+    start = target_chain.start
+    name = start.name if isinstance(start, Path) else start
+    return Composed(tuple(plus), tuple(minus), name, origin_chain.start)
 
 
-def body(name, kernel=None, *, center=SSB):
+def body(
+    name: str | int,
+    kernel: EphemerisLike = None,
+    *,
+    center: Path | str | int = SSB,
+) -> Path:
     """The path of a body of the solar system.
 
     Parameters
     ----------
     name : str or int
         "sun", "moon", "earth", "emb", "mars barycenter", ...; or a NAIF number.
-    kernel : path, "builtin", an ephemeris, or None
+    kernel : path, name of an ephemeris such as "builtin", Ephemeris, or None
         See `ephemeris`.
     center : str, int or Path
         What it is relative to; the solar system barycentre if not given.
@@ -132,17 +198,22 @@ class _Chain:
     """The steps from a path or body towards the solar system barycentre, taken as needed."""
 
     def __init__(self, start, ephemeris):
-        if getattr(start, "is_direction", False):
+        if isinstance(start, Place) and start.is_direction:
             raise AttitudeError(
                 f"{start!r} is a direction, infinitely far away, and has no position; give a path "
                 "for what is at a finite distance."
             )
-        if not isinstance(start, Path):
-            start = body_name(start)
-        self.start = start
         self.ephemeris = ephemeris
-        self.places = [start]
+        self.start = self._place(start)
+        self.places = [self.start]
         self.parts = []
+
+    def _place(self, given):
+        """The one name of a body, whose own ephemeris counts if it has one; or another path."""
+        if isinstance(given, NamedBody):
+            self.ephemeris = self.ephemeris if given.ephemeris is None else given.ephemeris
+            return given.name
+        return given if isinstance(given, Path) else body_name(given)
 
     def extend(self):
         """Take one more step; False at the barycentre."""
@@ -154,9 +225,14 @@ class _Chain:
         else:
             steps = [here if isinstance(here, Path) else self._ephemeris().step(here)]
         for step in steps:
+            center = self._place(step.center)
+            if center in self.places:
+                raise AttitudeError(
+                    f"the centers of {self.start} lead back to {center} ({step.source}), and not "
+                    "to the solar system barycentre; give another ephemeris."
+                )
             self.parts.append(step)
-            center = step.center
-            self.places.append(center if isinstance(center, Path) else body_name(center))
+            self.places.append(center)
         return True
 
     def _opened(self, path):

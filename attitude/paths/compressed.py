@@ -47,7 +47,7 @@ class Compressed(Path):
     speed_error: float
     tolerance: float
     name: str
-    center: object
+    center: str | Path
     source: str
     span: tuple
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from attitude import pairs, validation
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.paths.earth_rotation import table_span, to_celestial
@@ -41,6 +43,8 @@ class Site(Immutable, Path):
     source: str
     long_term: bool = False
 
+    has_horizon = True
+
     def __post_init__(self):
         self.itrs.setflags(write=False)
         self.up.setflags(write=False)
@@ -53,7 +57,9 @@ class Site(Immutable, Path):
     def span(self):
         return None if self.long_term else table_span()
 
-    def zenith(self, instant, seconds, low=None):
+    def zenith(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> np.ndarray:
         """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`."""
         return self._answer(instant, seconds, low, self._zenith)[0]
 

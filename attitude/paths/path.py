@@ -14,18 +14,20 @@ flat arrays of finite epochs: ``_position(instant, hi, lo)``, which returns (3, 
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from attitude import pairs
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
+from attitude.paths.place import Place
 
 J2000 = Instant(0.0)
 _NO_LOW = np.zeros(1)
 _NO_LOW.setflags(write=False)
 
 
-class Path:
+class Path(Place):
     """Something with a position and a velocity at any TDB epoch; the base of all kinds of paths.
 
     Attributes
@@ -42,17 +44,20 @@ class Path:
         How far the positions lie from a smooth curve in m, where their source rounds more than a
         double of metres does.
     is_direction : bool
-        False; True of what is infinitely far away, which is no path (`straight.Direction`).
+        False.
+    has_horizon : bool
+        True of a place on the ground, which defines `zenith`.
     """
 
-    name = "path"
-    center = "ssb"
-    source = "given"
-    span = None
-    roughness = 0.0
-    is_direction = False
+    name: str = "path"
+    center: "str | Path" = "ssb"
+    source: str = "given"
+    span: tuple[Instant, Instant] | None = None
+    roughness: float = 0.0
 
-    def position(self, instant, seconds, low=None):
+    def position(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> np.ndarray:
         """Position relative to the center in m, ICRF axes.
 
         Parameters
@@ -75,11 +80,15 @@ class Path:
         """
         return self._answer(instant, seconds, low, self._position_alone)[0]
 
-    def velocity(self, instant, seconds, low=None):
+    def velocity(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> np.ndarray:
         """Velocity relative to the center in m/s of TDB, ICRF axes; see `position`."""
         return self._answer(instant, seconds, low, self._velocity_alone)[0]
 
-    def state(self, instant, seconds, low=None):
+    def state(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Position and velocity; see `position`."""
         return self._answer(instant, seconds, low, self._state)
 

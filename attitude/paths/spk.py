@@ -19,26 +19,29 @@ from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 from attitude.paths import pieces
 from attitude.paths.bodies import body_name
-from attitude.paths.path import Path, spelled
+from attitude.paths.ephemeris_source import Ephemeris
+from attitude.paths.path import Path, since, spelled
 from attitude.paths.spk_segment import FRAMES, Segment
 from attitude.paths.spk_spice import SpiceSegment
 
 _KM = 1000.0
-# NAIF numbers of inertial frames.
 
 
-class Kernel:
+class Kernel(Ephemeris):
     """What one SPK file holds.  Made by `open_kernel`, which keeps one for each file.
 
     ``kernel.step(body)`` is the path of a body relative to the center that the file gives it, and
     ``kernel.bodies`` lists what it knows.
     """
 
-    def __init__(self, file):
+    advice = "Give one of these, or another kernel."
+
+    def __init__(self, file: str):
         self.file = file
         self.source = FilePath(file).name
-        self._steps = {}
-        self._segments = {}
+        # jplephem's segments by their target, and the paths made of them, by the place in the file.
+        self._segments: dict[int, list] = {}
+        self._paths: dict[int, Segment] = {}
         for number, segment in enumerate(_directory(file)):
             self._segments.setdefault(segment.target, []).append((number, segment))
 
@@ -46,27 +49,25 @@ class Kernel:
         return open_kernel, (self.file,)
 
     @property
-    def bodies(self):
+    def bodies(self) -> tuple[str, ...]:
         """The names of the bodies in the file, and of the one that they are relative to."""
         centers = {segment.center for each in self._segments.values() for _, segment in each}
         return tuple(body_name(number) for number in sorted(centers | set(self._segments)))
 
-    def step(self, body):
-        """The path of a body relative to its center in this file.
+    def segment(self, number: int) -> Segment:
+        """The path of one segment, by its place in the file."""
+        for target, segments in self._segments.items():
+            if any(number == place for place, _ in segments):
+                self.step(target)
+                return self._paths[number]
+        raise AttitudeError(
+            f"{self.source} has no segment {number} any more; it was exchanged for another file: "
+            "make the path anew."
+        )
 
-        Raises
-        ------
-        AttitudeError
-            For a body that the file lacks, a frame that is not inertial, or a type of segment
-            that needs spiceypy where that is not installed.
-        """
-        name = body_name(body)
-        if name not in self._steps:
-            numbers = [number for number in self._segments if body_name(number) == name]
-            if not numbers:
-                raise AttitudeError(self._lacks(name))
-            self._steps[name] = self._opened(name, self._segments[numbers[0]])
-        return self._steps[name]
+    def _step(self, name: str) -> Path | None:
+        numbers = [number for number in self._segments if body_name(number) == name]
+        return self._opened(name, self._segments[numbers[0]]) if numbers else None
 
     def _opened(self, name, segments):
         centers = {segment.center for _, segment in segments}
@@ -77,23 +78,12 @@ class Kernel:
                 "with one center for it."
             )
         parts = [_segment_path(self, name, number, segment) for number, segment in segments]
+        self._paths.update((part.number, part) for part in parts)
         # Of segments that overlap, the last in the file counts, as in SPICE.
         return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
 
-    def _lacks(self, name):
-        hint = ""
-        if f"{name} barycenter" in self.bodies:
-            hint = f' It has the barycentre of its system: "{name} barycenter".'
-        return (
-            f"{self.source} has no {name}; it has {', '.join(self.bodies)}.{hint} Give one of "
-            "these, or another kernel."
-        )
 
-    def __repr__(self):
-        return f"<{self.source}: {', '.join(self.bodies)}>"
-
-
-def open_kernel(file):
+def open_kernel(file: str | os.PathLike[str]) -> Kernel:
     """The `Kernel` of an SPK file, which is opened once.
 
     Raises
@@ -240,15 +230,19 @@ class Succession(Path):
         )
 
     def _position(self, instant, hi, lo):
-        return self._joined(instant, hi, lo, "_position")
+        position = np.empty((3, hi.size))
+        for part, here, at in self._shared_out(instant, hi, lo):
+            position[:, here] = part._position(instant, *at)
+        return position
 
     def _state(self, instant, hi, lo):
-        return self._joined(instant, hi, lo, "_state")
+        position, velocity = np.empty((2, 3, hi.size))
+        for part, here, at in self._shared_out(instant, hi, lo):
+            position[:, here], velocity[:, here] = part._state(instant, *at)
+        return position, velocity
 
-    def _joined(self, instant, hi, lo, method):
-        from attitude.paths.path import since
-
-        rows = np.empty((2 if method == "_state" else 1, 3, hi.size))
+    def _shared_out(self, instant, hi, lo):
+        """Each part that counts at some of the epochs: the part, which ones, and the epochs."""
         lo = np.broadcast_to(lo, hi.shape)
         left = np.ones(hi.size, dtype=bool)
         for part in self.parts:
@@ -256,15 +250,13 @@ class Succession(Path):
             here = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
             here &= (hi - last[0]) + (lo - last[1]) <= 0.0
             if here.any():
-                at = np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here])
-                rows[:, :, here] = getattr(part, method)(instant, *at)
+                yield part, here, (np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here]))
                 left &= ~here
         if left.any():
             self.refuse_outside(instant, hi[np.argmax(left)])
-        return rows[0] if method == "_position" else tuple(rows)
 
 
-def spk(file, target):
+def spk(file: str | os.PathLike[str], target: str | int) -> Path:
     """The path of a target in an SPK file, relative to the center that the file gives it.
 
     Parameters

@@ -2,7 +2,6 @@
 
 from attitude import frames
 from attitude.epochs.inputs import Instant
-from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path
 
@@ -24,20 +23,7 @@ class Segment(Path):
         self.is_turned = segment.frame != 1
 
     def __reduce__(self):
-        return _again, (self.kernel, self.number)
+        return self.kernel.segment, (self.number,)
 
     def _in_icrf(self, vectors):
         return self.rotation @ vectors if self.is_turned else vectors
-
-
-def _again(kernel, number):
-    for target, segments in kernel._segments.items():
-        for place, _ in segments:
-            if place == number:
-                step = kernel.step(target)
-                parts = getattr(step, "parts", (step,))
-                return next(part for part in parts if part.number == number)
-    raise AttitudeError(
-        f"{kernel.source} has no segment {number} any more; it was exchanged for another file: "
-        "make the path anew."
-    )

@@ -35,7 +35,7 @@ class Table(Path):
     interpolation: str
     degree: int
     name: str
-    center: object
+    center: str | Path
     source: str
     span: tuple
 

@@ -48,7 +48,7 @@ class Kepler(Immutable, Path):
     pericenter: Instant
     basis: np.ndarray
     name: str
-    center: object
+    center: str | Path
     source: str
 
     def __post_init__(self):

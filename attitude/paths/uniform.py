@@ -9,6 +9,7 @@ from attitude.epochs.inputs import Instant
 from attitude.immutable import Immutable, frozen
 from attitude.paths.bodies import SSB, body_name
 from attitude.paths.path import Path, since
+from attitude.paths.place import Place
 from attitude.validation import unit_vector
 
 _J2000 = Instant(0.0)
@@ -21,7 +22,7 @@ class Uniform(Immutable, Path):
     start: np.ndarray
     speed: np.ndarray
     epoch: Instant
-    center: object
+    center: str | Path
     name: str
     source: str = "uniform motion"
 
@@ -82,7 +83,7 @@ def fixed(position, *, center=SSB, frame="icrf", name="fixed point"):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Direction(Immutable):
+class Direction(Immutable, Place):
     """Something infinitely far away: a Sun or an observer that is always seen the same way.
 
     It has no position; `is_direction` tells it from a path, so that nothing is asked of an

@@ -8,8 +8,11 @@ from attitude import epochs, pairs, paths, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.motion import motion_of
-from attitude.paths.bodies import body_name
-from attitude.paths.path import Path
+from attitude.paths.bodies import body_name, naif_index
+from attitude.paths.composed import NamedBody
+from attitude.paths.ephemeris_source import Ephemeris
+from attitude.paths.place import Place
+from attitude.scattering import law as known_law
 from attitude.scene import shadow
 from attitude.scene.view import View
 
@@ -25,17 +28,19 @@ class Scene(Immutable):
         Where the body's centre of mass is: a path (`attitude.paths`), or a body of the ephemeris.
         None where Sun and observer are directions, infinitely far away.
     observer, sun : str, Path, direction or (3,) array_like
-        A body, a path, a `paths.direction`, or the numbers of one in ICRF.
+        A body, a path, a `paths.direction`, or the numbers of one in ICRF.  A Scene keeps each
+        place as a path or a direction; a body given by name as the path of this name, which opens
+        the ephemeris when a position is needed.
     shape : Ellipsoid or Mesh, optional
         Of `attitude.shape`; magnitudes need it.
-    law : str or law
+    law : str or Law
         How its surface scatters; see `attitude.scattering`.
     light_time : bool
         Whether light takes its time.  False puts everything at the epochs given.
     aberration : bool
         Whether what the observer sees (apparent direction, position angle, elongation,
         elevation) is shifted by the observer's own velocity.  What is seen of the body is not.
-    ephemeris : path of an SPK kernel, "builtin", or None
+    ephemeris : path of an SPK kernel, name such as "builtin", Ephemeris, or None
         Where bodies given by name are; see `paths.ephemeris`.
     shadow_of : str, sequence or dict, optional
         Bodies whose shadow may fall on this one; as a dict with their radii in m.  Unless given:
@@ -92,13 +97,14 @@ class Scene(Immutable):
         phase_function=None,
     ):
         self._set("motion", None if motion is None else motion_of(motion))
-        self._set("ephemeris", None if ephemeris is None else paths.ephemeris(ephemeris))
-        self._set("center", None if center is None else _place(center, "center"))
-        self._set("observer", _place(observer, "observer", is_direction_allowed=True))
-        self._set("sun", _place(sun, "sun", is_direction_allowed=True))
+        source = None if ephemeris is None else paths.ephemeris(ephemeris)
+        self._set("ephemeris", source)
+        self._set("center", None if center is None else _place(center, "center", source))
+        self._set("observer", _place(observer, "observer", source, is_direction_allowed=True))
+        self._set("sun", _place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
         self._set("shape", _known_shape(shape))
-        self._set("law", law)
+        self._set("law", known_law(law))
         self._set("light_time", _flag(light_time, "light_time"))
         self._set("aberration", _flag(aberration, "aberration"))
         if tolerance is not None:
@@ -164,15 +170,15 @@ class Scene(Immutable):
 
     def _require_center(self):
         for place, name in ((self.observer, "observer"), (self.sun, "sun")):
-            if self.center is None and not _is_direction(place):
+            if self.center is None and not place.is_direction:
                 raise AttitudeError(
-                    f"center is None, but {name} is {place!r} at a finite distance; say where the "
-                    f"body is, or give {name} as a direction: paths.direction((x, y, z))."
+                    f"center is None, but {name} is {place.name!r} at a finite distance; say where "
+                    f"the body is, or give {name} as a direction: paths.direction((x, y, z))."
                 )
 
     def _occulters(self, given):
         if given is None:
-            about = self.center.center if isinstance(self.center, Path) else None
+            about = None if self.center is None else self.center.center
             named = isinstance(about, str) and shadow.radius_of(about) is not None
             given = (about,) if named else ()
         found = shadow.occulters(given)
@@ -185,9 +191,9 @@ class Scene(Immutable):
 
     def __repr__(self):
         motion = "no motion" if self.motion is None else type(self.motion).__name__
+        center = None if self.center is None else self.center.name
         return (
-            f"<Scene: {motion} at {_told(self.center)}, seen from {_told(self.observer)}, lit by "
-            f"{_told(self.sun)}>"
+            f"<Scene: {motion} at {center}, seen from {self.observer.name}, lit by {self.sun.name}>"
         )
 
 
@@ -204,29 +210,25 @@ def _refuse_plain(times):
         )
 
 
-def _place(value, name, *, is_direction_allowed=False):
-    """A path, the one name of a body, or a direction."""
-    if _is_direction(value):
-        if is_direction_allowed:
+def _place(
+    value: object, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
+) -> Place:
+    """The path or direction that a user gives, or the path of a body given by its name."""
+    if isinstance(value, Place):
+        if is_direction_allowed or not value.is_direction:
             return value
         raise AttitudeError(
             f"{name} is {value!r}, infinitely far away; give a path or a body, or None where Sun "
             "and observer are directions."
         )
-    if isinstance(value, Path):
-        return value
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
         return paths.direction(value, name=name)
-    if isinstance(value, str) or (hasattr(value, "__index__") and not isinstance(value, bool)):
-        return body_name(value, name)
+    if isinstance(value, str) or naif_index(value) is not None:
+        return NamedBody(body_name(value, name), ephemeris)
     raise AttitudeError(
         f"{name} is {type(value).__name__}; give the name of a body, a path of attitude.paths"
         + (", or a direction (x, y, z) in ICRF." if is_direction_allowed else ".")
     )
-
-
-def _is_direction(value):
-    return getattr(value, "is_direction", False)
 
 
 def _known_shape(shape):
@@ -243,7 +245,3 @@ def _known_shape(shape):
 
 def _flag(value, name):
     return validation.one_of(value, name, (True, False))
-
-
-def _told(place):
-    return place if isinstance(place, str) or place is None else place.name

@@ -124,7 +124,7 @@ def _covered(disc, limb, apart):
 def _segment(angle):
     """angle - sin(angle) cos(angle), without cancellation where the angle is small."""
     double = 2.0 * angle
-    # The series of (x - sin x) / 2; its first term left out is below 1e-16 of the whole at 0.1.
+    # The series of (x - sin x) / 2; its first term left out is below 1.6e-15 of the whole at 0.1.
     square = double * double
     series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))
     small = double * square / 12.0 * series

@@ -3,7 +3,6 @@
 import numpy as np
 
 from attitude import paths
-from attitude.errors import AttitudeError
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles
 from attitude.scene.lazy import kept, quantity
@@ -22,7 +21,7 @@ class Sky:
 
     def _seen(self, unit):
         """Directions (3, N) from the observer as the scene wants them."""
-        if not self.scene.aberration or getattr(self.scene.observer, "is_direction", False):
+        if not self.scene.aberration or self.scene.observer.is_direction:
             return unit
         return angles.aberrated(unit, self.observer_velocity, SPEED_OF_LIGHT_M_S)
 
@@ -52,12 +51,6 @@ class Sky:
     @quantity("rad")
     def elevation(self):
         """Of the body above the horizon of a ground site, -pi/2 to pi/2, without refraction."""
-        site = self.scene.observer
-        if not hasattr(site, "zenith"):
-            raise AttitudeError(
-                f"the observer is {getattr(site, 'name', site)}, which has no horizon; give a "
-                "ground site: paths.site(longitude, latitude) or paths.observatory(code)."
-            )
         hi, lo = self._reception()
-        up = np.moveaxis(site.zenith(self.epoch, hi, lo), -1, 0)
+        up = np.moveaxis(self.scene.observer.zenith(self.epoch, hi, lo), -1, 0)
         return self._numbers(0.5 * np.pi - angles.between(up, self._flat(self.apparent_direction)))

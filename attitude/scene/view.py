@@ -74,7 +74,7 @@ class View(Pointing, Sky, Brightness, Immutable):
     def observer_line(self):
         """The `line.Line` from the body, as its light leaves, to the observer as it arrives."""
         scene = self.scene
-        if _is_direction(scene.observer):
+        if scene.observer.is_direction:
             return lines_of_sight.fixed(scene.observer)
         found = self._sight(scene.center, scene.observer, self._reception(), sign=-1.0)
         self._refuse_inside(found, scene.observer)
@@ -102,7 +102,7 @@ class View(Pointing, Sky, Brightness, Immutable):
     def sun_line(self):
         """The `line.Line` from the body, as its light leaves, to the Sun as it was then seen."""
         scene = self.scene
-        if _is_direction(scene.sun):
+        if scene.sun.is_direction:
             return lines_of_sight.fixed(scene.sun)
         found = self._sight(scene.sun, scene.center, self._emission())
         self._refuse_inside(found, scene.sun)
@@ -112,12 +112,12 @@ class View(Pointing, Sky, Brightness, Immutable):
     def observer_sun_line(self):
         """The `line.Line` from the observer, as light is received, to the Sun."""
         scene = self.scene
-        if _is_direction(scene.observer):
+        if scene.observer.is_direction:
             raise AttitudeError(
                 "the observer is a direction, infinitely far away, from where the Sun has no "
                 "direction of its own; give the path of an observer, or ask for phase_angle."
             )
-        if _is_direction(scene.sun):
+        if scene.sun.is_direction:
             return lines_of_sight.fixed(scene.sun)
         return self._sight(scene.sun, scene.observer, self._reception())
 
@@ -144,7 +144,7 @@ class View(Pointing, Sky, Brightness, Immutable):
         least = np.nanmin(found.distance, initial=np.inf)
         if least < radius:
             raise AttitudeError(
-                f"{getattr(place, 'name', place)} comes to {least:.6g} m from the center, into the "
+                f"{place.name} comes to {least:.6g} m from the center, into the "
                 f"shape, whose farthest point is {radius:.6g} m from it; check the paths and the "
                 "unit of the shape (m)."
             )
@@ -220,7 +220,7 @@ class View(Pointing, Sky, Brightness, Immutable):
         """How much of the Sun's disc the bodies of `scene.shadow_of` leave free: 1, ..., 0."""
         scene, lit = self.scene, np.ones(self.seconds.size)
         for body, radius in scene.shadow_of.items():
-            far = _is_direction(scene.sun)
+            far = scene.sun.is_direction
             found = self._sight(body, scene.center, self._emission(), geometric=far)
             lit -= 1.0 - shadow.lit_fraction(
                 found.unit * found.distance,
@@ -281,10 +281,6 @@ class View(Pointing, Sky, Brightness, Immutable):
         """Where the positions of all lines of sight made so far come from: a dict of texts."""
         lines = ("observer_line", "sun_line", "observer_sun_line")
         return {name: self.__dict__[name].source for name in lines if name in self.__dict__}
-
-
-def _is_direction(place):
-    return getattr(place, "is_direction", False)
 
 
 def _radius(shape):

@@ -43,7 +43,7 @@ REGIME = np.dtype(
 # Below this m, K(m) - pi/2 is its series to two terms, good to 1e-20; above, the difference of
 # pairs of doubles keeps 20 digits.
 _SMALL_M = 1e-10
-# Steps of the trapezoidal sum in ln tan(am): its error exp(-pi^2 / h) is below one double.
+# Steps of the trapezoidal sum in ln tan(am): its error, 14 exp(-pi^2 / h) at most, is below 2^-53.
 _STEP = 0.25
 _TAIL = 42.0
 

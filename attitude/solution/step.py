@@ -74,7 +74,7 @@ _ROOT = (
     -0.02050136159519226,
     -0.01657973412625723,
 )
-# 1/(2 sqrt(1 - a)) = 1/2 + a (...), to 1e-19 for a up to a quarter of that.
+# 1/(2 sqrt(1 - a)) = 1/2 + a (...), to 1.1e-19 for a up to a quarter of that.
 _INVERSE = (
     0.25,
     0.18749999999956724,

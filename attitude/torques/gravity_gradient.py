@@ -7,7 +7,7 @@ import numpy as np
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.paths import two_body
-from attitude.torques.torque import Torque, check_path, positions, span_of
+from attitude.torques.torque import Torque, path_of, positions, span_of
 
 _BARYCENTER = " barycenter"
 # m3/s2, by the names of the planets: seen from afar, a planet has the mass of its moons too.
@@ -38,7 +38,7 @@ class GravityGradient(Torque):
     columns = 3
 
     def __post_init__(self):
-        check_path(self.path, "path")
+        self._set("path", path_of(self.path, "path"))
         if isinstance(self.mu, str):
             validation.one_of(self.mu, "mu", tuple(GM))
             self._set("mu", GM[self.mu])

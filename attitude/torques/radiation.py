@@ -8,7 +8,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
-from attitude.torques.torque import Torque, check_path, positions, span_of
+from attitude.torques.torque import Torque, path_of, positions, span_of
 
 SOLAR_CONSTANT = 1361.0  # W/m2 at 1 au: Kopp & Lean 2011
 
@@ -47,7 +47,7 @@ class SolarRadiation(Torque):
     columns = 3
 
     def __post_init__(self):
-        check_path(self.path, "path")
+        self._set("path", path_of(self.path, "path"))
         missing = [x for x in ("areas", "normals", "centroids") if not hasattr(self.shape, x)]
         if missing:
             raise AttitudeError(

@@ -1,10 +1,13 @@
 """What a torque is to the integrator."""
 
+from collections.abc import Callable
+
 import numpy as np
 
+from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
-from attitude.paths.path import since
+from attitude.paths.path import Path, since
 
 # Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.
 BY_ATTITUDE, BY_RATE, SLIP = 0, 1, 2
@@ -53,9 +56,26 @@ class Torque(Immutable):
         """Raise what a user's function raised, if it did."""
 
 
-def positions(path, instant, seconds, low, name):
-    """Positions (K, 3) in m along a path, or by a function of seconds since the instant."""
-    found = path.position(instant, seconds, low) if hasattr(path, "position") else path(seconds)
+class FunctionPath(Path):
+    """Positions by a function of TDB seconds since the epoch of the spin, which is the instant.
+
+    `positions` checks what the function returns.
+    """
+
+    name, center, source = "path", "point mass", "function of seconds"
+
+    def __init__(self, function: Callable[[np.ndarray], np.ndarray]):
+        self.function = function
+
+    def position(self, instant, seconds, low=None):
+        return self.function(seconds)
+
+
+def positions(
+    path: Path, instant: Instant, seconds: np.ndarray, low: np.ndarray, name: str
+) -> np.ndarray:
+    """Positions (K, 3) in m along a path."""
+    found = path.position(instant, seconds, low)
     try:
         found = np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError) as err:
@@ -77,19 +97,21 @@ def positions(path, instant, seconds, low, name):
     return found
 
 
-def span_of(path, instant):
+def span_of(path: Path, instant: Instant) -> tuple[float, float]:
     """First and last TDB seconds since an instant that a path knows, on the safe side."""
-    if getattr(path, "span", None) is None:
+    if path.span is None:
         return -np.inf, np.inf
     first, last = (sum(since(end, instant)) for end in path.span)
     return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
-def check_path(path, name):
-    """The path, if it is something that gives positions."""
-    if not hasattr(path, "position") and not callable(path):
+def path_of(given: object, name: str) -> Path:
+    """The path that is given, or that follows a function of seconds."""
+    if isinstance(given, Path):
+        return given
+    if not callable(given):
         raise AttitudeError(
-            f"{name} is {path!r}; give a path, or a function of seconds (...) since the epoch of "
+            f"{name} is {given!r}; give a path, or a function of seconds (...) since the epoch of "
             "the spin that returns positions (..., 3) in m over ICRF axes."
         )
-    return path
+    return FunctionPath(given)

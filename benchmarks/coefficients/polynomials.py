@@ -1,0 +1,205 @@
+"""Polynomials of one variable: least-maximum ones, interpolating ones and power series."""
+
+from functools import partial
+
+from mpmath import mp, mpf
+
+from benchmarks.coefficients import sources
+from benchmarks.coefficients.minimax import PolynomialFit, power_series
+from benchmarks.coefficients.table import Claim, CoefficientTable
+
+_PHASES, _STEP = "solution/phases.py", "solution/step.py"
+_CLOSED_FORM = "light_curve/closed_form.py"
+
+
+def tables():
+    return [*_least_maximum(), *_interpolating(), *_series()]
+
+
+def _least_maximum():
+    sine = PolynomialFit(
+        power_series(
+            lambda n: (-1) ** (n + 1) * (2 * mp.pi) ** (2 * n + 3) / mp.factorial(2 * n + 3)
+        ),
+        lambda z: z * mp.sqrt(z),
+        6,
+        "0",
+        "1/64",
+    )
+    cosine = PolynomialFit(
+        power_series(
+            lambda n: (-1) ** (n + 1) * (2 * mp.pi) ** (2 * n + 2) / mp.factorial(2 * n + 2)
+        ),
+        lambda z: z,
+        7,
+        "0",
+        "1/64",
+    )
+    power = PolynomialFit(
+        power_series(lambda n: (-mp.ln2) ** (n + 1) / mp.factorial(n + 1)), abs, 11, "-1/2", "1/2"
+    )
+    stated = "largest errors with these coefficients 7e-18 and 1.7e-17."
+    return [
+        _fitted(
+            _PHASES,
+            [f"_SIN_{n}" for n in range(3, 14, 2)],
+            "S of degree 5 in sin 2 pi r = r (2 pi + z S(z)), z = r^2, |r| <= 1/8: least maximum "
+            "of the absolute error of the sine",
+            sine,
+            Claim(7e-18, stated),
+        ),
+        _fitted(
+            _PHASES,
+            [f"_COS_{n}" for n in range(2, 15, 2)],
+            "C of degree 6 in cos 2 pi r = 1 + z C(z), z = r^2, |r| <= 1/8: least maximum of the "
+            "absolute error of the cosine",
+            cosine,
+            Claim(1.7e-17, stated),
+        ),
+        _fitted(
+            _PHASES,
+            [f"_EXP_{n}" for n in range(1, 12)],
+            "E of degree 10 in 2^-f = 1 + f E(f), |f| <= 1/2: least maximum of the absolute error",
+            power,
+            Claim(1.5e-17, "2**-f on |f| <= 1/2, in the same way; largest error 1.5e-17."),
+        ),
+    ]
+
+
+def _fitted(file, names, definition, fit, claim):
+    return CoefficientTable(
+        file,
+        tuple(names),
+        definition,
+        partial(sources.named, file, *names),
+        lambda: fit.best[0],
+        difference=fit.difference,
+        error=fit.error,
+        ideal=lambda: fit.best[1],
+        claims=(claim,),
+    )
+
+
+def _interpolating():
+    # Both are written so that nothing cancels at 0.
+    root = PolynomialFit(
+        lambda a: -1 / (1 + mp.sqrt(1 - a)), lambda a: 1 + mp.sqrt(1 - a), 7, "0", "1/100"
+    )
+    inverse = PolynomialFit(
+        lambda a: 1 / (2 * mp.sqrt(1 - a) * (1 + mp.sqrt(1 - a))), lambda a: a, 5, "0", "1/400"
+    )
+    return [
+        CoefficientTable(
+            _STEP,
+            ("_ROOT",),
+            "P of degree 6 in sqrt(1 - a) - 1 = a P(a), 0 <= a <= 0.1^2, through P at the zeros of "
+            "Chebyshev's T_7; relative error",
+            partial(sources.named, _STEP, "_ROOT"),
+            root.through_chebyshev_points,
+            error=root.error,
+            ideal=lambda: root.best[1],
+            claims=(Claim(2e-19, "sqrt(1 - a) - 1 = a (...), to 2e-19 of it"),),
+        ),
+        CoefficientTable(
+            _STEP,
+            ("_INVERSE",),
+            "P of degree 4 in 1/(2 sqrt(1 - a)) = 1/2 + a P(a), 0 <= a <= 0.05^2, through P at the "
+            "zeros of Chebyshev's T_5; absolute error",
+            partial(sources.named, _STEP, "_INVERSE"),
+            inverse.through_chebyshev_points,
+            error=inverse.error,
+            ideal=lambda: inverse.best[1],
+            claims=(Claim(1.1e-19, "1/(2 sqrt(1 - a)) = 1/2 + a (...), to 1.1e-19"),),
+        ),
+    ]
+
+
+def _series():
+    dimming = PolynomialFit(
+        power_series(lambda n: mpf(2) / (4 * (n + 1) ** 2 - 1)), lambda u: 1, 12, "0", "1/16"
+    )
+    # z within sqrt(2) of 1: f = (z - 1)/(z + 1) reaches (sqrt(2) - 1)^2, and u this, its square.
+    last = "0.0294372515228594143797353094"
+    logarithm = PolynomialFit(
+        power_series(lambda n: mpf(1) / (2 * n + 3)), lambda u: 2 * u * mp.sqrt(u), 10, "0", last
+    )
+    return [
+        CoefficientTable(
+            _CLOSED_FORM,
+            ("_series",),
+            "(x - (1 - x^2) atanh x)/x^3 in powers of u = x^2, 12 terms, u <= 1/16; absolute error",
+            partial(_long, _CLOSED_FORM, "_series"),
+            lambda: [mpf(2) / (4 * k * k - 1) for k in range(12, 0, -1)],
+            error=lambda numbers: dimming.error(numbers[::-1]),
+            ideal=lambda: dimming.best[1],
+            claims=(Claim(2e-17, "12 terms leave 2e-17 at u = 1/16", truncation=True),),
+        ),
+        CoefficientTable(
+            _CLOSED_FORM,
+            ("_log",),
+            "s in 2 atanh f = 2 f + 2 f u s(u), u = f^2, 10 terms, |f| <= (sqrt(2) - 1)^2; absolute"
+            " error",
+            lambda: [x for x in sources.literals(_CLOSED_FORM, "_log") if 0 < x < 1],
+            lambda: [mpf(1) / (2 * k + 1) for k in range(10, 0, -1)],
+            error=lambda numbers: logarithm.error(numbers[::-1]),
+            ideal=lambda: logarithm.best[1],
+        ),
+        CoefficientTable(
+            "scene/shadow.py",
+            ("_segment",),
+            "(x - sin x)/2 = x^3/12 (1 - x^2/20 (1 - x^2/42 (1 - x^2/72))), x <= 0.1; relative "
+            "error",
+            lambda: [x for x in sources.literals("scene/shadow.py", "_segment") if x > 2],
+            lambda: [4 * 5, 6 * 7, 8 * 9, 2 * 6],
+            error=_error_of_segment,
+            claims=(
+                Claim(1.6e-15, "its first term left out is below 1.6e-15 of the whole at 0.1"),
+            ),
+        ),
+        CoefficientTable(
+            "paths/conic.py",
+            ("_stumpff",),
+            "the number of terms of Stumpff's c2 and c3, |z| <= 1; relative error",
+            lambda: [sources.literals("paths/conic.py", "_stumpff")[1] + 1],
+            lambda: [10],
+            error=_error_of_stumpff,
+            claims=(Claim(2e-21, "ten terms leave 2e-21 at |z| = 1"),),
+        ),
+        CoefficientTable(
+            "solution/regimes.py",
+            ("_tumbling",),
+            "2 K(m) - pi = (pi/4) m (1 + 9/16 m) below m = _SMALL_M; relative error",
+            lambda: [x for x in sources.literals("solution/regimes.py", "_tumbling") if 4 * x % 1],
+            lambda: [mpf(9) / 16],
+            error=_error_of_quarter,
+            claims=(Claim(1e-20, "its series to two terms, good to 1e-20"),),
+        ),
+    ]
+
+
+def _long(file, function):
+    return [x for x in sources.literals(file, function) if sources.is_long(x)]
+
+
+def _error_of_segment(numbers):
+    one, two, three, first = numbers
+    x = mpf(1) / 10
+    series = 1 - x * x / one * (1 - x * x / two * (1 - x * x / three))
+    return abs(x**3 / first * series / ((x - mp.sin(x)) / 2) - 1)
+
+
+def _error_of_stumpff(numbers):
+    (terms,) = numbers
+    worst = mpf(0)
+    for z in (mpf(-1), mpf(1)):
+        root = mp.sqrt(z)
+        for first, exact in ((2, (1 - mp.cos(root)) / z), (3, (root - mp.sin(root)) / (root * z))):
+            found = sum((-z) ** n / mp.factorial(2 * n + first) for n in range(int(terms)))
+            worst = max(worst, abs(found / exact - 1))
+    return worst
+
+
+def _error_of_quarter(numbers):
+    (second,) = numbers
+    m = mpf(sources.named("solution/regimes.py", "_SMALL_M")[0])
+    return abs(mp.pi / 4 * m * (1 + second * m) / (2 * mp.ellipk(m) - mp.pi) - 1)
