@@ -92,19 +92,32 @@ class Motion(Immutable):
     if TYPE_CHECKING:
         # Read-only for type checkers, so that a subclass may define attributes or properties.
         @property
-        def epoch(self) -> epochs.Instant: ...
+        def epoch(self) -> epochs.Instant:
+            """Instant from which the seconds count."""
+
         @property
-        def span(self) -> tuple[epochs.Instant, epochs.Instant] | None: ...
+        def span(self) -> tuple[epochs.Instant, epochs.Instant] | None:
+            """First and last Instant of the attitudes, or None: any epoch."""
+
         @property
-        def joints(self) -> FloatArray: ...
+        def joints(self) -> FloatArray:
+            """(N,) TDB seconds since the epoch at which the angular velocity jumps."""
+
         @property
-        def body(self) -> Body | None: ...
+        def body(self) -> Body | None:
+            """The Body at the epoch, None if the inertia is unknown."""
+
         @property
-        def momentum(self) -> FloatArray | None: ...
+        def momentum(self) -> FloatArray | None:
+            """(3,) angular momentum in ICRF, kg m2/s, if it is constant, else None."""
+
         @property
-        def smooth(self) -> bool: ...
+        def smooth(self) -> bool:
+            """Whether angular accelerations are known and continuous between joints."""
+
         @property
-        def meta(self) -> Mapping[str, Any]: ...
+        def meta(self) -> Mapping[str, Any]:
+            """Names and comments of the file from which the motion was read."""
     else:
         span = None
         joints = _NO_JOINTS

@@ -7,7 +7,7 @@ in SPICE's CK types 5 and 6.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
     from attitude.attitude_table.table import AttitudeTable
 
-METHODS = ("slerp", "lagrange", "hermite")
-MOST_DEGREE = 31
+METHODS: tuple[str, ...] = ("slerp", "lagrange", "hermite")
+MOST_DEGREE: int = 31
 # The default: four records with rates, or eight without.
-USUAL_DEGREE = 7
+USUAL_DEGREE: int = 7
 _CHUNK = 8192
 
 
-def settled(method: str | None, degree: Any, count: int, has_rates: bool) -> tuple[str, int]:
+def settled(method: str | None, degree: int | None, count: int, has_rates: bool) -> tuple[str, int]:
     """The method and degree of a table of `count` records, from those requested.
 
     None is the default.  Hermite without rates becomes Lagrange; a degree is reduced to that of

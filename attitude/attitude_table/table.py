@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from attitude.epochs.instants import Instant
 
     # First and last epoch of a segment, each in two doubles of seconds.
-    Limits = tuple[tuple[float, float], tuple[float, float]]
+    Limits: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
 # Seconds beyond the limits of a table that count as within: the rounding of epochs given as dates.
 _SLACK = 1e-9

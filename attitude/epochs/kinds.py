@@ -18,7 +18,7 @@ from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 
 # Kinds that are lengths of time; the others are epochs.
-LENGTHS = ("number", "duration", "TimeDelta")
+LENGTHS: tuple[str, ...] = ("number", "duration", "TimeDelta")
 
 _TYPES = (
     ("text", str),

@@ -10,11 +10,12 @@ from attitude.errors import AttitudeError
 from attitude.validation import shown
 
 # Time scales that may follow a date.
-SCALES = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
+SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
 # Modified Julian date of the proleptic Gregorian day before 0001-01-01.
-MJD_OF_ORDINAL_0 = -678576
+MJD_OF_ORDINAL_0: int = -678576
 
-TEXT = re.compile(
+# An ISO 8601 or CCSDS date with an optional offset from UTC and an optional time scale.
+TEXT: re.Pattern[str] = re.compile(
     r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"  # year-month-day or year-day of year
     r"(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d*))?)?"  # hour:minute:second.fraction
     r"(Z|[+-]\d\d:\d\d)?)?"

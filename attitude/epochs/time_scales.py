@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     Pair: TypeAlias = tuple[Doubles, Doubles]
 
 # Julian date of 2000-01-01 12:00.
-J2000 = 2451545.0
+J2000: float = 2451545.0
 # Seconds.
-DAY = 86400.0
-TT_MINUS_TAI = 32.184
-TAI_MINUS_GPS = 19.0
+DAY: float = 86400.0
+TT_MINUS_TAI: float = 32.184
+TAI_MINUS_GPS: float = 19.0
 # 1977-01-01T00:00:00 TAI, where TCG, TCB and TT agree: seconds since J2000, IAU 2000 B1.9.
 _COMMON_EPOCH = -8400.5 * DAY + TT_MINUS_TAI
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from attitude.body import Body
     from attitude.free_rotation.free_rotation import FreeRotation
 
-    Rows = list[tuple[str, str]]
+    Rows: TypeAlias = list[tuple[str, str]]
 
 _DAY = 86400.0
 # 1 - m below which the times near the middle axis and of turning over are printed.
