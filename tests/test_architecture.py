@@ -1,6 +1,7 @@
 """The house: data flows down it, imports point up, and importing the package costs little."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -58,12 +59,18 @@ MODULES = _modules()
 TYPES = "attitude.annotations"
 
 
-def _imports(name, *, lazy=True):
-    """Modules of the package that a module imports; those inside functions only if lazy."""
+def _imports(name, *, lazy=True, typed=True):
+    """Modules of the package that a module imports.
+
+    Those inside functions only if lazy, those for annotations (`if TYPE_CHECKING:`) only if typed.
+    """
     tree = ast.parse(MODULES[name].read_text())
     nodes = ast.walk(tree) if lazy else _executed(tree)
+    hidden = () if typed else list(_for_type_checkers(tree))
     found = set()
     for node in nodes:
+        if node in hidden:
+            continue
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -138,6 +145,30 @@ def test_every_name_of_the_order_exists():
             assert (PACKAGE / room / f"{name}.py").is_file(), name
 
 
+def _for_type_checkers(tree):
+    """The statements inside of `if TYPE_CHECKING:`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            yield from node.body
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_annotations_are_imported_by_type_checkers_only(name):
+    tree = ast.parse(MODULES[name].read_text())
+    hidden = list(_for_type_checkers(tree))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == TYPES:
+            assert node in hidden, f"{name} imports {TYPES} when it runs"
+
+
+@pytest.mark.parametrize("name", ["attitude", "attitude.torques"])
+def test_type_checkers_see_the_lazy_names(name):
+    """The names that are imported on first use, from the modules that define them."""
+    imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    seen = {each.asname: node.module for node in imports for each in node.names}
+    assert seen == importlib.import_module(name)._WHERE
+
+
 COMPILERS = ("numba", "llvmlite")
 
 
@@ -201,13 +232,16 @@ def test_textfiles_stand_below_what_reads_files(name):
 
 
 def test_no_cycles():
-    """No module leads back to itself, neither when it is loaded nor from inside a function."""
+    """No module leads back to itself, neither when it is loaded nor from inside a function.
+
+    Two files of one folder may name each other's classes in annotations, which nothing runs.
+    """
     assert _cycles(lazy=True) == []
 
 
 def _cycles(lazy):
     """Sets of modules each of which leads to all the others."""
-    graph = {name: _imports(name, lazy=lazy) - {"attitude"} for name in MODULES}
+    graph = {name: _imports(name, lazy=lazy, typed=False) - {"attitude"} for name in MODULES}
     reach = {name: _reachable(name, graph) for name in graph}
     found = []
     for name in graph:

@@ -267,7 +267,7 @@ def test_moments_too_far_apart():
         (True, None, "t is True"),
         ([[1.0, 2.0], [3.0]], None, "t is ragged"),
         (5 * u.m, None, "t is in m; give it in s"),
-        ("2026-01-11", 1e-9, "low goes with plain seconds"),
+        ("2026-01-11", 1e-9, "low is given, but t is .*; leave out low"),
         ([1.0, 2.0], [1.0, 2.0, 3.0], r"low has shape \(3,\), t has \(2,\)"),
     ],
 )
