@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from attitude.body import Body
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class ConstantTorque(Torque):
     """A torque with constant components over the body axes.
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from attitude.body import Body
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class LinearDamping(Torque):
     """A drag torque -C w from outside: it removes energy and angular momentum.
 
@@ -64,7 +64,7 @@ class LinearDamping(Torque):
         return self.coefficient.reshape(9).copy()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class InternalDissipation(Torque):
     """Friction within the body: energy falls at fixed angular momentum, towards short-axis spin.
 

@@ -27,7 +27,7 @@ GM: dict[str, float] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class GravityGradient(Torque):
     """The gravity-gradient torque 3 GM/r^3 u x (I u) of a point mass.
 

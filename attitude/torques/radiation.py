@@ -41,7 +41,7 @@ class FlatFacets(Protocol):
         """Centroids (N, 3), m."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class SolarRadiation(Torque):
     """The torque of sunlight on flat facets.
 
