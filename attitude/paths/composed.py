@@ -268,8 +268,8 @@ class _Chain:
 
     def meeting(self, other):
         """The count of steps of each chain to the first place that both contain, or None."""
-        for theirs, place in enumerate(other.places):
-            for ours, mine in enumerate(self.places):
-                if mine is place or (isinstance(mine, str) and mine == place):
-                    return ours, theirs
+        for other_count, place in enumerate(other.places):
+            for count, each in enumerate(self.places):
+                if each is place or (isinstance(each, str) and each == place):
+                    return count, other_count
         return None

@@ -294,11 +294,13 @@ def _chosen(found, names_of, name, label):
 
 
 def _names_of_lines(found):
+    """The name and the catalog number of (name, line 1, line 2)."""
     title, first, _ = found
     return title.lower(), first[2:7].strip().lstrip("0").lower()
 
 
 def _names_of_record(fields):
+    """The name and the catalog number in the fields of an OMM."""
     return fields.get("OBJECT_NAME", "").lower(), fields.get("NORAD_CAT_ID", "")
 
 

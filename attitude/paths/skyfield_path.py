@@ -44,7 +44,7 @@ class SkyfieldPath(Path):
             found = self.function.at(time)
         except EphemerisRangeError as err:
             raise AttitudeError(
-                f"skyfield does not know {self.name} at every epoch: {err}; leave out the epochs "
+                f"skyfield does not cover every epoch of {self.name}: {err}; leave out the epochs "
                 "outside."
             ) from err
         position, velocity = found.position.au * AU_M, found.velocity.au_per_d * (AU_M / _DAY)
@@ -92,8 +92,8 @@ def from_skyfield(function: Any, *, name: str | None = None) -> SkyfieldPath:
     center = function.center
     if not isinstance(center, (int, np.integer)):
         raise AttitudeError(
-            f"{function!r} has the center {center!r}, which is no body; add to it the vector from "
-            "a body that skyfield knows."
+            f"{function!r} has the center {center!r}, which is not a body; add the vector from a "
+            "body to that center."
         )
     label = name or getattr(function, "target_name", None) or type(function).__name__
     return SkyfieldPath(function, body_name(int(center)), str(label), "skyfield")

@@ -267,17 +267,17 @@ class Succession(Path):
 
     def _position(self, instant, hi, lo):
         position = np.empty((3, hi.size))
-        for part, here, at in self._shared_out(instant, hi, lo):
+        for part, here, at in self._by_part(instant, hi, lo):
             position[:, here] = part._position(instant, *at)
         return position
 
     def _state(self, instant, hi, lo):
         position, velocity = np.empty((2, 3, hi.size))
-        for part, here, at in self._shared_out(instant, hi, lo):
+        for part, here, at in self._by_part(instant, hi, lo):
             position[:, here], velocity[:, here] = part._state(instant, *at)
         return position, velocity
 
-    def _shared_out(self, instant, hi, lo):
+    def _by_part(self, instant, hi, lo):
         """Yield each part that is used, a mask (N,) of its epochs, and their hi and lo."""
         lo = np.broadcast_to(lo, hi.shape)
         left = np.ones(hi.size, dtype=bool)

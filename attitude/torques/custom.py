@@ -103,6 +103,7 @@ class CustomTorque(Torque):
             raise self._error.pop()
 
     def _check(self, name, third):
+        """Raise an AttitudeError unless a function returns three numbers for a test state."""
         function = getattr(self, name)
         if not callable(function):
             raise AttitudeError(f"{name} is {function!r}; give a function of (t, wxyz, {third}).")

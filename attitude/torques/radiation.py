@@ -54,7 +54,7 @@ class SolarRadiation(Torque):
         The body's position from the Sun, m; see `GravityGradient`.
     diffuse, mirrored : float or (N,) array_like
         Fractions of the light that leave a facet by Lambert's law and as from a mirror, together
-        at most 1; the rest is absorbed.  What is absorbed and radiated at once as heat leaves by
+        at most 1; the rest is absorbed.  Absorbed light that is radiated at once as heat leaves by
         Lambert's law too: diffuse=1 is Rubincam's approximation of YORP.
     flux : float or Quantity
         W/m2 at 1 au.
