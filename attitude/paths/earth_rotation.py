@@ -100,7 +100,7 @@ def _without_polar_motion(vector, x_pole, y_pole, locator):
 def table_span() -> tuple[Instant, Instant]:
     """The first and last epoch of the installed IERS table."""
     tai = _table()[0][[0, -1]]
-    hi, lo = time_scales.tdb_from("tai", tai, np.zeros(2))
+    hi, lo = (np.asarray(each) for each in time_scales.tdb_from("tai", tai, np.zeros(2)))
     first, last = (Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
     return first, last
 

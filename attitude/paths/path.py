@@ -15,7 +15,7 @@ flat arrays of finite epochs: ``_position(instant, hi, lo)``, which returns (3, 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NoReturn, cast
 
 import numpy as np
 
@@ -187,7 +187,8 @@ def since(instant: Instant, start: Instant) -> tuple[float, float]:
 
 def julian(instant: Instant, hi: FloatArray, lo: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A two-part Julian date of TDB for the epochs instant + hi + lo, to 5e-12 s."""
-    return time_scales.jd_from_seconds(*pairs.add((hi, lo), instant.seconds, instant.low))
+    date = time_scales.jd_from_seconds(*pairs.add((hi, lo), instant.seconds, instant.low))
+    return cast("tuple[FloatArray, FloatArray]", date)
 
 
 def spelled(instant: Instant) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from attitude import frames
 from attitude.epochs.inputs import Instant
 from attitude.paths.bodies import body_name
 from attitude.paths.path import Path
+
+if TYPE_CHECKING:
+    from attitude.paths.spk import Kernel
 
 # The supported inertial frames of SPICE, by SPICE's numbers.
 FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
@@ -19,7 +22,6 @@ class Segment(Path):
     Attributes
     ----------
     kernel : Kernel
-        The file.
     number : int
         Position of the segment in the file, from 0.
     rotation : (3, 3) array, read-only
@@ -30,7 +32,7 @@ class Segment(Path):
         As for all paths.
     """
 
-    def __init__(self, kernel: Any, number: int, name: str, segment: Any) -> None:
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         self.kernel = kernel
         self.number = number
         self.name = name

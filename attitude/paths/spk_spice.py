@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import importlib.util
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.paths.spk_segment import Segment
+
+if TYPE_CHECKING:
+    from attitude.paths.spk import Kernel
 
 
 class SpiceSegment(Segment):
@@ -25,7 +28,7 @@ class SpiceSegment(Segment):
     the remaining time is added by the velocity.
     """
 
-    def __init__(self, kernel: Any, number: int, name: str, segment: Any) -> None:
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         super().__init__(kernel, number, name, segment)
         if importlib.util.find_spec("spiceypy") is None:
             raise AttitudeError(
