@@ -1,43 +1,47 @@
 """Splitting integrators: torques between exact free motions, step after step.
 
-A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients in units
-of the step; `attitude.splitting.schemes` holds them.  A kick changes the angular velocity at a
-fixed attitude and epoch by the torque N there; with a coefficient g it also adds g h^3 times the
-torque of the potential -N . I^-1 N (the commutator of torque, free motion and torque again): twice
-the slope of N . y over turns of the body, y = I^-1 N being held, for which each torque has a
-function of y.
+A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients (of
+`attitude.splitting.schemes`) in units of the step.  A kick changes the angular velocity at a fixed
+attitude and epoch by the torque N there; with a coefficient g it also adds g h^3 times the torque
+of the potential -N . I^-1 N (the commutator of torque, free motion and torque): twice the slope of
+N . y over turns of the body at constant y = I^-1 N, for which each torque has a function of y.
 
-Torques are called by address, so that one compiled loop serves all of them, also those that a
-user wrote.  Each is a C function
+Torques are called by address, so that one compiled loop serves all of them, also those that users
+write.  Each is a C function
 
     void torque(double t, double *wxyz, double *omega, double *given, double *parameters,
                 double *out)
 
 of seconds since the epoch, the attitude body to inertial, the angular velocity over the body axes,
-what was sampled for it at that epoch (a position, say) and its parameters; it fills the torque
-over the body axes.
+the samples for that epoch (such as a position) and its parameters; it fills the torque over the
+body axes.
 
-The loops hand addresses to what they call, never an array (`compilation.pointers`).
+The loops pass addresses to the functions they call, never arrays (`compilation.pointers`).
 """
 
 import math
+from typing import Final
 
 from attitude.compilation.decorators import entry_point, force_inlined, subroutine
 from attitude.compilation.pointers import call, number, put, put_three, scratch, whole
 from attitude.solution.given_axes import product, turned_by
 from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
 
-FINE, BAD_TORQUE, TOO_LONG = 0, 1, 2
-_NOTHING = 0.0, 0.0, 0.0
-# (rad/s)^2; fourth powers of the rate are finite below.
+# How a march ended.
+FINE: Final = 0
+BAD_TORQUE: Final = 1  # a torque is not finite
+TOO_LONG: Final = 2  # a free motion turns by more than the largest angle
+_ZERO = 0.0, 0.0, 0.0
+# (rad/s)^2; below it, fourth powers of the rate are finite.
 _FASTEST = 1e150
 # Kinds of torques, as in attitude.torques.torque.
-BY_RATE, SLIP = 1, 2
+BY_RATE: Final = 1  # depends on the angular velocity
+SLIP: Final = 2  # turns the body under its momentum
 
 
 @entry_point
 def march(c, scheme, models, state, start, h, steps, given, kept, every):
-    """Take some steps.
+    """Take `steps` steps.
 
     Given
         c        (20,) moments ascending (3), in a unit that makes the largest about 1, and the
@@ -45,18 +49,18 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
                  wxyz (4) and as matrix by rows (9), the largest angle of a free motion (1)
         scheme   (3, n + 1) kicks, free motions (the last entry unused), force gradients
         models   (M, 5) each torque's address, its kind (`attitude.torques.torque`), the address
-                 of its parameters, where its samples begin in a row, and the address of the
+                 of its parameters, the first column of its samples, and the address of the
                  function for its force gradient
         start    s since the epoch; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next
-        every    states are kept after each so many steps
+        every    a state is kept after each `every` steps
     Changed
         state    (14,) as in solution.step, over the principal axes in ascending order
     Filled
         kept     (steps // every, 14)
     Returned
-        what went wrong (or FINE), the seconds at which, and for a step that is too long the turn
+        FINE, BAD_TORQUE or TOO_LONG; the seconds at which; and for TOO_LONG the angle turned
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
@@ -76,17 +80,20 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
 
 @entry_point
 def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
-    """States between steps: whole steps from those that were kept, then a part of one.
+    """States between steps: from kept states by whole steps, then a part of one.
 
     Given
         c, scheme, models, h   as in `march`
         states   (S, 14), starts (S,) s
-        place    (T,) which of these each epoch follows, ascending; steps (T,) whole ones from
-                 there, ascending for each place; parts (T,) s after those, less than a step
+        place    (T,) number of the state before each epoch, ascending
+        steps    (T,) whole steps from there, ascending for each place
+        parts    (T,) s after those, less than a step
         given    (S, most n + 1, columns) samples at the kicks of whole steps
-        within   (T, n + 1, columns) and of the parts
+        within   (T, n + 1, columns) samples at the kicks of the parts
     Filled
         out      (T, 7) wxyz and angular velocity
+    Returned
+        as `march`
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), 8 * given.shape[2]
@@ -99,7 +106,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         if place[i] != at:
             at, done = place[i], 0
             now = loaded(states[at])
-        # whole steps, then a part of one from a state that is kept: one loop, compiled once
+        # whole steps, then a part of one from the state after them: one call, compiled once
         t = starts[at] + done * h
         last = done == steps[i]
         if last:
@@ -126,14 +133,23 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
 
 @entry_point
 def accelerations(c, models, states, times, given, out):
-    """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
+    """Angular accelerations at some states.
+
+    Given
+        c, models, given   as in `march`, a row of `given` for each state
+        states   (T, 14), times (T,) s
+    Filled
+        out      (T, 3) rad/s2 over the principal axes
+    Returned
+        as `march`
+    """
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
     work, samples = scratch(), given.ctypes.data
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
-        _see(body, state, work, 0.0, 0.0, 0.0)
+        _set_state(body, state, work, 0.0, 0.0, 0.0)
         if not _torque(torques, times[i], samples + 8 * i * given.shape[1], work):
             return BAD_TORQUE, times[i], 0.0
         a, b, d = _accelerations(body, work)
@@ -145,7 +161,7 @@ def accelerations(c, models, states, times, given, out):
 
 @subroutine
 def _body(c):
-    """The numbers of `march`, read once."""
+    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle."""
     return (
         (c[0], c[1], c[2]),
         (c[3], c[4], c[5]),
@@ -157,7 +173,7 @@ def _body(c):
 
 @subroutine
 def _torques(models):
-    """The address of `models`, how many, whether one depends on the rates, whether one slips."""
+    """The address of `models`, their number, whether one is BY_RATE, whether one is SLIP."""
     rates = slips = False
     for model in range(len(models)):
         rates = rates or models[model, 1] == BY_RATE
@@ -167,13 +183,13 @@ def _torques(models):
 
 @force_inlined
 def _step(body, plan, torques, state, t, h, first, row, work, held):
-    """The state after one step, and as in `march`.
+    """The state after one step, and what `march` returns.
 
-    held         whether this step begins where the one before ended, whose last torque work has
-    plan         the address of the scheme, and how many free motions it has
+    held         whether `work` has the torque at the start, left by the step that ended there
+    plan         the address of the scheme, and the number of its free motions
     first, row   address of the samples of the first kick, and bytes to those of the next
-    work         address of 16 numbers for the torques: attitude and angular velocity that they see
-                 (7), the sum of their answers (3), one answer (3)
+    work         address of 16 doubles: attitude and angular velocity at which torques are computed
+                 (7), their sum (3), one of them (3)
     """
     scheme, last = plan
     k, limit = gains(body[0]), body[4]
@@ -209,7 +225,7 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
 
 @force_inlined
 def _kick(body, torques, state, t, h, cubed, samples, work, held):
-    """The state after torques for h seconds at a fixed attitude, and whether they are numbers."""
+    """The state after h seconds of torques at a fixed attitude, and whether they are finite."""
     _, _, rates, slips = torques
     fine = True
     if slips:
@@ -220,7 +236,7 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
     else:
         # work[7:10] is the torque over the body axes
         if not held or slips:
-            _see(body, state, work, 0.0, 0.0, 0.0)
+            _set_state(body, state, work, 0.0, 0.0, 0.0)
             fine = fine and _torque(torques, t, samples, work)
         state = _apply(body, state, h, work)
     if cubed != 0.0 and fine:
@@ -232,7 +248,7 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
 
 @subroutine
 def _gradient(body, torques, state, t, cubed, samples, work):
-    """The kick by the force gradient, after that by the torque in work[7:10], which stays."""
+    """The state after the kick by the force gradient of the torque in work[7:10], which is kept."""
     n1, n2, n3 = number(work, 7), number(work, 8), number(work, 9)
     a, b, d = _accelerations(body, work)
     for k in range(3):
@@ -240,7 +256,7 @@ def _gradient(body, torques, state, t, cubed, samples, work):
         put(work, 4 + k, row[0] * a + row[1] * b + row[2] * d)
     x = y = z = 0.0
     for model in range(torques[1]):
-        a, b, d = _asked(torques, model, 4, t, samples, work)
+        a, b, d = _call_torque(torques, model, 4, t, samples, work)
         x, y, z = x + a, y + b, z + d
     put_three(work, 7, 2.0 * x, 2.0 * y, 2.0 * z)
     fine = _finite(work, 7)
@@ -250,8 +266,8 @@ def _gradient(body, torques, state, t, cubed, samples, work):
 
 
 @subroutine
-def _see(body, state, work, d1, d2, d3):
-    """work[0:7]: attitude and angular velocity (plus d) over the body axes."""
+def _set_state(body, state, work, d1, d2, d3):
+    """Fill work[0:7]: attitude and angular velocity (plus d) over the body axes."""
     s, matrix = body[2], body[3]
     q, w, _, _ = state
     a, b, c, d = product(q, (s[0], -s[1], -s[2], -s[3]))
@@ -264,11 +280,8 @@ def _see(body, state, work, d1, d2, d3):
 
 
 @subroutine
-def _asked(torques, model, function, t, samples, work):
-    """What a function of a torque, the one named in that column of `models`, says of what it sees.
-
-    The answer stays in work[10:13].
-    """
+def _call_torque(torques, model, function, t, samples, work):
+    """Call the function in a column of a torque's row of `models`: its result, from work[10:13]."""
     model = torques[0] + 40 * model
     given = samples + 8 * whole(model, 3)
     call(whole(model, function), t, work, work + 32, given, whole(model, 2), work + 80)
@@ -277,11 +290,11 @@ def _asked(torques, model, function, t, samples, work):
 
 @subroutine
 def _torque(torques, t, samples, work):
-    """work[7:10]: the sum of the torques; False if it is not a number."""
+    """Fill work[7:10] with the sum of the torques; whether it is finite."""
     x = y = z = 0.0
     for model in range(torques[1]):
         if whole(torques[0] + 40 * model, 1) != SLIP:
-            a, b, c = _asked(torques, model, 0, t, samples, work)
+            a, b, c = _call_torque(torques, model, 0, t, samples, work)
             x, y, z = x + a, y + b, z + c
     put_three(work, 7, x, y, z)
     return _finite(work, 7)
@@ -289,13 +302,14 @@ def _torque(torques, t, samples, work):
 
 @subroutine
 def _finite(address, k):
+    """Whether the doubles k, k + 1, k + 2 at an address are finite."""
     x, y, z = number(address, k), number(address, k + 1), number(address, k + 2)
     return abs(x) + abs(y) + abs(z) < math.inf
 
 
 @subroutine
 def _accelerations(body, work):
-    """The torque in work[7:10] as rates of change over the principal axes."""
+    """The torque in work[7:10] as rates of change of the angular velocity, principal axes."""
     inverse, m = body[1], body[3]
     a, b, c = number(work, 7), number(work, 8), number(work, 9)
     return (
@@ -307,29 +321,30 @@ def _accelerations(body, work):
 
 @subroutine
 def _apply(body, state, h, work):
+    """The state after h seconds of the torque in work[7:10] at a fixed attitude."""
     d1, d2, d3 = _accelerations(body, work)
-    return kicked(state, (h * d1, h * d2, h * d3), _NOTHING)
+    return kicked(state, (h * d1, h * d2, h * d3), _ZERO)
 
 
 @subroutine
 def _by_runge_kutta(body, torques, state, t, h, samples, work):
-    """A torque that depends on the angular velocity: fourth order at the fixed attitude."""
+    """The state after h seconds of torques that depend on the angular velocity, fourth order."""
     x = y = z = 0.0
     a = b = c = 0.0
     for stage in range(4):
         ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
         weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-        _see(body, state, work, ahead * a, ahead * b, ahead * c)
+        _set_state(body, state, work, ahead * a, ahead * b, ahead * c)
         if not _torque(torques, t, samples, work):
             return state, False
         a, b, c = _accelerations(body, work)
         x, y, z = x + weight * a, y + weight * b, z + weight * c
-    return kicked(state, (x, y, z), _NOTHING), True
+    return kicked(state, (x, y, z), _ZERO), True
 
 
 @subroutine
 def _slip(body, torques, state, t, h, samples, work):
-    """The body turns under its own momentum, which stays fixed in space; midpoint rule."""
+    """The state after h seconds of the turn of the body at constant momentum; midpoint rule."""
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
     for model in range(torques[1]):
@@ -339,8 +354,8 @@ def _slip(body, torques, state, t, h, samples, work):
             dx = dy = dz = 0.0
             turn = (1.0, 0.0, 0.0, 0.0)
             for stage in range(2):
-                _see(body, state, work, dx, dy, dz)
-                v = turned_by(back, _asked(torques, model, 0, t, samples, work))
+                _set_state(body, state, work, dx, dy, dz)
+                v = turned_by(back, _call_torque(torques, model, 0, t, samples, work))
                 if not _finite(work, 10):
                     return state, False
                 turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
@@ -350,7 +365,7 @@ def _slip(body, torques, state, t, h, samples, work):
             a, b, c, d = product(q, turn)
             change = a - q[0], b - q[1], c - q[2], d - q[3]
             state = turned(state, change, 0.0, (0.0, 0.0, 0.0, 0.0))
-            state = kicked(state, (dx, dy, dz), _NOTHING)
+            state = kicked(state, (dx, dy, dz), _ZERO)
     return state, True
 
 
