@@ -22,7 +22,7 @@ from pkgutil import iter_modules
 from attitude.scattering.hapke import Hapke
 from attitude.scattering.law import Law, forget, law, laws
 from attitude.scattering.materials import Material, Materials
-from attitude.scattering.parameters import parameter
+from attitude.scattering.parameters import NumberField, parameter
 from attitude.scattering.phase import hg, hg1g2
 from attitude.scattering.weighted import Lambert, LommelSeeliger, LommelSeeligerLambert
 
@@ -34,6 +34,7 @@ __all__ = [
     "LommelSeeligerLambert",
     "Material",
     "Materials",
+    "NumberField",
     "forget",
     "hg",
     "hg1g2",

@@ -16,6 +16,8 @@ from attitude.scattering.reflectances import reflectances
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import ArrayLike
+
     from attitude.annotations import FloatArray, IntArray, Reals
     from attitude.scattering.parameters import Parameter
 
@@ -34,8 +36,9 @@ class Law:
         The name of the law in `scattering.law`, Scene and mission files.  Defining the class
         registers the name.  A law with name None is not registered.
     fields
-        Each defined by `parameter`, with the range and the unit of a number, or the words that are
-        allowed.  The constructor and mission files check and convert their input by these.
+        Each annotated `NumberField` or ``str`` and defined by `parameter`, with the range and the
+        unit of a number, or the words that are allowed.  The constructor and mission files check
+        and convert their input by these.
 
     and one of the following two.
 
@@ -114,8 +117,8 @@ class Law:
         """Whether the law defines `phase`."""
         return type(self).phase is not Law.phase
 
-    def phase(self, alpha: Reals) -> FloatArray:
-        """The factor f(alpha) of a law with `weights`, for alpha in rad; 1 by default."""
+    def phase(self, alpha: ArrayLike) -> FloatArray:
+        """The factor f(alpha) of a law with `weights`, for alpha (...) in rad; 1 by default."""
         return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
 
     def row(self) -> FloatArray:

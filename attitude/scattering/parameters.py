@@ -62,9 +62,9 @@ class Parameter:
             the name of the field in the message.
         """
         if self.words:
-            word: str = validation.one_of(value, name, self.words)
-            return word
-        given: float = validation.number(value, name, unit=self.unit)
+            word: Any = value
+            return validation.one_of(word, name, self.words)
+        given = validation.number(value, name, unit=self.unit)
         if not self.low <= given <= self.high:
             raise AttitudeError(f"{name} is {given!r}; it must lie {self._range()}.")
         return given
