@@ -11,11 +11,12 @@ rotation at the encounter; a free rotation does not include this.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from attitude import epochs
+from attitude import Body, epochs
 from attitude.formats import mission
 from attitude.scattering import LommelSeeligerLambert
-from attitude.scene import Scene
+from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 
 DATA = Path(__file__).resolve().parent.parent / "data"
@@ -27,7 +28,7 @@ DIAMETER = 340.0
 LAW = LommelSeeligerLambert(c=0.45, a=0.5, d=0.1, k=-0.32)
 
 
-def ellipsoid(body):
+def ellipsoid(body: Body) -> Ellipsoid:
     """The homogeneous ellipsoid with a body's ratios of moments and the mean diameter."""
     a, b, c = np.sort(body.moments)
     squares = np.array([b + c - a, a + c - b, a + b - c])
@@ -37,16 +38,17 @@ def ellipsoid(body):
     return Ellipsoid(axes[np.argsort(np.argsort(body.moments))])
 
 
-def date(start, seconds):
+def date(start: epochs.Instant, seconds: float) -> str:
     """UTC to the minute; steps of TDB differ from those of UTC by microseconds."""
     return start.after(seconds + 0.01).utc_iso[:16]
 
 
-def main():
+def main() -> None:
     found = mission.read(DATA / "mission" / "apophis-2029.toml")
-    given = found.scene
-    shape = ellipsoid(given.motion.body)
-    scene = Scene(given.motion, given.center, shape=shape.facets(1000), law=LAW)
+    motion, center = found.scene.motion, found.scene.center
+    assert motion is not None and motion.body is not None  # the file has both
+    shape = ellipsoid(motion.body)
+    scene = Scene(motion, center, shape=shape.facets(1000), law=LAW)
     print(found.name)
     print(f"semi-axes of the ellipsoid: {np.round(shape.semi_axes, 1)} m", end="\n\n")
 
@@ -70,7 +72,7 @@ def main():
     draw(view, hours / 24.0, hours[nearest] / 24.0)
 
 
-def draw(view, days, nearest):
+def draw(view: View, days: NDArray[np.float64], nearest: float) -> None:
     try:
         import matplotlib
 

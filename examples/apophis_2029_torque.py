@@ -10,11 +10,13 @@ periods depends on the attitude of the body at closest approach.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from attitude import FreeRotation, Spin, catalog
-from attitude.paths import oem
+from attitude import AttitudeHistory, Body, FreeRotation, Spin, catalog, paths
 from attitude.splitting import TorquedRotation
 from attitude.torques import GravityGradient
+
+Array = NDArray[np.float64]
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 PICTURE = "apophis_2029_torque.png"
@@ -24,7 +26,7 @@ END = 13.5 * DAY
 PHASES = np.radians(np.arange(0.0, 360.0, 60.0))
 
 
-def passing(path, phi0, psi0):
+def passing(path: paths.Path, phi0: float, psi0: float) -> tuple[FreeRotation, TorquedRotation]:
     """The free rotation before the encounter, and the motion under the Earth's gravity gradient."""
     before = catalog.entry(NAME).motion(phi0=phi0, psi0=psi0, epoch=EPOCH)
     tides = GravityGradient(path, "earth")
@@ -35,25 +37,25 @@ def passing(path, phi0, psi0):
     return before, through
 
 
-def afterwards(motion, body, seconds=END):
+def afterwards(motion: TorquedRotation, body: Body, seconds: float = END) -> FreeRotation:
     """The free rotation that continues a motion, once the Earth is far away."""
     last = motion.at(seconds)
     spin = Spin(
-        epoch=last.epoch.after(float(seconds)),
+        epoch=last.epoch.after(seconds),
         wxyz=last.wxyz,
         angular_velocity=last.angular_velocity,
     )
     return FreeRotation(body, spin)
 
 
-def turned(one, two):
+def turned(one: Array, two: Array) -> float:
     """The angle between two momenta, deg."""
     sine = np.cross(one, two)
-    return np.degrees(np.arctan2(np.sqrt(sine @ sine), one @ two))
+    return float(np.degrees(np.arctan2(np.sqrt(sine @ sine), one @ two)))
 
 
-def main():
-    path = oem(DATA / "paths" / "apophis-2029-encounter.oem")
+def main() -> None:
+    path = paths.oem(DATA / "paths" / "apophis-2029-encounter.oem")
     print("Apophis before and after 13 April 2029, for assumed phases on 7 April:")
     print(
         f"{'phi0':>6}{'psi0':>6}{'mode':>12}{'P_phi h':>10}{'P_psi h':>10}{'L changes':>11}"
@@ -62,20 +64,20 @@ def main():
     before, _ = passing(path, 0.0, 0.0)
     periods = before.period_phi / HOUR, before.period_psi / HOUR
     print(f"{'before':>12}{before.mode.name:>12}{periods[0]:10.3f}{periods[1]:10.2f}")
-    found = []
+    rows = []
     for phi0 in PHASES[::2]:
         for psi0 in PHASES[::2]:
             before, through = passing(path, phi0, psi0)
             after = afterwards(through, before.body)
             sizes = [np.sqrt(m.momentum @ m.momentum) for m in (before, after)]
-            found.append((after.period_phi / HOUR, after.period_psi / HOUR))
+            rows.append((after.period_phi / HOUR, after.period_psi / HOUR))
             print(
                 f"{np.degrees(phi0):6.0f}{np.degrees(psi0):6.0f}{after.mode.name:>12}"
-                f"{found[-1][0]:10.3f}{found[-1][1]:10.2f}"
+                f"{rows[-1][0]:10.3f}{rows[-1][1]:10.2f}"
                 f"{100.0 * (sizes[1] / sizes[0] - 1.0):+10.2f}%"
                 f"{turned(before.momentum, after.momentum):7.2f}°"
             )
-    found = np.array(found)
+    found = np.array(rows)
     print(
         f"\nP_phi from {periods[0]:.2f} h to {found[:, 0].min():.2f} .. {found[:, 0].max():.2f} h, "
         f"P_psi from {periods[1]:.1f} h to {found[:, 1].min():.0f} .. {found[:, 1].max():.0f} h."
@@ -93,7 +95,9 @@ def main():
     draw(t / DAY, distance, free, tidal, before.body)
 
 
-def draw(days, distance, free, tidal, body):
+def draw(
+    days: Array, distance: Array, free: AttitudeHistory, tidal: AttitudeHistory, body: Body
+) -> None:
     try:
         import matplotlib
 

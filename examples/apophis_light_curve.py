@@ -16,10 +16,15 @@ them.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from attitude import epochs, spectrum
+from attitude import FreeRotation, epochs, spectrum
 from attitude.formats import mission
 from attitude.scattering import hg
+from attitude.scene import View
+from attitude.shape import Ellipsoid
+
+Array = NDArray[np.float64]
 
 MISSION = Path(__file__).resolve().parent.parent / "data" / "mission" / "apophis-2012.toml"
 PICTURE = "apophis_light_curve.png"
@@ -27,9 +32,12 @@ HOUR, DAY = 3600.0, 86400.0
 H, G = 19.09, 0.24
 
 
-def main():
+def main() -> None:
     found = mission.read(MISSION)
     scene, motion = found.scene, found.scene.motion
+    # The file describes a free rotation, an ellipsoid and its magnitudes.
+    assert isinstance(motion, FreeRotation) and isinstance(scene.shape, Ellipsoid)
+    assert found.magnitude is not None
     print(found.name)
     print(f"semi-axes of the ellipsoid: {np.round(scene.shape.semi_axes, 1)} m")
     print(f"P_psi {motion.period_psi / HOUR:.2f} h, P_phi {motion.period_phi / HOUR:.2f} h")
@@ -48,7 +56,7 @@ def main():
     draw(view, seconds / DAY, magnitude, variation, fit)
 
 
-def print_curve(view, seconds, magnitude):
+def print_curve(view: View, seconds: Array, magnitude: Array) -> None:
     print(f"\n{'UTC':<12}{'phase deg':>10}{'aspect deg':>11}{'V(1,1)':>8}   over the next 31 h")
     for k in range(0, len(view), 20 * 144):
         rest = magnitude[k : k + 31 * 6]
@@ -59,7 +67,7 @@ def print_curve(view, seconds, magnitude):
         )
 
 
-def print_lines(fit, variation):
+def print_lines(fit: spectrum.SeriesFit, variation: Array) -> None:
     total = np.var(variation)
     print("\nLines |i/P_phi + j/P_psi|, the strongest first; power as a part of the variance:")
     print(f"{'i':>3}{'j':>4}{'period h':>10}{'amplitude mag':>15}{'power':>9}")
@@ -80,7 +88,7 @@ def print_lines(fit, variation):
     )
 
 
-def periodogram(seconds, variation):
+def periodogram(seconds: Array, variation: Array) -> tuple[Array, Array]:
     """Frequencies in 1/h and amplitudes in mag, from the curve alone.
 
     Hann's window suppresses the leakage of the strongest line into the weaker ones.
@@ -91,7 +99,9 @@ def periodogram(seconds, variation):
     return frequency, 2.0 * np.abs(waves) / np.sum(window)
 
 
-def draw(view, days, magnitude, variation, fit):
+def draw(
+    view: View, days: Array, magnitude: Array, variation: Array, fit: spectrum.SeriesFit
+) -> None:
     frequency, amplitude = periodogram(days * DAY, variation)
     top = frequency[np.argmax(amplitude)]
     print(f"\nThe periodogram of the curve peaks at {1.0 / top:.2f} h, half of {2.0 / top:.2f} h.")

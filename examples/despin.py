@@ -11,8 +11,9 @@ exact.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from attitude import Body, Spin
+from attitude import AttitudeHistory, Body, Spin
 from attitude.arcs import Arcs, AxisCrossesDirection, Impulse, InertiaChange
 from attitude.formats import spin_file
 
@@ -21,12 +22,12 @@ PICTURE = "despin.png"
 PULSES, SHARE, ERROR = 12, 1.0 / 3.0, 0.03
 
 
-def main():
+def main() -> None:
     body = spin_file.read(DATA / "spin" / "envisat.toml").motion.body
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=np.radians([0.6, 2.6, 0.9]))
     random = np.random.default_rng(1)
 
-    def pulse(before):
+    def pulse(before: AttitudeHistory) -> NDArray[np.float64]:
         """Minus a share of the momentum over the body axes, with an error of a few percent."""
         momentum = before.angular_velocity @ body.tensor
         return -SHARE * momentum * (1.0 + ERROR * random.normal(size=3))
@@ -55,7 +56,7 @@ def main():
     draw(motion)
 
 
-def draw(motion):
+def draw(motion: Arcs) -> None:
     try:
         import matplotlib
 

@@ -10,12 +10,24 @@ not samples.  In the shadow of the Earth a glint is dark.
     python examples/envisat_glints.py
 """
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from attitude import epochs, events
 from attitude.formats import mission
+from attitude.formats.photometry import Magnitude
+from attitude.scattering import Material, Materials
+from attitude.scene import Scene
+from attitude.shape import Mesh
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
 
 MISSION = Path(__file__).resolve().parent.parent / "data" / "mission" / "envisat-glints.toml"
 PICTURE = "envisat_glints.png"
@@ -23,9 +35,18 @@ START, NIGHT = "2013-10-23T15:30:00", 8 * 3600.0
 LOWEST = np.radians(5.0)
 
 
-def sides(scene):
+class Glint(NamedTuple):
+    """A glint: the number of the pass, the side, and the seconds of the motion of begin and end."""
+
+    number: int
+    side: str
+    begin: float
+    end: float
+
+
+def sides(mesh: Mesh) -> dict[str, tuple[Array, str]]:
     """Name, outward normal and material of each flat side of the box and of the wing."""
-    mesh, found = scene.shape, {}
+    found = {}
     for normal, material in zip(mesh.normals.round(9) + 0.0, mesh.materials, strict=True):
         if material == "panel edge":
             continue
@@ -37,50 +58,54 @@ def sides(scene):
     return found
 
 
-def reach(material):
+def reach(material: Material) -> float:
     """The angle at which Phong's lobe cos^n has fallen to a tenth, plus the Sun's radius, rad."""
-    return np.arccos(0.1 ** (1.0 / material.exponent)) + events.SUN_RADIUS
+    return float(np.arccos(0.1 ** (1.0 / material.exponent))) + events.SUN_RADIUS
 
 
-def passes(scene, start):
+def passes(scene: Scene, start: epochs.Instant) -> list[tuple[float, float]]:
     """(begin, end) in seconds of the motion of each interval above the lowest elevation."""
     view = scene.since(start, np.arange(0.0, NIGHT, 10.0))
     up = np.flatnonzero(np.diff(np.r_[False, view.elevation > LOWEST, False]))
     return [(view.seconds[a], view.seconds[b - 1]) for a, b in up.reshape(-1, 2)]
 
 
-def glints(scene, spans):
-    """(pass, side, begin, end) of each glint, in order."""
-    known = sides(scene)
+def glints(scene: Scene, spans: list[tuple[float, float]]) -> tuple[list[Glint], int]:
+    """The glints in order, and how many a perfect plane mirror on each side would give."""
+    # The file describes facets and their materials.
+    assert isinstance(scene.shape, Mesh) and isinstance(scene.law, Materials)
+    known = sides(scene.shape)
     conditions, flat = [], []
     for normal, material in known.values():
         conditions.append(events.glint(scene, normal, sun_radius=reach(scene.law[material])))
         flat.append(events.glint(scene, normal))
-    found, mirrors = [], 0
+    found: list[Glint] = []
+    mirrors = 0
     for number, (begin, end) in enumerate(spans):
         seen = events.find_discrete(begin, end, conditions)
         for k, name in enumerate(known):
-            found += [(number, name, a, b) for a, b in seen[seen.which == k].spans()]
+            found += [Glint(number, name, a, b) for a, b in seen[seen.which == k].spans()]
         mirrors += len(events.find_discrete(begin, end, flat)) // 2
-    return sorted(found, key=lambda each: each[2]), mirrors
+    return sorted(found, key=lambda each: each.begin), mirrors
 
 
-def main():
+def main() -> None:
     found = mission.read(MISSION)
-    scene = found.scene
+    scene, epoch, scale = found.scene, found.scene.epoch, found.magnitude
+    assert epoch is not None and scale is not None  # the file has a spin and a shape
     start = epochs.instant(START)
     spans = passes(scene, start)
     print(found.name)
-    print(found.note.strip(), end="\n\n")
+    print((found.note or "").strip(), end="\n\n")
 
-    def date(seconds, digits=1):
-        text = scene.epoch.after(float(seconds)).utc_iso
+    def date(seconds: float, digits: int = 1) -> str:
+        text = epoch.after(float(seconds)).utc_iso
         return f"{text[11:19]}{f'{float(text[19:] or 0):.{digits}f}'[1:]}"
 
     print(f"{'pass':<22}{'highest':>8}{'phase deg':>11}{'magnitude':>14}   enters or leaves shadow")
     for begin, end in spans:
         view = scene.at(np.arange(begin, end, 1.0))
-        seen = found.magnitude.of(view)
+        seen = scale.of(view)
         seen = seen[np.isfinite(seen)]
         edges = events.find_discrete(begin, end, events.shadow_state(scene), step=5.0)
         crossings = ", ".join(
@@ -99,22 +124,28 @@ def main():
     print(f"{'mag':>7}{'before':>8}")
     for _, name, begin, end in flashes:
         t = np.linspace(begin, end, 201)
-        magnitude = found.magnitude.of(scene.at(t))
+        magnitude = scale.of(scene.at(t))
         top = int(np.argmin(magnitude)) if np.any(np.isfinite(magnitude)) else 100
         view = scene.at([t[top], begin - (end - begin)])
         print(
             f"{date(t[top]):<12}{name:<13}{end - begin:8.3f}{np.degrees(view.elevation[0]):7.1f}"
             f"{np.degrees(view.phase_angle[0]):7.1f}{view.lit_fraction[0]:6.2f}{magnitude[top]:7.2f}"
-            f"{found.magnitude.of(view)[1]:8.2f}"
+            f"{scale.of(view)[1]:8.2f}"
         )
     print(
         f"\n{len(flashes)} glints; perfect plane mirrors would give {mirrors}. "
         "(inf: no lit part is visible.)"
     )
-    draw(found, spans, flashes, date)
+    draw(scene, scale, spans, flashes, date)
 
 
-def draw(found, spans, flashes, date):
+def draw(
+    scene: Scene,
+    scale: Magnitude,
+    spans: list[tuple[float, float]],
+    flashes: list[Glint],
+    date: Callable[[float, int], str],
+) -> None:
     try:
         import matplotlib
 
@@ -124,32 +155,31 @@ def draw(found, spans, flashes, date):
         print("\nNo picture: it needs matplotlib (pip install matplotlib).")
         return
 
-    scene = found.scene
-    bright = [(float(found.magnitude.of(scene.at([0.5 * (a + b)]))[0]), number, name, a, b)
-              for number, name, a, b in flashes]  # fmt: skip
-    bright = sorted(each for each in bright if np.isfinite(each[0]))[:2]
-    shown = sorted({each[1] for each in bright})
+    middles = [scale.of(scene.at([0.5 * (each.begin + each.end)]))[0] for each in flashes]
+    visible = [pair for pair in zip(middles, flashes, strict=True) if np.isfinite(pair[0])]
+    bright = [glint for _, glint in sorted(visible)[:2]]
+    shown = sorted({each.number for each in bright})
     figure, panels = plt.subplots(
         len(shown) + 1, 1, figsize=(10, 3.6 * (len(shown) + 1)), layout="constrained"
     )
     for panel, number in zip(panels, shown, strict=False):
-        curve(panel, found, *spans[number], 0.25)
+        curve(panel, scene, scale, spans[number])
         for each, name, begin, end in flashes:
             if each == number:
-                t = (0.5 * (begin + end) - spans[number][0]) / 60.0
-                panel.axvline(t, color="#d55e00", lw=0.8, ls="--")
-                panel.text(t, 0.97, f"{name} ", transform=panel.get_xaxis_transform(), va="top",
+                middle = (0.5 * (begin + end) - spans[number][0]) / 60.0
+                panel.axvline(middle, color="#d55e00", lw=0.8, ls="--")
+                panel.text(middle, 0.97, f"{name} ", transform=panel.get_xaxis_transform(), va="top",
                            ha="right", rotation=90, color="#d55e00", fontsize=9)  # fmt: skip
         panel.set_xlabel(f"minutes since {date(spans[number][0], 0)} UTC")
     if bright:
-        _, _, name, begin, end = bright[0]
+        _, name, begin, end = bright[0]
         middle = 0.5 * (begin + end)
         t = np.linspace(middle - 8.0, middle + 8.0, 3201)
-        panels[-1].plot(t - middle, found.magnitude.of(scene.at(t)), color="#0072b2", lw=1.2)
+        panels[-1].plot(t - middle, scale.of(scene.at(t)), color="#0072b2", lw=1.2)
         panels[-1].axvspan(begin - middle, end - middle, color="#d55e00", alpha=0.2)
         panels[-1].invert_yaxis()
         panels[-1].set(
-            xlabel=f"seconds from {date(middle)} UTC: the glint of the {name} (shaded)",
+            xlabel=f"seconds from {date(middle, 1)} UTC: the glint of the {name} (shaded)",
             ylabel="apparent magnitude",
             xlim=(-8, 8),
         )
@@ -161,11 +191,11 @@ def draw(found, spans, flashes, date):
     print(f"\nPicture: {PICTURE}")
 
 
-def curve(panel, found, begin, end, step):
-    t = np.arange(begin, end, step)
-    view = found.scene.at(t)
-    magnitude = found.magnitude.of(view)
-    minutes = (t - begin) / 60.0
+def curve(panel: "Axes", scene: Scene, scale: Magnitude, span: tuple[float, float]) -> None:
+    t = np.arange(*span, 0.25)
+    view = scene.at(t)
+    magnitude = scale.of(view)
+    minutes = (t - span[0]) / 60.0
     panel.plot(
         minutes, np.where(np.isfinite(magnitude), magnitude, np.nan), color="#0072b2", lw=0.9
     )

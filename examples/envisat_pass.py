@@ -11,21 +11,23 @@ data/spin/envisat.toml.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from attitude import epochs
 from attitude.formats import mission
+from attitude.scene import Scene, View
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 PICTURE = "envisat_pass.png"
 AXES = ("least", "middle", "greatest")
 
 
-def date(start, seconds):
+def date(start: epochs.Instant, seconds: float) -> str:
     """UTC to the second; steps of TDB differ from those of UTC by microseconds."""
     return start.after(seconds + 0.01).utc_iso[:19]
 
 
-def main():
+def main() -> None:
     found = mission.read(DATA / "mission" / "envisat-pass.toml")
     scene = found.scene
     print(found.name)
@@ -55,7 +57,7 @@ def main():
     draw(view, seconds, start)
 
 
-def shadow(scene, start):
+def shadow(scene: Scene, start: epochs.Instant) -> None:
     """Print the times in umbra and penumbra within one orbit."""
     seconds = np.arange(0.0, 6100.0, 0.25)
     lit = scene.since(start, seconds).lit_fraction
@@ -68,7 +70,7 @@ def shadow(scene, start):
     )
 
 
-def draw(view, seconds, start):
+def draw(view: View, seconds: NDArray[np.float64], start: epochs.Instant) -> None:
     try:
         import matplotlib
 

@@ -12,8 +12,12 @@ error of the integration, because that of the exact solution is too small to be 
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from attitude import AttitudeHistory, FreeRotation
 from attitude.formats import spin_file
+
+Array = NDArray[np.float64]
 
 SPIN_FILE = Path(__file__).resolve().parent.parent / "data" / "spin" / "paper.toml"
 PICTURE = "paper_figure3.png"
@@ -21,13 +25,13 @@ DURATION = 5.0
 TOLERANCES = (1e-6, 1e-9, 1e-12)
 
 
-def integrated(motion, t, tolerance):
+def integrated(motion: FreeRotation, t: Array, tolerance: float) -> tuple[Array, Array]:
     """Angular velocity (N, 3) and attitude matrix A (N, 3, 3) by scipy's DOP853."""
     from scipy.integrate import solve_ivp
 
     moments = motion.body.moments
 
-    def slope(_, state):
+    def slope(_: float, state: Array) -> Array:
         w, a = state[:3], state[3:].reshape(3, 3)
         # Euler's equations, and dA/dt = -W A (the paper's 2.13): the columns of A rotate by -w.
         return np.concatenate(
@@ -41,7 +45,7 @@ def integrated(motion, t, tolerance):
     return found.y[:3].T, found.y[3:].T.reshape(-1, 3, 3)
 
 
-def main():
+def main() -> None:
     motion = spin_file.read(SPIN_FILE).motion
     print(motion, end="\n\n")
     t = np.linspace(0.0, DURATION, 1001)
@@ -58,7 +62,7 @@ def main():
     draw(t, history, found)
 
 
-def draw(t, history, found):
+def draw(t: Array, history: AttitudeHistory, found: dict[float, tuple[Array, Array]]) -> None:
     try:
         import matplotlib
 

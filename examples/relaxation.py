@@ -10,11 +10,14 @@ decreases to the least value for this momentum.
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from attitude import FreeRotation, Mode, Spin
 from attitude.formats import spin_file
 from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation
+
+Array = NDArray[np.float64]
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 PICTURE = "relaxation.png"
@@ -22,7 +25,7 @@ DAY = 86400.0
 STRENGTH, SPAN, STEP = 0.02, 600.0 * DAY, 1800.0
 
 
-def main():
+def main() -> None:
     free = spin_file.read(DATA / "spin" / "toutatis.toml").motion
     body = free.body
     motion = TorquedRotation(body, free.spin, InternalDissipation(STRENGTH), step=STEP)
@@ -61,7 +64,7 @@ def main():
     draw(t / DAY, energy / least, middle / least, angles)
 
 
-def draw(days, energy, separatrix, angles):
+def draw(days: Array, energy: Array, separatrix: float, angles: dict[str, Array]) -> None:
     try:
         import matplotlib
 

@@ -8,14 +8,17 @@ logarithm of the inverse tilt.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from attitude import Body, FreeRotation, Spin
+
+Array = NDArray[np.float64]
 
 PICTURE = "t_handle.png"
 RATE = 2.0 * np.pi  # one turn a second
 
 
-def handle():
+def handle() -> Body:
     """A T of two brass rods, as points: a bar of 8 cm along x, a stem of 4 cm along y."""
     bar = np.column_stack([np.linspace(-0.04, 0.04, 161), np.zeros((161, 2))])
     stem = np.column_stack([np.zeros(81), np.linspace(0.0, 0.04, 81), np.zeros(81)])
@@ -23,7 +26,7 @@ def handle():
     return Body.from_points(np.full(len(points), 0.4 / len(points)), points)
 
 
-def spun_off_by(body, degrees):
+def spun_off_by(body: Body, degrees: float) -> tuple[FreeRotation, Array]:
     """Rotation about the middle axis, tilted towards the axis of least inertia; that axis."""
     order = np.argsort(body.moments)
     middle, least = body.principal_axes[:, order[1]], body.principal_axes[:, order[0]]
@@ -33,7 +36,7 @@ def spun_off_by(body, degrees):
     return motion, middle
 
 
-def main():
+def main() -> None:
     body = handle()
     print("principal moments:", ", ".join(f"{1e6 * x:.2f}" for x in body.moments), "kg mm2")
     print(f"\n{'tilt, deg':>12}{'mode':>14}{'seconds between flips':>24}")
@@ -52,7 +55,7 @@ def main():
     draw(t, np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 
-def draw(t, angle):
+def draw(t: Array, angle: Array) -> None:
     try:
         import matplotlib
 

@@ -15,17 +15,20 @@ import csv
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from attitude import Spin
+from attitude import AttitudeHistory, FreeRotation, Spin
 from attitude.formats import spin_file
+
+Array = NDArray[np.float64]
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 PICTURE = "toutatis.png"
 AXES = ("x", "y", "z")
 
 
-def observations():
-    """Radar attitudes and rates as a list of Spin."""
+def observations() -> list[Spin]:
+    """Radar attitudes and rates."""
     with open(DATA / "toutatis-observed.csv") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         return [
@@ -44,7 +47,7 @@ def observations():
         ]
 
 
-def errors(history, seen):
+def errors(history: AttitudeHistory, seen: list[Spin]) -> tuple[Array, Array]:
     """Angles (N, 3) between predicted and observed body axes, and (N,) of the whole rotation."""
     from scipy.spatial.transform import Rotation
 
@@ -59,7 +62,7 @@ def errors(history, seen):
     )
 
 
-def main():
+def main() -> None:
     motion = spin_file.read(DATA / "spin" / "toutatis.toml").motion
     print(motion, end="\n\n")
 
@@ -80,7 +83,7 @@ def main():
     draw(motion, seen, axes)
 
 
-def draw(motion, seen, axes):
+def draw(motion: FreeRotation, seen: list[Spin], axes: Array) -> None:
     try:
         import matplotlib
 

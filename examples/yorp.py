@@ -13,12 +13,16 @@ the spin rate and the obliquity is compared with that from the torque averaged b
 """
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from attitude import Body, Spin, paths, quaternion
+from attitude.paths.two_body import Kepler
 from attitude.shape import Ellipsoid, Mesh
 from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation
+
+Array = NDArray[np.float64]
 
 PICTURE = "yorp.png"
 AU, LIGHT, FLUX = 149597870700.0, 299792458.0, 1361.0
@@ -28,7 +32,7 @@ STEPS_A_ROTATION = 25.4  # not a whole number, so that an orbit samples each pha
 OBLIQUITIES = np.radians([15.0, 45.0, 75.0, 105.0, 135.0, 165.0])
 
 
-def asteroid():
+def asteroid() -> Mesh:
     """The convex hull of an ellipsoid with a few cubic bumps, without mirror symmetry."""
     vertices = Ellipsoid(0.5 * np.array(DIAMETERS)).facets(320).vertices
     x, y, z = vertices.T / np.sqrt(np.sum(vertices**2, axis=-1))
@@ -43,7 +47,7 @@ def asteroid():
     return mesh
 
 
-def orbit():
+def orbit() -> Kepler:
     """The orbit about the Sun, in the ecliptic; the real one is inclined by 1.6 deg."""
     return paths.kepler(
         semi_major_axis=1.006 * AU,
@@ -56,16 +60,17 @@ def orbit():
     )
 
 
-def spinning(body, path, obliquity):
+def spinning(body: Body, path: Kepler, obliquity: float) -> Spin:
     """Rotation about the short axis, the pole tilted by the obliquity towards the pericentre."""
     normal, towards = orbit_axes(path)
     pole = np.cos(obliquity) * normal + np.sin(obliquity) * towards
     short = body.principal_axes[:, np.argmax(body.moments)]
-    turn = quaternion.from_matrix(frame_of(pole, normal) @ frame_of(short, (1.0, 0.0, 0.0)).T)
+    x = np.array([1.0, 0.0, 0.0])
+    turn = quaternion.from_matrix(frame_of(pole, normal) @ frame_of(short, x).T)
     return Spin(epoch="2026-01-01", wxyz=turn, angular_velocity=2.0 * np.pi / PERIOD * short)
 
 
-def orbit_axes(path):
+def orbit_axes(path: Kepler) -> tuple[Array, Array]:
     """Unit vectors along the orbit's normal and towards the pericentre, ICRF."""
     start = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0)).epoch
     place, speed = (x[0] for x in path.state(start, np.zeros(1)))
@@ -73,7 +78,7 @@ def orbit_axes(path):
     return normal / np.sqrt(normal @ normal), place / np.sqrt(place @ place)
 
 
-def frame_of(third, other):
+def frame_of(third: Array, other: Array) -> Array:
     """A matrix whose columns are right-handed axes, the last along `third`."""
     first = np.cross(other, third)
     first /= np.sqrt(first @ first)
@@ -83,7 +88,9 @@ def frame_of(third, other):
 # Rates, integrated and averaged -------------------------------------------------------------------
 
 
-def integrated(motion, body, normal, span, rotations=8):
+def integrated(
+    motion: TorquedRotation, body: Body, normal: Array, span: float, rotations: int = 8
+) -> Array:
     """(dw/dt, dobliquity/dt) from means over some rotations about the start and the end of a span.
 
     The span is an orbit, so that seasonal changes cancel.
@@ -98,7 +105,15 @@ def integrated(motion, body, normal, span, rotations=8):
     return np.subtract(ends[1], ends[0]) / span
 
 
-def averaged(mesh, body, path, spin, normal, places=240, phases=240):
+def averaged(
+    mesh: Mesh,
+    body: Body,
+    path: Kepler,
+    spin: Spin,
+    normal: Array,
+    places: int = 240,
+    phases: int = 240,
+) -> Array:
     """The same from the torque on a uniformly rotating body, averaged over orbit and rotation."""
     seconds = path.period * (np.arange(places) + 0.5) / places
     place = path.position(spin.epoch, seconds)
@@ -119,7 +134,7 @@ def averaged(mesh, body, path, spin, normal, places=240, phases=240):
     return np.array([total @ pole, across / rate]) / inertia
 
 
-def light(mesh, center, sun):
+def light(mesh: Mesh, center: Array, sun: Array) -> Array:
     """Torque (N, 3) at 1 au on facets that scatter all light by Lambert's law (Rubincam 2000)."""
     cosine = np.maximum(sun @ mesh.normals.T, 0.0)
     lit = -FLUX / LIGHT * mesh.areas * cosine
@@ -131,12 +146,12 @@ def light(mesh, center, sun):
 # Evolution ----------------------------------------------------------------------------------------
 
 
-def evolution(grid, rates, obliquity, years):
+def evolution(grid: Array, rates: Array, obliquity: float, years: Array) -> Array:
     """Spin rate and obliquity (N, 2) over time, changed by the averaged rates alone."""
     start = 2.0 * np.pi / PERIOD
     state, states = np.array([start, obliquity]), []
 
-    def slope(y):
+    def slope(y: Array) -> Array:
         spin_up, turning = (np.interp(y[1], grid, rates[:, k]) for k in (0, 1))
         return np.array([spin_up, turning * start / y[0]])  # the axis turns by torque / momentum
 
@@ -147,7 +162,7 @@ def evolution(grid, rates, obliquity, years):
     return np.array(states)
 
 
-def main():
+def main() -> None:
     mesh, path = asteroid(), orbit()
     body = Body.from_shape(mesh, density=DENSITY)
     normal, _ = orbit_axes(path)
@@ -183,7 +198,7 @@ def main():
     draw(np.degrees(grid), np.array(curve) * unit, np.array(found), years, ahead)
 
 
-def draw(degrees, curve, found, years, ahead):
+def draw(degrees: Array, curve: Array, found: Array, years: Array, ahead: list[Array]) -> None:
     try:
         import matplotlib
 
