@@ -1,0 +1,141 @@
+"""Instantaneous changes between free arcs: angular momentum added, inertia replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from attitude import frames, validation
+from attitude.body import Body
+from attitude.errors import AttitudeError
+from attitude.immutable import Immutable, frozen
+
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, FloatArray, Real, Reals
+    from attitude.arcs.triggers import Trigger
+    from attitude.history import AttitudeHistory
+
+    MomentumFunction = Callable[[AttitudeHistory], Reals]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Impulse(Immutable):
+    """Angular momentum added in an instant.
+
+    Parameters
+    ----------
+    at : epoch, seconds or Trigger
+        TDB seconds since the epoch of the spin, an epoch of any kind that `Spin` takes, or an
+        event such as `PointMeetsPlane`: its first time after the change before.
+    angular_momentum : (3,) array_like, or function
+        kg m2/s (in the body's unit of inertia if that is relative).  A function is called with
+        the AttitudeHistory of that one epoch, before the change, and returns the vector.
+    frame : str
+        "body": over the body axes at that epoch; "icrf", "eme2000" or "ecliptic".
+
+    Attributes
+    ----------
+    at : as given
+    angular_momentum : (3,) array, or function
+    frame : str
+
+    Raises
+    ------
+    AttitudeError
+        For another shape or unit, numbers that are not finite, and an unknown frame.
+    """
+
+    at: Epoch | Real | Trigger
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str = "body"
+
+    def __init__(
+        self,
+        at: Epoch | Real | Trigger,
+        angular_momentum: Reals | MomentumFunction,
+        frame: str = "body",
+    ) -> None:
+        self._set("at", at)
+        self._set("frame", _known(frame))
+        self._set("angular_momentum", _momentum(angular_momentum))
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InertiaChange(Immutable):
+    """The body becomes another in an instant: a boom is deployed, a servicer docks.
+
+    Body axes, attitude and angular momentum stay; the angular velocity follows from them.
+
+    Parameters
+    ----------
+    at : epoch, seconds or Trigger
+        As for `Impulse`.
+    body : Body
+        The body from then on, over the same body axes.
+    angular_momentum : (3,) array_like, or function
+        Angular momentum added by the change, such as that of a servicer; as for `Impulse`.
+    frame : str
+        As for `Impulse`.
+
+    Attributes
+    ----------
+    at : as given
+    body : Body
+    angular_momentum : (3,) array, or function
+    frame : str
+
+    Raises
+    ------
+    AttitudeError
+        As for `Impulse`, and for anything but a Body.
+    """
+
+    at: Epoch | Real | Trigger
+    body: Body
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str = "body"
+
+    def __init__(
+        self,
+        at: Epoch | Real | Trigger,
+        body: Body,
+        angular_momentum: Reals | MomentumFunction = (0.0, 0.0, 0.0),
+        frame: str = "body",
+    ) -> None:
+        if not isinstance(body, Body):
+            raise AttitudeError(f"body is {type(body).__name__}; give a Body.")
+        self._set("at", at)
+        self._set("body", body)
+        self._set("frame", _known(frame))
+        self._set("angular_momentum", _momentum(angular_momentum))
+
+
+def added_momentum(
+    change: Impulse | InertiaChange, before: Callable[[], AttitudeHistory], name: str
+) -> FloatArray:
+    """Angular momentum (3,) that a change adds, in its frame.
+
+    Parameters
+    ----------
+    change : Impulse or InertiaChange
+    before : function
+        Returns the history of the epoch of the change, before it.
+    name : str
+        Of the change in error messages.
+    """
+    momentum = change.angular_momentum
+    if not callable(momentum):
+        return momentum
+    value = momentum(before())
+    return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+
+
+def _momentum(given: Any) -> FloatArray | MomentumFunction:
+    if callable(given):
+        return given
+    return frozen(validation.real(given, "angular_momentum", shape=(3,), unit="kg m2/s"))
+
+
+def _known(frame: str) -> str:
+    return frame if frame == "body" else frames.known(frame)
