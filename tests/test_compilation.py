@@ -1,13 +1,21 @@
 """Compilation: what is kept on disk, what goes wrong there, and Ctrl-C meanwhile."""
 
+import os
+import shutil
 import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import numba
 import pytest
 from numba.core import event
 
+import attitude
 from attitude.compilation import deferral
+from attitude.compilation.decorators import reduction
 from attitude.compilation.disk_cache import kept_on_disk
+from attitude.compilation.instructions import fence
 
 
 def twice(x):
@@ -98,3 +106,56 @@ def test_an_interrupted_compilation_can_be_had_again(folder):
     finally:
         event.unregister("numba:compile", press)
     assert function(1.5) == 3.0
+
+
+_EMISSION = """
+import numpy as np
+from attitude.scene.loops import earlier
+out = np.zeros((2, 1))
+earlier(np.array([10.0]), np.zeros(1), np.array([6.0]), 2.0, out[0], out[1])
+print(out[0, 0])
+print(sum(earlier.dispatcher.stats.cache_hits.values()))
+"""
+
+
+def test_an_edit_of_another_file_is_compiled(tmp_path):
+    """numba compares the file of a function; what it calls may stand elsewhere."""
+    package = Path(attitude.__file__).parent
+    copy = tmp_path / "sources" / "attitude"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(copy.parent),
+        "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+    }
+
+    def run():
+        ran = subprocess.run(
+            [sys.executable, "-P", "-c", _EMISSION],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return ran.stdout.split()
+
+    assert run() == ["7.0", "0"]
+    assert run() == ["7.0", "1"]
+    called = copy / "solution" / "twofloat.py"
+    text = called.read_text()
+    before, name, after = text.partition("def two_sum(a, b):")
+    edited = after.replace("    s = a + b\n", "    s = a + b + 1.0\n", 1)
+    assert edited != after, "two_sum is written in another way; edit it in another way here"
+    called.write_text(before + name + edited)
+    assert run() == ["8.0", "0"]
+
+
+@reduction
+def rearranged(a, b):
+    """b, since sums may be taken in another order, and what the rounded sum leaves of it."""
+    return (a + b) - a, fence(a + b) - a
+
+
+def test_a_fence_keeps_the_order_of_a_sum():
+    assert rearranged(1e16, 1.0) == (1.0, 0.0)
+    assert rearranged.py_func(1e16, 1.0) == (0.0, 0.0)

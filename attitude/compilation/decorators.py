@@ -75,6 +75,10 @@ class Compilable:
     def __repr__(self):
         return f"<{type(self).__name__} {self.__module__}.{self.__name__}>"
 
+    def __reduce__(self):
+        # By name, as functions are pickled: numba's cache tells closures apart by the hash of that.
+        return self.__qualname__
+
     @property
     def dispatcher(self):
         """numba's dispatcher of the function, made when first asked for."""
@@ -97,8 +101,8 @@ class Compilable:
 class EntryPoint(Compilable):
     """A `Compilable` that is compiled at the first call from Python for each set of types."""
 
-    def __init__(self, python, options):
-        super().__init__(python, options, kept=True)
+    def __init__(self, python, options, kept=True):
+        super().__init__(python, options, kept)
         self._run = self._in_python if UNCOMPILED else self._first
 
     def __call__(self, *arguments):
@@ -159,6 +163,16 @@ def force_inlined(function):
 def reduction(function):
     """As `entry_point`, where sums may be taken in any order."""
     return EntryPoint(function, _ANY_ORDER)
+
+
+def reduction_over(*called):
+    """As `reduction`, for a closure over compilable functions, whose machine code is part of it.
+
+    It is kept on disk if all of them are the package's own: an edit of others would not be seen.
+    """
+    own = __name__.partition(".")[0]
+    kept = all(each.__module__.partition(".")[0] == own for each in called)
+    return lambda function: EntryPoint(function, _ANY_ORDER, kept)
 
 
 def reduction_subroutine(function):

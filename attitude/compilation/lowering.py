@@ -93,6 +93,11 @@ def _larger(context, builder, signature, arguments):
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
+@_instruction(instructions.fence, _F8(_F8))
+def _fence(context, builder, signature, arguments):
+    return _llvm(builder, "llvm.arithmetic.fence", arguments)
+
+
 @_instruction(instructions.bits_set, types.uint8(types.uint8))
 def _bits_set(context, builder, signature, arguments):
     return builder.ctpop(arguments[0])

@@ -8,9 +8,9 @@
                 where the law has no closed form (1000).  ``divided``: how often facets are cut in
                 four, for finer shadows.  ``shadows = false`` leaves out those that a body casts on
                 itself.
-[scattering]    ``law``: "lambert", "lommel-seeliger" (unless given), "lommel-seeliger-lambert",
-                "hapke" or "material", with its parameters as keys; or ``materials``, a table for
-                each group of facets with the parameters of `scattering.Material`.
+[scattering]    ``law``: a name of `scattering.laws` ("lommel-seeliger" unless given), with the
+                fields of that law as keys; or ``materials``, a table for each group of facets with
+                the fields of `scattering.Material`.
 [magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
                 ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with ``g1``
                 and ``g2``: the mean over all orientations follows that phase function, and shape
@@ -21,7 +21,7 @@
 Numbers are SI and radians, or text with a unit.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -51,14 +51,6 @@ _BOX_WING = {
     "wing_angle": "rad",
     "wings": None,
 }
-_LAWS = {
-    "lambert": scattering.Lambert,
-    "lommel-seeliger": scattering.LommelSeeliger,
-    "lommel-seeliger-lambert": scattering.LommelSeeligerLambert,
-    "hapke": scattering.Hapke,
-    "material": scattering.Material,
-}
-_ANGLES = {("hapke", "roughness"), ("lommel-seeliger-lambert", "d")}
 _FACETS = 1000
 
 
@@ -137,7 +129,7 @@ def shape_of(given, body, opened):
 
 def facets_for(given, found, law):
     """The shape itself, or the facets of an ellipsoid that a law has no closed form for."""
-    if isinstance(found, shape.Ellipsoid) and not isinstance(law, scattering.LommelSeeliger):
+    if isinstance(found, shape.Ellipsoid) and not law.has_ellipsoid_form:
         return found.facets(given.get("facets", _FACETS))
     if "facets" in given and isinstance(found, shape.Ellipsoid):
         return found.facets(given["facets"])
@@ -151,14 +143,14 @@ def law_of(given, found):
     if "materials" in given:
         refuse_unknown(given, ("materials",), "[scattering] with materials")
         return _materials(given["materials"], found)
-    name = given.get("law", "lommel-seeliger")
-    if not isinstance(name, str) or name not in _LAWS:
+    name, known = given.get("law", "lommel-seeliger"), scattering.laws()
+    if not isinstance(name, str) or name not in known:
         raise AttitudeError(
-            f"[scattering] law is {name!r}; give one of {', '.join(map(repr, _LAWS))}, or a table "
+            f"[scattering] law is {name!r}; give one of {', '.join(map(repr, known))}, or a table "
             "of materials."
         )
     rest = {key: value for key, value in given.items() if key != "law"}
-    return _law(name, rest, "[scattering]")
+    return _law(known[name], rest, "[scattering]")
 
 
 def scale_of(given):
@@ -223,17 +215,17 @@ def _ellipsoid(given, body):
     return shape.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
 
 
-def _law(name, given, where):
-    made = _LAWS[name]
-    known = [each.name for each in fields(made)]
-    refuse_unknown(given, known, f"{where} ({name})")
+def _law(made, given, where):
+    """A law of a class by the keys of a table, which are the fields of the class."""
+    parameters = made.parameters()
+    refuse_unknown(given, list(parameters), f"{where} ({made.name})")
     rest = {}
     for key, value in given.items():
-        is_word = isinstance(value, str) and key == "model"
-        unit = "rad" if (name, key) in _ANGLES else None
-        rest[key] = value if is_word else _number(value, f"{where} {key}", unit)
-    if name == "material" and "diffuse" not in rest:
-        raise AttitudeError(f"{where} has no diffuse; give the share of the light, from 0 to 1.")
+        each = parameters[key]
+        rest[key] = value if each.words else _number(value, f"{where} {key}", each.unit)
+    for key in made.required():
+        if key not in rest:
+            raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
     try:
         return made(**rest)
     except AttitudeError as err:
@@ -264,7 +256,10 @@ def _materials(given, found):
                 f"[scattering] materials has no {name!r}, of which the shape has facets; give it."
             )
     return scattering.Materials(
-        {key: _law("material", value, f"[scattering] {key}") for key, value in given.items()}
+        {
+            key: _law(scattering.Material, value, f"[scattering] {key}")
+            for key, value in given.items()
+        }
     )
 
 

@@ -9,8 +9,8 @@ from attitude.light_curve.blocks import in_blocks
 from attitude.light_curve.clusters import aligned, clusters_of
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import POINTS, Visibility
-from attitude.scattering import LommelSeeliger
 from attitude.scattering import law as known_law
+from attitude.scattering import laws
 from attitude.shape import Ellipsoid, Mesh
 
 # Epochs in a block: some 0.5 MB of temporaries, and a few milliseconds of work.
@@ -28,7 +28,7 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
     shape : Ellipsoid or Mesh
         An ellipsoid takes the Lommel-Seeliger law, in closed form; for any other law ask it for
         its facets.
-    law : str or law
+    law : str or Law
         See `attitude.scattering`.
     sun, observer : (..., 3) array_like
         Unit vectors from the body to Sun and observer in body axes.  Views (N, 3) of
@@ -85,16 +85,13 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
             f"out must be a writable float64 array of shape {shape_out} in C order."
         )
     flat = out.reshape(-1)
-    has_phase = not isinstance(shape, Ellipsoid) and hasattr(law, "weights")
-    vary = has_phase and np.any(law.phase(np.array([0.0, 1.0, 2.0])) != 1.0)
-
-    if vary:
+    if law.has_phase:
         from attitude.solution.vectors import separation
 
     def work(begin, end):
         parts = components(sun, observer, begin, end)
         kernel(*parts, flat[begin:end])
-        if vary:
+        if law.has_phase:
             flat[begin:end] *= law.phase(separation(*parts))
 
     in_blocks(work, flat.size, BLOCK, threads, progress)
@@ -125,16 +122,17 @@ def _kernel(shape, law, shadows, threads):
     if len(shape.inward_facets):
         shape.require_closed()
     table = _table(shape, shadows, threads)
-    if hasattr(law, "weights"):
-        return _fused_kernel(shape, law, table)
-    return _facet_kernel(shape, law, table)
+    if law.weights is None:
+        return _facet_kernel(shape, law, table)
+    return _fused_kernel(shape, law, table)
 
 
 def _ellipsoid_kernel(shape, law):
-    if not isinstance(law, LommelSeeliger):
+    if not law.has_ellipsoid_form:
+        names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
         raise AttitudeError(
-            f"an ellipsoid has a closed form under the Lommel-Seeliger law only, not under {law!r}:"
-            " give its facets, Ellipsoid.facets(count), or law='lommel-seeliger'."
+            f"an ellipsoid has a closed form under the law {names} only, not under {law!r}: give "
+            "its facets, Ellipsoid.facets(count), or that law."
         )
     from attitude.light_curve.closed_form import ellipsoid
 
@@ -177,7 +175,8 @@ def _facet_kernel(mesh, law, table):
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, 0, number[clusters.order])
     rest = clusters.blocks, *_looked_up(clusters, table), rows, which
-    return _times(clusters.area, lambda *arrays: sums.by_facet(*rest, *arrays))
+    summed = sums.by_facet(law.of_phase, law.element)
+    return _times(clusters.area, lambda *arrays: summed(*rest, *arrays))
 
 
 def _times(area, summed):

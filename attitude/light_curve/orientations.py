@@ -23,7 +23,7 @@ def mean_brightness(shape, law, alpha):
     ----------
     shape : Ellipsoid or Mesh
         Of one that shades itself the mean without shadows is returned.
-    law : str or law
+    law : str or Law
         Lambert, Lommel-Seeliger, or both: those that are a phase function times
         mu0 mu [a / (mu0 + mu) + b].
     alpha : (...) array_like
@@ -38,7 +38,7 @@ def mean_brightness(shape, law, alpha):
     np.float64(1.0)
     """
     law = known_law(law)
-    if not hasattr(law, "weights"):
+    if law.weights is None:
         raise AttitudeError(
             f"the mean over all orientations is known for Lambert's and Lommel-Seeliger's laws, "
             f"not for {law!r}; it has a phase function of its own, so ask for magnitudes without H."

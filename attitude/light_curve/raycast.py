@@ -14,7 +14,7 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
     Parameters
     ----------
     mesh : Mesh
-    law : str or law
+    law : str or Law
         One of those that are a phase function times mu0 mu [a / (mu0 + mu) + b].
     sun, observer : (N, 3) array_like
         Unit vectors in body axes.
@@ -36,8 +36,11 @@ def brightness_by_rays(mesh, law, sun, observer, *, points=None):
 
     require_mesh(mesh)
     law = known_law(law)
-    if not hasattr(law, "weights"):
-        raise AttitudeError(f"law is {law!r}; rays are cast for the fused laws only.")
+    if law.weights is None:
+        raise AttitudeError(
+            f"law is {law!r}; rays are cast only under laws that are a phase function times "
+            "mu0 mu [a / (mu0 + mu) + b], such as Lambert and LommelSeeliger."
+        )
     sun, observer, shape = paired(sun, observer)
     if points is None:
         places = points_of(mesh.corners)

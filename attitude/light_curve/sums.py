@@ -6,16 +6,16 @@ are those of `visibility`, or None where nothing casts a shadow.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 
-from attitude.compilation.decorators import reduction, reduction_inlined
-from attitude.compilation.instructions import bits_set, lowest_bit
+from attitude.compilation.decorators import reduction, reduction_inlined, reduction_over
+from attitude.compilation.instructions import bits_set, fence, lowest_bit
 from attitude.compilation.simd import at_least, bits_set_in_bytes, eight, lanes, summed_up
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
-from attitude.scattering.codes import WIDTH
-from attitude.scattering.compiled import element, of_phase
+from attitude.scattering.reflectances import TERMS
 
 # In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: a body that
 # shows nothing sums to less than _NOTHING.
@@ -111,53 +111,6 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         out[t] = total if total > _NOTHING else 0.0
 
 
-@reduction
-def by_facet(blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out):
-    """Sum of mu0 mu (r / mu0) dA for laws that are evaluated facet by facet.
-
-    Here a branch pays: a law costs many times the test.
-    """
-    now = np.empty((rows.shape[0], WIDTH))
-    ways = np.empty(16)
-    share = 1.0
-    for t in range(out.size):
-        a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-        cos_half = 0.5 * _length(a + d, b + e, c + f)
-        sin_half = 0.5 * _length(a - d, b - e, c - f)
-        for m in range(rows.shape[0]):
-            of_phase(rows[m], cos_half, sin_half, now[m])
-        lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-        if masks is not None:
-            free_sun = np.uint64(cell(a, b, c, resolution))
-            free_eye = np.uint64(cell(d, e, f, resolution))
-        _laid_out(ways, 0, a, b, c)
-        _laid_out(ways, 8, d, e, f)
-        total = 0.0
-        for w in range(np.uint64(sky.shape[1])):
-            word = sky[lit, w] & sky[seen, w]
-            while word != _0:
-                n = lowest_bit(word) + w * _WORD
-                word &= word - _1
-                i, way, own, k = n * _BLOCK, axes[n, 0], axes[n, 1], n * _PLACES
-                a, b, c = ways[way], ways[way + _1], ways[own]
-                way, own = way + _EYE, own + _EYE
-                d, e, f = ways[way], ways[way + _1], ways[own]
-                if masks is not None:
-                    free = masks[free_sun, n] & masks[free_eye, n]
-                for j in range(_PLACES):
-                    x, y = blocks[i + j], blocks[i + _ROW_1 + j]
-                    p, q = x * a + y * b + c, x * d + y * e + f
-                    if p > 0.0 and q > 0.0:
-                        height, area = blocks[i + _ROW_2 + j], blocks[i + _ROW_3 + j]
-                        if masks is not None:
-                            share = 0.125 * bits_set(np.uint8(free >> (j * _PLACES)))
-                        if share > 0.0 and area > 0.0:
-                            m = which[k + j]
-                            p, q = p * height, q * height
-                            total += share * area * p * q * element(rows[m], now[m], p, q)
-        out[t] = total
-
-
 @reduction_inlined
 def cell(x, y, z, resolution):
     """The cell of a direction on the cube of `visibility`."""
@@ -183,3 +136,61 @@ def evened(u):
     """
     s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
     return s if u >= 0.0 else -s
+
+
+@cache
+def by_facet(of_phase, element):
+    """The sum of mu0 mu (r / mu0) dA for the functions of a law; see `scattering.law`.
+
+    It is compiled for each pair, so that no facet pays for the choice of a law.  The fences keep
+    the terms of a law apart from those of the sum: r has the same bits as in `Law.reflectance`.
+    """
+
+    @reduction_over(of_phase, element)
+    def summed(
+        blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out
+    ):
+        # Here a branch pays: a law costs many times the test.
+        now = np.empty((rows.shape[0], TERMS))
+        ways = np.empty(16)
+        share = 1.0
+        for t in range(out.size):
+            a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+            cos_half = 0.5 * _length(a + d, b + e, c + f)
+            sin_half = 0.5 * _length(a - d, b - e, c - f)
+            for m in range(rows.shape[0]):
+                of_phase(rows[m], cos_half, sin_half, now[m])
+            lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
+            if masks is not None:
+                free_sun = np.uint64(cell(a, b, c, resolution))
+                free_eye = np.uint64(cell(d, e, f, resolution))
+            _laid_out(ways, 0, a, b, c)
+            _laid_out(ways, 8, d, e, f)
+            total = 0.0
+            for w in range(np.uint64(sky.shape[1])):
+                word = sky[lit, w] & sky[seen, w]
+                while word != _0:
+                    n = lowest_bit(word) + w * _WORD
+                    word &= word - _1
+                    i, way, own, k = n * _BLOCK, axes[n, 0], axes[n, 1], n * _PLACES
+                    a, b, c = ways[way], ways[way + _1], ways[own]
+                    way, own = way + _EYE, own + _EYE
+                    d, e, f = ways[way], ways[way + _1], ways[own]
+                    if masks is not None:
+                        free = masks[free_sun, n] & masks[free_eye, n]
+                    for j in range(_PLACES):
+                        x, y = blocks[i + j], blocks[i + _ROW_1 + j]
+                        p, q = x * a + y * b + c, x * d + y * e + f
+                        if p > 0.0 and q > 0.0:
+                            height, area = blocks[i + _ROW_2 + j], blocks[i + _ROW_3 + j]
+                            if masks is not None:
+                                share = 0.125 * bits_set(np.uint8(free >> (j * _PLACES)))
+                            if share > 0.0 and area > 0.0:
+                                m = which[k + j]
+                                p, q = p * height, q * height
+                                weight = fence(share * area * p * q)
+                                r = element(rows[m], now[m], fence(p), fence(q))
+                                total += weight * fence(r)
+            out[t] = total
+
+    return summed

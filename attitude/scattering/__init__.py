@@ -5,53 +5,42 @@ irradiance of a surface facing the Sun.  A body's brightness is the integral of 
 is lit and seen, in m2/sr.  mu0 and mu are cosines of incidence and emission, alpha is the phase
 angle.  A Lambert surface of albedo 1 has r = mu0 / pi; r / mu0 is symmetric in mu0 and mu for
 every law here (Helmholtz reciprocity).
+
+law          `Law`, the base of all laws: what a new kind defines; the laws by name
+weighted     Lambert's and Lommel-Seeliger's laws, and their sum
+hapke        Hapke's law
+materials    a diffuse part and a gloss, for all facets or by name; `lobes`, its compiled functions
+parameters   ranges and units of the numbers of a law
+reflectances arrays of r of laws that are evaluated facet by facet
+phase        phase functions of whole asteroids
 """
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 from attitude.scattering.hapke import Hapke
-from attitude.scattering.laws import Lambert, LommelSeeliger, LommelSeeligerLambert
+from attitude.scattering.law import Law, forget, law, laws
 from attitude.scattering.materials import Material, Materials
+from attitude.scattering.parameters import parameter
 from attitude.scattering.phase import hg, hg1g2
+from attitude.scattering.weighted import Lambert, LommelSeeliger, LommelSeeligerLambert
 
 __all__ = [
     "Hapke",
     "Lambert",
+    "Law",
     "LommelSeeliger",
     "LommelSeeligerLambert",
     "Material",
     "Materials",
+    "forget",
     "hg",
     "hg1g2",
     "law",
+    "laws",
+    "parameter",
 ]
 
-_NAMED = {
-    "lambert": Lambert,
-    "lommel-seeliger": LommelSeeliger,
-    "lommel-seeliger-lambert": LommelSeeligerLambert,
-    "hapke": Hapke,
-}
-
-
-def law(given):
-    """The law itself, or the one with usual parameters that a name stands for.
-
-    Examples
-    --------
-    >>> law("lommel-seeliger")
-    LommelSeeliger(albedo=1.0)
-    """
-    from attitude.errors import AttitudeError
-
-    if isinstance(given, str) and given in _NAMED:
-        return _NAMED[given]()
-    if isinstance(given, type) and hasattr(given, "reflectance"):
-        raise AttitudeError(
-            f"law is the class {given.__name__}; give one of its values: {given.__name__}(...)."
-        )
-    if hasattr(given, "reflectance"):
-        return given
-    names = ", ".join(repr(name) for name in _NAMED)
-    raise AttitudeError(
-        f"law is {given!r}; give one of {names}, or a law with parameters such as "
-        "attitude.scattering.Hapke(...) or Materials(...)."
-    )
+# A law in a file of its own is known by its name: defining the class registers it.
+for _each in iter_modules(__path__, f"{__name__}."):
+    import_module(_each.name)

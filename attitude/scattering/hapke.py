@@ -1,16 +1,99 @@
 """Hapke's law with opposition surge and macroscopic roughness."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from attitude.scattering.parameters import geometry, within
+from attitude.compilation.decorators import reduction_subroutine
+from attitude.compilation.instructions import fence
+from attitude.scattering.law import Law
+from attitude.scattering.parameters import parameter
 
-_MOST_ROUGH = np.radians(60.0)
+# In Hapke's roughness a denominator and its numerators vanish together where Sun and observer are
+# both on the horizon, opposite each other; nothing is returned there, and this keeps it so.
+_LEAST = 1e-300
+
+
+@reduction_subroutine
+def _of_phase(row, cos_half, sin_half, now):
+    """The phase function with its surge, sin^2(alpha/2), tan(theta-bar) and gamma."""
+    # A fence, so that the product is the same in every loop that this is copied into.
+    cos_alpha = fence((cos_half - sin_half) * (cos_half + sin_half))
+    g = row[1]
+    base = 1.0 + 2.0 * g * cos_alpha + g * g
+    surge = row[2] * row[3] * cos_half / (row[3] * cos_half + sin_half)
+    now[0] = (1.0 + surge) * (1.0 - g * g) / (base * math.sqrt(base))
+    now[1] = sin_half * sin_half
+    now[2] = math.tan(row[4])
+    now[3] = math.sqrt(1.0 - row[0])
+
+
+@reduction_subroutine
+def _element(row, now, mu0, mu):
+    """r / mu0 in 1/sr; what `_of_phase` wrote is in `now`."""
+    w, tan_bar, gamma = row[0], now[2], now[3]
+    if tan_bar <= 0.0:
+        return 0.25 / math.pi * w * _single_and_multiple(now[0], gamma, mu0, mu) / (mu0 + mu)
+    mu0 = min(mu0, 1.0)
+    mu = min(mu, 1.0)
+    sin_i = math.sqrt(1.0 - mu0 * mu0)
+    sin_e = math.sqrt(1.0 - mu * mu)
+    # The azimuth psi between the planes of incidence and emission; where one is vertical it is 0:
+    # sin^2(psi/2) = [sin^2(alpha/2) - sin^2((i - e)/2)] / (sin i sin e), where near opposition
+    # cosines would lose half of their digits.  Rounding takes it beyond both ends.
+    sines = sin_i * sin_e
+    sin2_half = 0.0
+    if sines > 0.0:
+        # in an order that exchanging Sun and observer leaves alone: reciprocity to rounding
+        high, low = max(mu0, mu), min(mu0, mu)
+        apart = min(sin_i, sin_e) * low - max(sin_i, sin_e) * high
+        apart = 0.5 * apart * apart / (1.0 + mu0 * mu + sines)
+        sin2_half = min(max((now[1] - apart) / sines, 0.0), 1.0)
+    cos_psi = 1.0 - 2.0 * sin2_half
+    tan_half = math.sqrt(sin2_half) / math.sqrt(max(1.0 - sin2_half, 1e-300))
+    psi = 2.0 * math.atan(tan_half)
+    chi = 1.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
+    e1_i, e2_i = _slopes(mu0, sin_i, tan_bar)
+    e1_e, e2_e = _slopes(mu, sin_e, tan_bar)
+    eta_i = chi * (mu0 + sin_i * tan_bar * e2_i / (2.0 - e1_i))
+    eta_e = chi * (mu + sin_e * tan_bar * e2_e / (2.0 - e1_e))
+    hidden = math.exp(-2.0 * tan_half)
+    if mu0 >= mu:
+        below = max(2.0 - e1_e - psi / math.pi * e1_i, _LEAST)
+        mu0_e = chi * (mu0 + sin_i * tan_bar * (cos_psi * e2_e + sin2_half * e2_i) / below)
+        mu_e = chi * (mu + sin_e * tan_bar * (e2_e - sin2_half * e2_i) / below)
+        share = mu0 / eta_i
+    else:
+        below = max(2.0 - e1_i - psi / math.pi * e1_e, _LEAST)
+        mu0_e = chi * (mu0 + sin_i * tan_bar * (e2_i - sin2_half * e2_e) / below)
+        mu_e = chi * (mu + sin_e * tan_bar * (cos_psi * e2_i + sin2_half * e2_e) / below)
+        share = mu / eta_e
+    # S / mu0, so that nothing is divided by a cosine that may be tiny.
+    shadow = mu_e / (eta_e * eta_i) * chi / (1.0 - hidden + hidden * chi * share)
+    ratio = mu0_e / (mu0_e + mu_e)
+    return 0.25 / math.pi * w * ratio * shadow * _single_and_multiple(now[0], gamma, mu0_e, mu_e)
+
+
+@reduction_subroutine
+def _slopes(mu, sine, tan_bar):
+    """Hapke 1984, eqs. 45, 46: E1 and E2, of angle with cosine mu; both 0 at the vertical."""
+    if sine <= 0.0:
+        return 0.0, 0.0
+    cot = mu / (sine * tan_bar)
+    return math.exp(-2.0 / math.pi * cot), math.exp(-cot * cot / math.pi)
+
+
+@reduction_subroutine
+def _single_and_multiple(single, gamma, mu0, mu):
+    """(1 + B) p + H(mu0) H(mu) - 1."""
+    h0 = (1.0 + 2.0 * mu0) / (1.0 + 2.0 * mu0 * gamma)
+    h1 = (1.0 + 2.0 * mu) / (1.0 + 2.0 * mu * gamma)
+    return single + h0 * h1 - 1.0
 
 
 @dataclass(frozen=True)
-class Hapke:
+class Hapke(Law):
     """Reflectance of a particulate surface, rough on scales above the grains.
 
     r = w / (4 pi) mu0e / (mu0e + mue) [(1 + B(alpha)) p(alpha) + H(mu0e) H(mue) - 1] S
@@ -32,37 +115,12 @@ class Hapke:
     of average C-type asteroids (Helfenstein & Veverka, Asteroids II, 1989).
     """
 
-    w: float = 0.037
-    g: float = -0.47
-    b0: float = 2.5
-    h: float = 0.025
-    roughness: float = np.radians(20.0)
+    name = "hapke"
+    of_phase = _of_phase
+    element = _element
 
-    def __post_init__(self):
-        for name, low, high, unit in (
-            ("w", 0.0, 1.0, None),
-            ("g", -0.99, 0.99, None),
-            ("b0", 0.0, 10.0, None),
-            ("h", 1e-6, 10.0, None),
-            ("roughness", 0.0, _MOST_ROUGH, "rad"),
-        ):
-            object.__setattr__(self, name, within(getattr(self, name), name, low, high, unit=unit))
-
-    def reflectance(self, mu0, mu, alpha):
-        """r in 1/sr for cosines of incidence and emission and the phase angle (rad).
-
-        Zero where mu0 or mu is not positive.
-        """
-        from attitude.scattering import compiled
-
-        mu0, mu, alpha = geometry(mu0, mu, alpha)
-        rows = self.rows(("surface",))
-        return compiled.evaluated(rows, mu0, mu, alpha)
-
-    def rows(self, materials):
-        """One row of numbers for compiled code, whatever the facets are made of."""
-        from attitude.scattering.codes import HAPKE, WIDTH
-
-        row = np.zeros((1, WIDTH))
-        row[0, :6] = HAPKE, self.w, self.g, self.b0, self.h, self.roughness
-        return row, np.zeros(len(materials), dtype=np.int64)
+    w: float = parameter(0.037, low=0.0, high=1.0)
+    g: float = parameter(-0.47, low=-0.99, high=0.99)
+    b0: float = parameter(2.5, low=0.0, high=10.0)
+    h: float = parameter(0.025, low=1e-6, high=10.0)
+    roughness: float = parameter(np.radians(20.0), low=0.0, high=np.radians(60.0), unit="rad")

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.scattering.codes import COOK_TORRANCE, PHONG, WIDTH
-from attitude.scattering.parameters import geometry, within
+from attitude.scattering import lobes
+from attitude.scattering.law import Law
+from attitude.scattering.parameters import parameter
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(Law):
     """A diffuse (Lambert) part and a glossy lobe about the mirror direction.
 
     Parameters
@@ -39,53 +39,27 @@ class Material:
     Trans. Graphics 1, 7, 1982; Schlick, Computer Graphics Forum 13, 233, 1994, eq. 15.
     """
 
-    diffuse: float
-    specular: float = 0.0
-    model: str = "phong"
-    exponent: float = 100.0
-    roughness: float = 0.1
-    f0: float = 1.0
+    name = "material"
+    of_phase = lobes.of_phase
+    element = lobes.element
+
+    diffuse: float = parameter(low=0.0, high=1.0)
+    specular: float = parameter(0.0, low=0.0, high=1.0)
+    model: str = parameter("phong", words=lobes.MODELS)
+    exponent: float = parameter(100.0, low=1.0, high=1e6)
+    roughness: float = parameter(0.1, low=1e-3, high=1.0)
+    f0: float = parameter(1.0, low=0.0, high=1.0)
 
     def __post_init__(self):
-        validation.one_of(self.model, "model", ("phong", "cook-torrance"))
-        for name, low, high in (
-            ("diffuse", 0.0, 1.0),
-            ("specular", 0.0, 1.0),
-            ("exponent", 1.0, 1e6),
-            ("roughness", 1e-3, 1.0),
-            ("f0", 0.0, 1.0),
-        ):
-            object.__setattr__(self, name, within(getattr(self, name), name, low, high))
+        super().__post_init__()
         if self.diffuse + self.specular > 1.0 + 1e-12:
             raise AttitudeError(
                 f"diffuse {self.diffuse} and specular {self.specular} add up to more than 1: the "
                 "surface would return more light than it gets; lower one of them."
             )
 
-    def reflectance(self, mu0, mu, alpha):
-        """r in 1/sr for cosines of incidence and emission and the phase angle (rad).
 
-        Zero where mu0 or mu is not positive.
-        """
-        from attitude.scattering import compiled
-
-        mu0, mu, alpha = geometry(mu0, mu, alpha)
-        return compiled.evaluated(self.rows(("surface",)), mu0, mu, alpha)
-
-    def rows(self, materials):
-        """One row of numbers for compiled code, whatever the facets are called."""
-        return self._row()[None], np.zeros(len(materials), dtype=np.int64)
-
-    def _row(self):
-        row = np.zeros(WIDTH)
-        if self.model == "phong":
-            row[:4] = PHONG, self.diffuse, self.specular, self.exponent
-        else:
-            row[:5] = COOK_TORRANCE, self.diffuse, self.specular, self.roughness, self.f0
-        return row
-
-
-class Materials:
+class Materials(Law):
     """A `Material` for each name that the facets of a mesh carry.
 
     Parameters
@@ -98,6 +72,9 @@ class Materials:
     >>> satellite["body"].specular
     0.2
     """
+
+    of_phase = lobes.of_phase
+    element = lobes.element
 
     def __init__(self, by_name):
         try:
@@ -113,7 +90,7 @@ class Materials:
                 raise AttitudeError(
                     f"material {name!r} is {material!r}; give an attitude.scattering.Material."
                 )
-        self._by_name = by_name
+        object.__setattr__(self, "_by_name", by_name)
 
     def __getitem__(self, name):
         if name not in self._by_name:
@@ -132,8 +109,8 @@ class Materials:
         return self[material].reflectance(mu0, mu, alpha)
 
     def rows(self, materials):
-        """(M, WIDTH) rows of numbers, and (F,) which of them each facet has."""
+        """(M, W) rows of numbers, and (F,) which of them each facet has."""
         names = sorted(set(materials))
-        rows = np.array([self[name]._row() for name in names])
+        rows = np.array([self[name].row() for name in names])
         number = {name: k for k, name in enumerate(names)}
         return rows, np.array([number[name] for name in materials], dtype=np.int64)

@@ -12,6 +12,7 @@ from attitude.paths.bodies import body_name, naif_index
 from attitude.paths.composed import NamedBody
 from attitude.paths.ephemeris_source import Ephemeris
 from attitude.paths.place import Place
+from attitude.scattering import law as known_law
 from attitude.scene import shadow
 from attitude.scene.view import View
 
@@ -32,7 +33,7 @@ class Scene(Immutable):
         the ephemeris when a position is needed.
     shape : Ellipsoid or Mesh, optional
         Of `attitude.shape`; magnitudes need it.
-    law : str or law
+    law : str or Law
         How its surface scatters; see `attitude.scattering`.
     light_time : bool
         Whether light takes its time.  False puts everything at the epochs given.
@@ -103,7 +104,7 @@ class Scene(Immutable):
         self._set("sun", _place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
         self._set("shape", _known_shape(shape))
-        self._set("law", law)
+        self._set("law", known_law(law))
         self._set("light_time", _flag(light_time, "light_time"))
         self._set("aberration", _flag(aberration, "aberration"))
         if tolerance is not None:

@@ -64,7 +64,9 @@ def quoted(value, key):
 
 
 def listed(words):
-    """Words as alternatives: "a, b or c"."""
+    """Words as alternatives: "a, b or c"; "none" where there is none."""
+    if len(words) < 2:
+        return words[0] if words else "none"
     return ", ".join(words[:-1]) + " or " + words[-1]
 
 

@@ -1,36 +1,18 @@
-"""Laws that are a phase function times mu0 mu [a / (mu0 + mu) + b]: one fused sum serves all.
-
-Each has `weights`, the pair (a, b), and `phase(alpha)`, the factor of an epoch.
-"""
+"""Laws that are a phase function times mu0 [a / (mu0 + mu) + b]: one sum over facets serves all."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from attitude import validation
-from attitude.scattering.parameters import geometry, within
+from attitude.scattering.law import Law
+from attitude.scattering.parameters import parameter
 
 _FOUR_PI = 4.0 * np.pi
 
 
-class _Fused:
-    """The reflectance that `weights` and `phase` define."""
-
-    def reflectance(self, mu0, mu, alpha):
-        """r in 1/sr for cosines of incidence and emission and the phase angle (rad).
-
-        Zero where mu0 or mu is not positive: the element is dark or turned away.
-        """
-        mu0, mu, alpha = geometry(mu0, mu, alpha)
-        shown = (mu0 > 0.0) & (mu > 0.0)
-        together = np.where(shown, mu0 + mu, 1.0)
-        a, b = self.weights
-        value = self.phase(alpha) * (a * (mu0 / together) + b * mu0)
-        return np.where(shown, value, 0.0)
-
-
 @dataclass(frozen=True)
-class Lambert(_Fused):
+class Lambert(Law):
     """r = albedo mu0 / pi: equally bright from everywhere.
 
     Parameters
@@ -42,23 +24,17 @@ class Lambert(_Fused):
     Spectroscopy, 2nd ed. 2012, eq. 8.12.
     """
 
-    albedo: float = 1.0
-
-    def __post_init__(self):
-        object.__setattr__(self, "albedo", within(self.albedo, "albedo", 0.0, 1.0))
+    name = "lambert"
+    albedo: float = parameter(1.0, low=0.0, high=1.0)
 
     @property
     def weights(self):
         """(a, b) in 1/sr."""
         return 0.0, self.albedo / np.pi
 
-    def phase(self, alpha):
-        """1 at every phase angle."""
-        return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
-
 
 @dataclass(frozen=True)
-class LommelSeeliger(_Fused):
+class LommelSeeliger(Law):
     """r = albedo / (4 pi) mu0 / (mu0 + mu): single scattering by a dark, rough surface.
 
     Parameters
@@ -70,23 +46,18 @@ class LommelSeeliger(_Fused):
     returns at most (1 - ln 2)/2 of what falls in vertically; see the energy test.
     """
 
-    albedo: float = 1.0
-
-    def __post_init__(self):
-        object.__setattr__(self, "albedo", within(self.albedo, "albedo", 0.0, 1.0))
+    name = "lommel-seeliger"
+    has_ellipsoid_form = True
+    albedo: float = parameter(1.0, low=0.0, high=1.0)
 
     @property
     def weights(self):
         """(a, b) in 1/sr."""
         return self.albedo / _FOUR_PI, 0.0
 
-    def phase(self, alpha):
-        """1 at every phase angle."""
-        return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
-
 
 @dataclass(frozen=True)
-class LommelSeeligerLambert(_Fused):
+class LommelSeeligerLambert(Law):
     """The law of light-curve inversion: r = albedo / (4 pi) f(alpha) mu0 [1/(mu0 + mu) + c].
 
     With f(alpha) = a exp(-alpha / d) + k alpha + 1.
@@ -109,21 +80,12 @@ class LommelSeeligerLambert(_Fused):
     are those of DAMIT's convexinv.
     """
 
-    c: float = 0.1
-    a: float = 0.5
-    d: float = 0.1
-    k: float = -0.5
-    albedo: float = 1.0
-
-    def __post_init__(self):
-        for name, low, high in (
-            ("c", 0.0, 10.0),
-            ("a", 0.0, 10.0),
-            ("d", 1e-6, 10.0),
-            ("k", -10.0, 10.0),
-            ("albedo", 0.0, 1.0),
-        ):
-            object.__setattr__(self, name, within(getattr(self, name), name, low, high))
+    name = "lommel-seeliger-lambert"
+    c: float = parameter(0.1, low=0.0, high=10.0)
+    a: float = parameter(0.5, low=0.0, high=10.0)
+    d: float = parameter(0.1, low=1e-6, high=10.0, unit="rad")
+    k: float = parameter(-0.5, low=-10.0, high=10.0, unit="1/rad")
+    albedo: float = parameter(1.0, low=0.0, high=1.0)
 
     @property
     def weights(self):
