@@ -3,15 +3,36 @@
 Heavy packages are imported where they are used, so that ``import attitude`` costs little.
 """
 
+from __future__ import annotations
+
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from attitude import moved
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError as AttitudeError
+
+if TYPE_CHECKING:
+    # The names of _WHERE, for editors and type checkers.
+    from attitude.arcs.arcs import Arcs as Arcs
+    from attitude.arcs.arcs import Impulse as Impulse
+    from attitude.arcs.arcs import InertiaChange as InertiaChange
+    from attitude.attitude_table.table import AttitudeTable as AttitudeTable
+    from attitude.body import Body as Body
+    from attitude.fitting import fit as fit
+    from attitude.free_rotation.free_rotation import FreeRotation as FreeRotation
+    from attitude.history import AttitudeHistory as AttitudeHistory
+    from attitude.propagation import propagate as propagate
+    from attitude.referee.referee import compare as compare
+    from attitude.regime import Mode as Mode
+    from attitude.scene.scene import Scene as Scene
+    from attitude.spin import Spin as Spin
+    from attitude.splitting.torqued_rotation import TorquedRotation as TorquedRotation
 
 __version__ = "0.1.0"
 
 moved.install()
 
+# The module that defines each name, imported when the name is first used.
 _WHERE = {
     "Arcs": "attitude.arcs.arcs",
     "AttitudeHistory": "attitude.history",
@@ -32,13 +53,15 @@ _WHERE = {
 __all__ = ["AttitudeError", *sorted(_WHERE)]
 
 
-def __getattr__(name):
-    if name not in _WHERE:
-        raise AttributeError(f"module 'attitude' has no attribute {name!r}")
-    value = getattr(import_module(_WHERE[name]), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    def __getattr__(name: str) -> Any:
+        if name not in _WHERE:
+            raise AttributeError(f"module 'attitude' has no attribute {name!r}")
+        value = getattr(import_module(_WHERE[name]), name)
+        globals()[name] = value
+        return value
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted({*globals(), *_WHERE})

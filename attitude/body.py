@@ -1,7 +1,11 @@
-"""Mass properties: principal moments of inertia and where their axes lie in the body."""
+"""Mass properties: principal moments of inertia and the directions of their axes in the body."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,80 +14,101 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.solution.principal import PrincipalAxes
 
-# Asymmetry of a tensor, relative to its largest entry, that is taken for rounding.
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray, Real, Reals
+    from attitude.shape.ellipsoid import Ellipsoid
+    from attitude.shape.mesh import Mesh
+
+# Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
 _ASYMMETRY = 1e-13
-# What rounding leaves of a moment that is zero, relative to the largest.
+# Rounding error of an eigenvalue that is zero, relative to the largest.
 _ZERO_MOMENT = 1e-15
-# What measured moments may miss the triangle inequality by, as in the compiled solution.
+# Violation of the triangle inequality, relative to the largest moment, that measured moments may
+# have; as in the compiled solution.
 _TRIANGLE = 1e-14
-# Principal axes that are the body axes, as pairs of doubles.
+# Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Body(Immutable):
-    """A rigid body's inertia.
-
-    Give moments or tensor, not both.
+    """The inertia of a rigid body.
 
     Parameters
     ----------
     moments : (3,) array_like, optional
         Principal moments about the body axes x, y, z in kg m2, in any order.
     tensor : (3, 3) array_like, optional
-        Inertia tensor about the centre of mass in body axes, kg m2.  Its doubles are taken as
-        exact; moments and axes are found to 115 digits.
+        Inertia tensor about the centre of mass in body axes, kg m2; in place of the moments.  Its
+        doubles are taken as exact; moments and axes are computed to 115 digits.
     mass : float, optional
         kg.
     relative : bool
-        Whether the unit of the moments is unknown: energy and momentum are then in that unit.
+        True if the unit of the moments is unknown: energy and momentum are then in that unit.
+    center_of_mass : (3,) array_like, optional
+        m, in the coordinates of the points or shape from which the body was made; by default 0.
 
     Attributes
     ----------
     moments : (3,) array
-        As given, or the eigenvalues of the tensor in ascending order (of a diagonal one: its
-        diagonal as it is).
+        As given, or the eigenvalues of the tensor in ascending order (of a diagonal tensor, its
+        diagonal), kg m2.
     principal_axes : (3, 3) array
         Columns: the unit vectors of the principal axes in body axes, right-handed.
     tensor : (3, 3) array
+        kg m2, in body axes.
+    mass : float or None
+        kg.
+    relative : bool
     center_of_mass : (3,) array
-        In the coordinates of the points or shape that the body was made from, m.
+        m.
 
     Raises
     ------
     AttitudeError
         For moments that are negative or not finite or violate the triangle inequality beyond
-        rounding, a tensor that is not symmetric, wrong shapes and units.
+        rounding, a tensor that is not symmetric, wrong shapes and units, and both moments and
+        tensor or neither.
 
     >>> Body(tensor=[[2, 0, 0], [0, 2.5, 0.5], [0, 0.5, 2.5]]).moments
     array([2., 2., 3.])
     """
 
-    moments: np.ndarray = None
-    tensor: np.ndarray = None
-    mass: float = None
-    relative: bool = False
-    center_of_mass: np.ndarray = None
-    principal_axes: np.ndarray = field(init=False)
+    moments: FloatArray
+    tensor: FloatArray
+    mass: float | None
+    relative: bool
+    center_of_mass: FloatArray
+    principal_axes: FloatArray = field(init=False)
 
-    def __post_init__(self):
-        unit = None if self.relative else "kg m2"
-        if (self.moments is None) == (self.tensor is None):
+    def __init__(
+        self,
+        moments: Reals | None = None,
+        tensor: Reals | None = None,
+        mass: Real | None = None,
+        relative: bool = False,
+        center_of_mass: Reals | None = None,
+    ) -> None:
+        self._moments: FloatArray
+        self._axes: FloatArray
+        self._found: PrincipalAxes | None
+        unit = None if relative else "kg m2"
+        if (moments is None) == (tensor is None):
             raise AttitudeError("a Body takes either moments=(3 numbers) or tensor=(3 x 3).")
-        if self.mass is not None:
-            self._set("mass", validation.positive(self.mass, "mass", unit="kg"))
-        center = (0.0, 0.0, 0.0) if self.center_of_mass is None else self.center_of_mass
+        self._set("relative", relative)
+        self._set("mass", None if mass is None else validation.positive(mass, "mass", unit="kg"))
+        center = (0.0, 0.0, 0.0) if center_of_mass is None else center_of_mass
         center = validation.real(center, "center_of_mass", shape=(3,), unit="m")
         self._set("center_of_mass", frozen(center))
-        if self.tensor is None:
-            self._from_moments(validation.real(self.moments, "moments", shape=(3,), unit=unit))
+        if tensor is None:
+            self._from_moments(validation.real(moments, "moments", shape=(3,), unit=unit))
         else:
-            self._from_tensor(validation.real(self.tensor, "tensor", shape=(3, 3), unit=unit))
+            self._from_tensor(validation.real(tensor, "tensor", shape=(3, 3), unit=unit))
         for array in (self.moments, self.tensor, self.principal_axes, self._moments, self._axes):
             frozen(array)
 
     @classmethod
-    def from_points(cls, masses, positions, *, relative=False):
+    def from_points(cls, masses: Reals, positions: Reals, *, relative: bool = False) -> Body:
         """A rigid set of point masses.
 
         Parameters
@@ -91,8 +116,15 @@ class Body(Immutable):
         masses : (N,) array_like
             kg, positive.
         positions : (N, 3) array_like
-            m, in body axes, from any origin.  The inertia is that about the centre of mass: van
-            Zon & Schofield (2006), eqs. 2.1 and 2.2.
+            m, in body axes, from any origin.  The inertia is computed about the centre of mass:
+            van Zon & Schofield (2006), eqs. 2.1 and 2.2.
+        relative : bool
+            True if the units of masses and positions are unknown.
+
+        Raises
+        ------
+        AttitudeError
+            For other shapes, and a mass that is not above zero.
         """
         masses = validation.real(masses, "masses", unit=None if relative else "kg")
         positions = validation.real(positions, "positions", unit=None if relative else "m")
@@ -102,7 +134,8 @@ class Body(Immutable):
                 "(N, 3)."
             )
         if np.any(masses <= 0.0):
-            raise AttitudeError("masses must all be greater than zero.")
+            bad = masses[masses <= 0.0][0]
+            raise AttitudeError(f"masses holds {bad}; every mass must be greater than zero.")
         total = masses.sum()
         center = masses @ positions / total
         arms = positions - center
@@ -112,7 +145,7 @@ class Body(Immutable):
         return cls(tensor=tensor, mass=mass, relative=relative, center_of_mass=center)
 
     @classmethod
-    def from_ellipsoid(cls, axes, *, mass=None):
+    def from_ellipsoid(cls, axes: Reals, *, mass: Real | None = None) -> Body:
         """A homogeneous ellipsoid.
 
         Parameters
@@ -121,6 +154,11 @@ class Body(Immutable):
             Semi-axes along body x, y, z: m, or any unit without a mass.
         mass : float, optional
             kg.  Without it the moments are relative.
+
+        Raises
+        ------
+        AttitudeError
+            For another shape, and a semi-axis or mass that is not above zero.
         """
         axes = validation.real(axes, "axes", shape=(3,), unit=None if mass is None else "m")
         if np.any(axes <= 0.0):
@@ -131,7 +169,7 @@ class Body(Immutable):
         return cls(moments=moments, mass=mass, relative=mass is None)
 
     @classmethod
-    def from_shape(cls, shape, *, density=None):
+    def from_shape(cls, shape: Mesh | Ellipsoid, *, density: Real | None = None) -> Body:
         """A homogeneous solid of a shape.
 
         Parameters
@@ -144,32 +182,31 @@ class Body(Immutable):
         Raises
         ------
         AttitudeError
-            For what is no shape, a mesh that is open or inside out, and a density not above zero.
+            For any other object, a mesh that is open or inside out, and a density not above zero.
         """
-        known = density is not None
-        density = validation.positive(density, "density", unit="kg/m3") if known else 1.0
+        known = None if density is None else validation.positive(density, "density", unit="kg/m3")
         if not hasattr(shape, "mass_properties"):
             raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Mesh or Ellipsoid.")
-        found = shape.mass_properties(density=density)
+        found = shape.mass_properties(density=1.0 if known is None else known)
         return cls(
             tensor=found.inertia,
-            mass=found.mass if known else None,
-            relative=not known,
+            mass=None if known is None else found.mass,
+            relative=known is None,
             center_of_mass=found.center_of_mass,
         )
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         unit = "relative" if self.relative else "kg m2"
         listed = ", ".join(f"{moment:.9g}" for moment in self.moments)
         return f"<Body: principal moments {listed} {unit}>"
 
-    def _from_moments(self, moments):
+    def _from_moments(self, moments: FloatArray) -> None:
         _check(moments, "moments")
         pairs = np.zeros((3, 2))
         pairs[:, 0] = moments
         self._keep(moments, np.diag(moments), pairs, None)
 
-    def _from_tensor(self, tensor):
+    def _from_tensor(self, tensor: FloatArray) -> None:
         off = np.max(np.abs(tensor - tensor.T))
         largest = np.max(np.abs(tensor))
         if off > _ASYMMETRY * largest:
@@ -190,7 +227,13 @@ class Body(Immutable):
         _check(pairs[:, 0], "the principal moments of tensor")
         self._keep(pairs[:, 0].copy(), tensor, pairs, found)
 
-    def _keep(self, moments, tensor, pairs, found):
+    def _keep(
+        self,
+        moments: FloatArray,
+        tensor: FloatArray,
+        pairs: FloatArray,
+        found: PrincipalAxes | None,
+    ) -> None:
         axes = _GIVEN_AXES if found is None else found.axes()
         self._set("moments", moments)
         self._set("tensor", tensor)
@@ -199,36 +242,41 @@ class Body(Immutable):
         self._set("_axes", axes)
         self._set("_found", found)
 
-    def rates_about_principal_axes(self, omega):
-        """Components (3, 2), pairs of doubles, of an angular velocity (3,) in body axes."""
+    def rates_about_principal_axes(self, omega: FloatArray) -> FloatArray:
+        """Components over the principal axes of an angular velocity (3,) over the body axes.
+
+        (3, 2), each the sum of its two doubles, rad/s.
+        """
         if self._found is None:
             return np.stack([omega, np.zeros(3)], axis=-1)
         return self._found.rates(omega)
 
-    def differences(self, omega):
-        """What two doubles of moments and rates would lose beside the separatrix, (3, 2), or None.
+    def differences(self, omega: FloatArray) -> FloatArray | None:
+        """B - A, C - B and L^2 - 2 E B of a tensor, which cancel near the separatrix, or None.
 
-        None where they lose nothing, the moments being given: see
-        `attitude.solution.principal.PrincipalAxes.differences`.
+        (3, 2) pairs of doubles at the angular velocity omega (3,), rad/s in body axes, scaled as
+        by `attitude.solution.principal.PrincipalAxes.differences`.  None if the moments were given
+        or one of them is zero: the moments and rates then have all the digits.
         """
         if self._found is None or self.moments[0] == 0.0:
             return None
         return self._found.differences(omega)
 
     @cached_property
-    def principal_wxyz(self):
-        """The unit quaternion (4,) from principal to body axes."""
+    def principal_wxyz(self) -> FloatArray:
+        """The unit quaternion (4,) from principal to body axes, scalar first."""
         if np.array_equal(self.principal_axes, np.eye(3)):
             return frozen(np.array([1.0, 0.0, 0.0, 0.0]))
         return frozen(quaternion.from_matrix(self.principal_axes))
 
     @property
-    def moments_as_pairs(self):
-        """The principal moments to 31 digits: (3, 2), each the sum of its two doubles."""
+    def moments_as_pairs(self) -> FloatArray:
+        """The principal moments to 31 digits, kg m2: (3, 2), each the sum of its two doubles."""
         return self._moments
 
 
-def _check(moments, name):
+def _check(moments: FloatArray, name: str) -> None:
+    """AttitudeError for principal moments that no body has."""
     if np.any(moments < 0.0) or not np.any(moments > 0.0):
         raise AttitudeError(
             f"{name} are {_listed(moments)}; moments of inertia must not be negative, and at most "
@@ -242,13 +290,16 @@ def _check(moments, name):
         )
 
 
-def _rod_within_rounding(pairs):
-    """A least eigenvalue that rounding made negative is a rod's zero; the others are then equal."""
+def _rod_within_rounding(pairs: FloatArray) -> FloatArray:
+    """Eigenvalues in which a least one that is negative by rounding is 0, the others then equal.
+
+    A body with a zero moment is a rod.
+    """
     if -_ZERO_MOMENT * pairs[2, 0] <= pairs[0, 0] <= 0.0:
         mean = 0.5 * (pairs[1] + pairs[2])
         return np.array([[0.0, 0.0], mean, mean])
     return pairs
 
 
-def _listed(row):
+def _listed(row: Iterable[float]) -> str:
     return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"

@@ -7,7 +7,7 @@
 >>> round(FreeRotation(body, spin).period_psi / 86400.0, 4)      # days
 5.3685
 
-What the entry does not hold is asked for:
+Values that an entry does not have are given as keywords:
 
 >>> catalog.entry("99942 Apophis (2014)").missing
 ('phi0', 'psi0', 'epoch')
@@ -16,10 +16,12 @@ What the entry does not hold is asked for:
 'ecliptic'
 """
 
+from __future__ import annotations
+
 import difflib
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,7 +34,12 @@ from attitude.spin import Spin
 from attitude.textfiles import toml
 from attitude.textfiles.lines import packaged
 
-# The ways to give a state, and what each needs.
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from attitude.annotations import Reals
+
+# The forms of a state, and the values that each requires.
 _NEEDED = {
     "angles": ("moments", "angles", "angular_velocity", "epoch"),
     "rates": ("moments", "wxyz", "angular_velocity", "epoch"),
@@ -42,7 +49,7 @@ _KEYWORDS = (*_NEEDED["periods"], "theta_branch", "wxyz", "angular_velocity", "f
 
 
 class Loaded(NamedTuple):
-    """What ``load`` gives: ``body, spin = catalog.load(name)``."""
+    """Result of ``load``: ``body, spin = catalog.load(name)``."""
 
     body: Body
     spin: Spin
@@ -58,32 +65,35 @@ class Value:
     value : float, list or str
         In `unit`.
     unit : str or None
+        As astropy spells it; None for text and pure numbers.
     error : float or list or None
-        As printed; [minus, plus] where they differ.
+        As printed, in `unit`; [minus, plus] where they differ.
     source : str
+        Publication.
     """
 
     name: str
-    value: object
-    unit: str
-    error: object
+    value: Any
+    unit: str | None
+    error: Any
     source: str
 
     @property
-    def si(self):
+    def si(self) -> Any:
         """The value as a float or array in SI units and radians; text as it is."""
         if isinstance(self.value, str):
             return self.value
+        if self.unit is None:
+            return validation.real(self.value, self.name)[()]
         unit = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}.get(self.unit, self.unit)
-        if self.unit is None or unit == self.unit:
+        if unit == self.unit:
             return validation.real(self.value, self.name)[()]
         from astropy import units
 
-        return validation.real(np.array(self.value) * units.Unit(self.unit), self.name, unit=unit)[
-            ()
-        ]
+        quantity = np.array(self.value) * units.Unit(self.unit)
+        return validation.real(quantity, self.name, unit=unit)[()]
 
-    def __str__(self):
+    def __str__(self) -> str:
         value = self.value if isinstance(self.value, str) else _spelled(self.value)
         error = "" if self.error is None else f" ({_error(self.error)})"
         unit = "" if self.unit is None else f" {self.unit}"
@@ -96,42 +106,52 @@ class Entry:
 
     Attributes
     ----------
-    name, frame : str
-    mode, convention : str or None
+    name : str
+        Of the body, with the year of publication if there are several entries.
     year : int
+        Of publication.
+    frame : str
+        Of the pole, angles or attitude: "icrf" or "ecliptic".
+    mode, convention : str or None
+        "LAM" or "SAM"; "L" or "S"; None if they are not published.
     given : dict of str to Value
-        What body and spin are made from.
+        The values from which body and spin are made.
     printed : dict of str to Value
-        What else the paper prints, to compare with.
+        Further values of the paper, for comparison.
     note : str
     """
 
     name: str
     year: int
     frame: str
-    mode: str
-    convention: str
-    given: dict
-    printed: dict
+    mode: str | None
+    convention: str | None
+    given: dict[str, Value]
+    printed: dict[str, Value]
     note: str
 
     @property
-    def missing(self):
-        """The keywords that `load` asks for, in order; () where nothing is wanting."""
+    def missing(self) -> tuple[str, ...]:
+        """The keywords that `load` requires, in order; () for a complete entry."""
         return tuple(name for name in _NEEDED[self._kind({})] if not self._has(name))
 
     @property
-    def sources(self):
-        """Every source, once."""
+    def sources(self) -> tuple[str, ...]:
+        """The publications of all values, each once."""
         return tuple(dict.fromkeys(each.source for each in self._values()))
 
-    def body(self, *, moments=None):
-        """The Body; relative where only ratios are known.
+    def body(self, *, moments: Reals | None = None) -> Body:
+        """The Body; relative if only ratios of the moments are known.
 
         Parameters
         ----------
         moments : (3,) array_like, optional
-            About the body axes, instead of the published ones; relative unless a Quantity.
+            About the body axes, in place of the published ones; relative unless a Quantity.
+
+        Raises
+        ------
+        AttitudeError
+            If no moments are published or given.
         """
         if moments is not None:
             relative = not hasattr(moments, "unit")
@@ -146,28 +166,29 @@ class Entry:
             return Body(moments=ratios, relative=True)
         raise AttitudeError(
             f"the catalogue has no moments of {self.name}; give moments=(3 numbers) about the body "
-            "axes, ratios will do."
+            "axes, of any unit."
         )
 
-    def load(self, **given):
-        """Body and spin; keywords give what was not published, or replace what was.
+    def load(self, **given: Any) -> Loaded:
+        """Body and spin; keywords supply values that are missing, or replace published ones.
 
         Parameters
         ----------
         moments, mode, convention, P_psi, P_phi, pole, phi0, psi0, epoch, theta_branch, frame
             As in `Body` and `Spin.from_periods`.
         wxyz, angular_velocity, epoch, frame
-            As in `Spin`; instead of the published state.
+            As in `Spin`; in place of the published state.
 
         Raises
         ------
         AttitudeError
-            Naming what is missing, or no keyword.
+            For an unknown keyword, and if values are missing; the text names them.
         """
         unknown = [name for name in given if name not in _KEYWORDS]
         if unknown:
+            are = "is not a keyword" if len(unknown) == 1 else "are not keywords"
             raise AttitudeError(
-                f"{', '.join(unknown)} is not known here; give any of {', '.join(_KEYWORDS)}."
+                f"{', '.join(unknown)} {are} of load; give any of {', '.join(_KEYWORDS)}."
             )
         given = {name: value for name, value in given.items() if value is not None}
         kind = self._kind(given)
@@ -189,11 +210,11 @@ class Entry:
         branch = given.get("theta_branch")
         return Loaded(body, Spin.from_periods(body, **state, theta_branch=branch, frame=frame))
 
-    def motion(self, **given):
-        """``FreeRotation`` of `load`."""
+    def motion(self, **given: Any) -> FreeRotation:
+        """The ``FreeRotation`` of the body and spin of `load`, with the same keywords."""
         return FreeRotation(*self.load(**given))
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [self.name]
         if self.mode or self.convention:
             lines.append(
@@ -206,8 +227,8 @@ class Entry:
             lines.append(f"  not in the catalogue: {', '.join(self.missing)}")
         return "\n".join(lines)
 
-    def _request(self, missing):
-        """The sentence that asks for what is missing."""
+    def _request(self, missing: list[str]) -> str:
+        """The error text for missing values."""
         them = "it as a keyword" if len(missing) == 1 else "them as keywords"
         open_mode = f" {self.note}" if "mode" in missing and self.note else ""
         return (
@@ -216,8 +237,8 @@ class Entry:
             f"line {' '.join('--' + each.replace('_', '-') for each in missing)}.{open_mode}"
         )
 
-    def _kind(self, given):
-        """How the state is given: by what the caller says, else as it was published."""
+    def _kind(self, given: Mapping[str, Any]) -> str:
+        """The form of the state: that of the caller's keywords, else that of the publication."""
         if "wxyz" in given or "angular_velocity" in given:
             return "rates"
         if set(given) & {*_NEEDED["periods"], "theta_branch"} - {"moments", "epoch"}:
@@ -226,7 +247,8 @@ class Entry:
             return "angles"
         return "periods" if "P_phi" in self.given else "rates"
 
-    def _has(self, name):
+    def _has(self, name: str) -> bool:
+        """Whether the entry has a value under a keyword of `load`."""
         if name in ("mode", "convention"):
             return getattr(self, name) is not None
         if name == "moments":
@@ -235,10 +257,11 @@ class Entry:
             return bool({"angular_velocity", "principal_rates"} & set(self.given))
         return name in self.given
 
-    def _published(self, name):
+    def _published(self, name: str) -> Any:
+        """The value under a keyword of `load`, in SI units."""
         return getattr(self, name) if name in ("mode", "convention") else self.given[name].si
 
-    def _from_rates(self, body, given, frame):
+    def _from_rates(self, body: Body, given: Mapping[str, Any], frame: str) -> Spin:
         epoch = given["epoch"] if "epoch" in given else self.given["epoch"].si
         wxyz = given["wxyz"] if "wxyz" in given else self.given["wxyz"].si
         if "angular_velocity" in given:
@@ -248,20 +271,19 @@ class Entry:
             rate = 2.0 * np.pi / self.printed["spin_period"].si * (body.principal_axes @ about)
         return Spin(epoch, wxyz, rate, frame)
 
-    def _values(self):
+    def _values(self) -> tuple[Value, ...]:
         return (*self.given.values(), *self.printed.values())
 
 
-def names():
+def names() -> tuple[str, ...]:
     """The names of all entries."""
     return tuple(_entries())
 
 
-def entry(name):
-    """The `Entry` of a name.
+def entry(name: str) -> Entry:
+    """The `Entry` of a name, or of a part of a name that only one body has, in any case.
 
-    Case does not matter, and a part that only one body has will do: its newest entry, where there
-    are several.
+    Of several entries of the body the newest.
 
     >>> entry("apophis").name
     '99942 Apophis (2022)'
@@ -269,13 +291,13 @@ def entry(name):
     Raises
     ------
     AttitudeError
-        For a name that is not there or belongs to several bodies.
+        For a name that no body has, or several bodies have.
     """
     if not isinstance(name, str) or not name.strip():
         raise AttitudeError(f"name is {name!r}; give one of {', '.join(names())}.")
-    entries, wanted = _entries(), name.strip().lower()
-    exact = [each for each in entries.values() if each.name.lower() == wanted]
-    found = exact or [each for each in entries.values() if wanted in each.name.lower()]
+    entries, key = _entries(), name.strip().lower()
+    exact = [each for each in entries.values() if each.name.lower() == key]
+    found = exact or [each for each in entries.values() if key in each.name.lower()]
     bodies = {each.name.partition(" (")[0] for each in found}
     if len(bodies) == 1:
         return max(found, key=lambda each: each.year)
@@ -288,34 +310,43 @@ def entry(name):
     )
 
 
-def load(name, **given):
-    """Body and spin of a published state: ``body, spin = load(name)``; see `Entry.load`.
+def load(name: str, **given: Any) -> Loaded:
+    """Body and spin of a published state: ``body, spin = load(name)``.
 
     Parameters
     ----------
     name : str
         As in `entry`.
     **given
-        What was not published, as `Entry.missing` names it.
+        Values that are not published (`Entry.missing`) or replace published ones; see
+        `Entry.load`.
 
     Returns
     -------
     Loaded
         (body, spin)
+
+    Raises
+    ------
+    AttitudeError
+        As `entry` and `Entry.load`.
     """
     return entry(name).load(**given)
 
 
 @cache
-def _entries():
+def _entries() -> dict[str, Entry]:
+    """The entries of the package's file of spin states, by name."""
     name = "data/spin_states.toml"
     tables = toml.parsed(packaged(name), name)
     sources = tables.pop("sources")
     return {name: _entry(name, table, sources) for name, table in tables.items()}
 
 
-def _entry(name, table, sources):
-    def values(rows):
+def _entry(name: str, table: Mapping[str, Any], sources: Mapping[str, str]) -> Entry:
+    """One entry from its TOML table."""
+
+    def values(rows: list[dict[str, Any]]) -> dict[str, Value]:
         return {
             row["name"]: Value(
                 row["name"],
@@ -339,11 +370,11 @@ def _entry(name, table, sources):
     )
 
 
-def _spelled(value):
+def _spelled(value: Any) -> str:
     if isinstance(value, list):
         return "(" + ", ".join(_spelled(each) for each in value) + ")"
     return repr(value)
 
 
-def _error(error):
+def _error(error: Any) -> str:
     return f"-{error[0]} +{error[1]}" if isinstance(error, list) else f"+-{error}"

@@ -1,8 +1,7 @@
-"""Smooth functions of time as Chebyshev pieces: fitted once, measured, then cheap to evaluate.
+"""Smooth functions of time as Chebyshev polynomials on equal pieces of a span, with their error.
 
-A time scale difference costs microseconds an epoch when it is summed from its series, and a
-place in the solar system costs microseconds when it is read from an ephemeris.  Both are smooth:
-a polynomial per piece gives them back to a stated error for some tens of nanoseconds.
+The series of a time scale difference and the position of a body in an ephemeris take microseconds
+an epoch.  Both are smooth: a polynomial per piece takes tens of nanoseconds, to a measured error.
 
 The functions work on one piece, -1 <= x <= 1; `Pieces` joins equal pieces over a span of time.
 
@@ -10,27 +9,37 @@ Source: Press et al., Numerical Recipes (2007), section 5.8: the discrete orthog
 Chebyshev polynomials on their zeros, and Clenshaw's recurrence.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
 
-# So many epochs are evaluated together that the four arrays of a recurrence stay in cache.
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude.annotations import FloatArray, Real
+
+# So many epochs are evaluated together: the four arrays of a recurrence stay in cache.
 _CHUNK = 4096
 # 65536 pieces of degree 15 are some 8 MB for a scalar and a few seconds of fitting.
 _MOST_PIECES = 65536
-# A fit whose error is below this many roundings of the largest value will not become better.
+# More pieces do not improve a fit whose error is below this many roundings of the largest value.
 _ROUNDINGS = 32.0
 
 
-def nodes(count):
+def nodes(count: int) -> FloatArray:
     """The zeros of the Chebyshev polynomial T_count, shape (count,), from near 1 to near -1."""
     return np.cos(np.pi * (np.arange(count) + 0.5) / count)
 
 
-def coefficients(values):
+def coefficients(values: ArrayLike) -> FloatArray:
     """The Chebyshev coefficients of the polynomial through values at the nodes.
 
     Parameters
@@ -51,22 +60,22 @@ def coefficients(values):
     return np.tensordot(waves, values, axes=1)
 
 
-def evaluate(table, piece, x):
-    """The polynomial of one piece for each epoch, by Clenshaw's recurrence.
+def evaluate(table: FloatArray, piece: NDArray[np.integer[Any]], x: FloatArray) -> FloatArray:
+    """Values at N epochs of the polynomials of their pieces, by Clenshaw's recurrence.
 
     Parameters
     ----------
     table : (degree + 1, ..., pieces) array
         Coefficients; the axes between are those of a vector-valued function.
     piece : (N,) integer array
-        Which piece each epoch lies in.
+        The number of each epoch's piece.
     x : (N,) array
-        Where in its piece, from -1 to 1; NaN gives NaN.
+        The epoch's place in its piece, from -1 to 1; NaN gives NaN.
 
     Returns
     -------
     (..., N) array
-        Rounded to some 4 eps of the sum of the absolute coefficients.
+        To about 4 eps of the sum of the absolute coefficients.
     """
     out = np.empty((*table.shape[1:-1], len(x)))
     for start in range(0, len(x), _CHUNK):
@@ -94,7 +103,7 @@ class Pieces:
     Attributes
     ----------
     start, width : float
-        Where the first piece starts and how long each is, in the unit of the function's time.
+        The start of the first piece and the length of each, in the unit of the function's time.
     table : (degree + 1, ..., pieces) array, read-only
         Coefficients, as `evaluate` takes them.
     error : float
@@ -107,31 +116,39 @@ class Pieces:
 
     start: float
     width: float
-    table: np.ndarray
+    table: FloatArray
     error: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.table.setflags(write=False)
 
-    def __reduce__(self):
-        # Arrays come back from a pickle writable; going through __init__ freezes them again.
+    def __reduce__(self) -> tuple[Any, ...]:
+        # numpy loads arrays from a pickle as writable; __init__ makes them read-only again.
         return Pieces, (self.start, self.width, self.table, self.error)
 
     @property
-    def stop(self):
-        """Where the last piece ends."""
+    def stop(self) -> float:
+        """The end of the last piece, in the unit of the function's time."""
         return self.start + self.width * self.table.shape[-1]
 
     @classmethod
-    def fit(cls, function, start, stop, tolerance, *, degree=15):
-        """Fit with as few pieces, of a count that doubles, as reach the tolerance.
+    def fit(
+        cls,
+        function: Callable[[FloatArray], ArrayLike],
+        start: Real,
+        stop: Real,
+        tolerance: Real,
+        *,
+        degree: int = 15,
+    ) -> Pieces:
+        """Fit a function with 1, 2, 4, ... pieces, until the tolerance is reached.
 
         Parameters
         ----------
         function : callable
             Takes times (N,), returns values (N, ...); called once for each doubling.  It must be
-            smooth on the span: what falls between all samples is not seen.  The samples stand
-            at times in one double, which bounds what can be reached: 1e-7 s at 1e9 s.
+            smooth on the span: a feature between all samples is missed.  Samples are taken at
+            times in one double, which limits the resolution of time: 1e-7 s at 1e9 s.
         start, stop : float
             The span, start < stop.
         tolerance : float
@@ -139,7 +156,7 @@ class Pieces:
             at the degree + 2 extrema of T_{degree+1} of each piece, where the error of an
             interpolation at the zeros is largest; both ends are among them.
         degree : int
-            Of the polynomials.
+            Degree of the polynomials.
 
         Raises
         ------
@@ -159,7 +176,7 @@ class Pieces:
             if not np.isfinite(error):
                 raise AttitudeError(
                     f"the function to be fitted from {start!r} to {stop!r} is not finite there; "
-                    "fit it where it is."
+                    "give a span on which it is."
                 )
             if error <= _ROUNDINGS * np.finfo(np.float64).eps * size:
                 break
@@ -170,7 +187,7 @@ class Pieces:
             "smoother function."
         )
 
-    def __call__(self, t, low=0.0):
+    def __call__(self, t: ArrayLike, low: ArrayLike = 0.0) -> FloatArray:
         """Values (N..., ...) at times t + low of shape (N...,); NaN gives NaN.
 
         Parameters
@@ -191,11 +208,11 @@ class Pieces:
         if np.any((known < 0.0) | (known > self.width * pieces)):
             raise AttitudeError(
                 f"a time lies outside of the span that was fitted, {self.start!r} to "
-                f"{self.stop!r}; fit a longer span or leave that time out."
+                f"{self.stop!r}; fit a longer span or omit that time."
             )
         # The end of the span belongs to the last piece.
         piece = np.minimum((known / self.width).astype(np.intp), pieces - 1)
-        # low is added where it counts: after the start of the piece has been taken off.
+        # low is added after the start of the piece is subtracted: before, it would be rounded off.
         x = 2.0 * (((since.ravel() - piece * self.width) + low.ravel()) / self.width) - 1.0
         values = evaluate(self.table, piece, x)
         return np.moveaxis(values, -1, 0).reshape(since.shape + values.shape[:-1])

@@ -2,4 +2,4 @@
 
 
 class AttitudeError(ValueError):
-    """What was given, what is allowed and what to do, in a sentence."""
+    """Input that the package refuses; the message is a sentence: given, allowed, what to do."""

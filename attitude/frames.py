@@ -1,34 +1,43 @@
-"""Axes that are given a name: which rotation leads from each of them to ICRF.
+"""Named inertial axes, and the rotation from each of them to ICRF.
 
 =========  ========================================================================================
 icrf       The axes of the International Celestial Reference Frame: those of GCRF and BCRS, and
            what SPICE calls J2000.
-gcrf       Another name of the same axes.
+gcrf       The same axes as icrf.
 eme2000    Mean equator and equinox of J2000, which CCSDS, STK and Orekit call EME2000 or J2000:
-           turned by the frame bias of 23 mas against ICRF.
+           ICRF turned by the frame bias of 23 mas.
 ecliptic   Ecliptic and equinox of J2000: ICRF turned about its x axis by 84381.448 arcsec, with no
            bias.  SPICE's ECLIPJ2000, and the axes of the Minor Planet Center and of Horizons.
 =========  ========================================================================================
 
-All of them are fixed.  The bare name "j2000" is refused, since it means ICRF to some and EME2000
-to others.
+All of them are fixed.  The name "j2000" is refused: it means ICRF in SPICE and EME2000 in CCSDS.
 
 Sources: the obliquity of IAU 1976 (Lieske et al., A&A 58, 1, 1977); the frame bias of IERS
 Conventions (2003), eq. 5.33 with xi_0 = dpsi sin(eps_0), as in ERFA's bi00 and bp00.
 """
 
+from __future__ import annotations
+
 from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen
 
-FRAMES = ("icrf", "gcrf", "eme2000", "ecliptic")
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+FRAMES: tuple[str, ...] = ("icrf", "gcrf", "eme2000", "ecliptic")
 
 # Unit quaternions to ICRF.  ICRF to EME2000 is R1(-eta) R2(xi) R3(alpha), which turn the axes; read
 # as rotations of vectors, its inverse is the product of the same angles in reverse order.  The test
-# of this module works them out again from the angles.
+# of this module computes them from the angles.
 _WXYZ = {
     "icrf": ("1", "0", "0", "0"),
     "gcrf": ("1", "0", "0", "0"),
@@ -47,8 +56,8 @@ _WXYZ = {
 }
 
 
-def matrix_to_icrf(frame):
-    """The rotation (3, 3), read-only, that takes components in a frame to components in ICRF.
+def matrix_to_icrf(frame: str) -> FloatArray:
+    """The rotation matrix (3, 3), read-only, from components in a frame to components in ICRF.
 
     Parameters
     ----------
@@ -62,7 +71,7 @@ def matrix_to_icrf(frame):
 
     Notes
     -----
-    Each entry is the rounded value of the definition.
+    Each entry is the exact value of the definition, rounded to a double.
 
     >>> matrix_to_icrf("ecliptic") @ (0.0, 0.0, 1.0)      # the pole of the ecliptic
     array([ 0.        , -0.39777716,  0.91748206])
@@ -70,8 +79,8 @@ def matrix_to_icrf(frame):
     return _matrix(known(frame))
 
 
-def wxyz_to_icrf(frame):
-    """The same rotation as a quaternion (4,), scalar first, read-only; see `matrix_to_icrf`.
+def wxyz_to_icrf(frame: str) -> FloatArray:
+    """The rotation of `matrix_to_icrf` as a unit quaternion (4,), scalar first, read-only.
 
     >>> wxyz_to_icrf("icrf")
     array([1., 0., 0., 0.])
@@ -79,14 +88,26 @@ def wxyz_to_icrf(frame):
     return _quaternion(known(frame))
 
 
-def vector_to_icrf(frame, vector):
-    """Components (3,) in a frame as components in ICRF, each exact to a pair of doubles: (3, 2)."""
+def vector_to_icrf(frame: str, vector: Iterable[float]) -> FloatArray:
+    """Components in ICRF (3, 2) of components (3,) in a frame, each exact to a pair of doubles.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown frame.
+    """
     return _pairs(_exact_matrix(known(frame)) @ _fractions(vector))
 
 
-def attitude_to_icrf(frame, wxyz):
-    """The quaternion (4,) of an attitude against a frame, against ICRF, in pairs: (4, 2)."""
-    # `quaternion.multiply` takes doubles
+def attitude_to_icrf(frame: str, wxyz: Iterable[float]) -> FloatArray:
+    """The quaternion to ICRF (4, 2), in pairs of doubles, of a quaternion (4,) to a frame.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown frame.
+    """
+    # Exact: `quaternion.multiply` rounds to doubles.
     (a, b, c, d), (w, x, y, z) = _exact(known(frame)), _fractions(wxyz)
     return _pairs(
         np.array(
@@ -100,15 +121,21 @@ def attitude_to_icrf(frame, wxyz):
     )
 
 
-def known(frame, name="frame"):
-    """The name of a frame in lower case, or an AttitudeError that lists the allowed ones."""
+def known(frame: str, name: str = "frame") -> str:
+    """The name of a frame in lower case.
+
+    Raises
+    ------
+    AttitudeError
+        For a name that is not one of `FRAMES`; `name` is what the message calls the argument.
+    """
     given = frame.lower() if isinstance(frame, str) else frame
     if given in FRAMES:
         return given
     if given == "j2000":
         raise AttitudeError(
-            f'{name} is {frame!r}, which means two things; give "icrf" for what SPICE calls J2000 '
-            'and "eme2000" for what CCSDS and STK call so.'
+            f'{name} is {frame!r}, which means two things; give "icrf" for the J2000 of SPICE, '
+            '"eme2000" for that of CCSDS and STK.'
         )
     raise AttitudeError(
         f"{name} is {frame!r}; it must be one of {', '.join(repr(each) for each in FRAMES)}."
@@ -116,23 +143,24 @@ def known(frame, name="frame"):
 
 
 @cache
-def _quaternion(frame):
+def _quaternion(frame: str) -> FloatArray:
     return frozen(np.array(_WXYZ[frame], dtype=float))
 
 
 @cache
-def _matrix(frame):
+def _matrix(frame: str) -> FloatArray:
     return frozen(_exact_matrix(frame).astype(float))
 
 
 @cache
-def _exact(frame):
-    """The quaternion (4,) as fractions, right to 40 digits."""
+def _exact(frame: str) -> NDArray[Any]:
+    """The quaternion (4,) to ICRF as fractions, to 40 digits."""
     return _fractions(_WXYZ[frame])
 
 
 @cache
-def _exact_matrix(frame):
+def _exact_matrix(frame: str) -> NDArray[Any]:
+    """The matrix (3, 3) to ICRF as fractions."""
     w, x, y, z = _exact(frame)
     return np.array(
         [
@@ -143,13 +171,13 @@ def _exact_matrix(frame):
     )
 
 
-def _fractions(numbers):
+def _fractions(numbers: Iterable[float | str]) -> NDArray[Any]:
     from fractions import Fraction
 
     return np.array([Fraction(each) for each in numbers])
 
 
-def _pairs(exact):
-    """Fractions as pairs of doubles."""
+def _pairs(exact: NDArray[Any]) -> FloatArray:
+    """Fractions (N,) as pairs of doubles (N, 2)."""
     high = exact.astype(float)
     return np.stack([high, (exact - _fractions(high)).astype(float)], axis=-1)

@@ -1,6 +1,9 @@
-"""Attitudes at epochs, and everything that follows from them, made when first asked for."""
+"""Attitudes at epochs, and the quantities that follow from them, computed on first use."""
+
+from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,8 +11,15 @@ from attitude import epochs, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
-# Epochs from which on one vector is turned by the compiled loop, in 3 to 9 ns an epoch instead of
-# 10 to 16: below, loading it (4 ms, once) takes longer.
+if TYPE_CHECKING:
+    from astropy.table import QTable
+    from astropy.time import Time
+    from scipy.spatial.transform import Rotation
+
+    from attitude.annotations import FloatArray, Reals
+
+# Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
+# instead of 10 to 16: for fewer, loading the loop (4 ms, once) takes longer.
 _MANY = 1 << 17
 
 
@@ -22,11 +32,13 @@ class AttitudeHistory(Immutable):
     ----------
     wxyz, xyzw : (S, 4) arrays
         Body to ICRF, scalar first or last; continuous in sign along the motion.
-    seconds, low : S arrays (low may be None)
+    seconds, low : arrays of shape S (low may be None)
         TDB seconds since `epoch`: seconds + low.
     epoch : Instant
-    motion : object
-        What the history was made by; it is asked for angular velocities.
+        Epoch from which the seconds count.
+    motion : Motion
+        The motion that made the history, or any object with its `angular_velocity_at` and
+        `angular_acceleration_at`.
 
     >>> from attitude import Body, FreeRotation, Spin
     >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
@@ -36,7 +48,20 @@ class AttitudeHistory(Immutable):
            [0., 1., 0.]])
     """
 
-    def __init__(self, motion, epoch, seconds, low, wxyz):
+    motion: Any
+    epoch: epochs.Instant
+    seconds: FloatArray
+    low: FloatArray | None
+    wxyz: FloatArray
+
+    def __init__(
+        self,
+        motion: Any,
+        epoch: epochs.Instant,
+        seconds: FloatArray,
+        low: FloatArray | None,
+        wxyz: FloatArray,
+    ) -> None:
         self._set("motion", motion)
         self._set("epoch", epoch)
         self._set("seconds", frozen(seconds))
@@ -44,15 +69,16 @@ class AttitudeHistory(Immutable):
         self._set("wxyz", frozen(wxyz))
 
     @property
-    def shape(self):
+    def shape(self) -> tuple[int, ...]:
+        """The shape S of the epochs; () for one scalar epoch."""
         return self.seconds.shape
 
-    def __len__(self):
+    def __len__(self) -> int:
         if not self.shape:
             raise TypeError("a history of one scalar epoch has no length")
         return self.shape[0]
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> AttitudeHistory:
         """The history of some of the epochs: history[10:20], history[mask]."""
         seconds = np.asarray(self.seconds[index])
         low = None if self.low is None else np.asarray(self.low[index])
@@ -63,25 +89,26 @@ class AttitudeHistory(Immutable):
             part.__dict__["angular_velocity"] = frozen(np.moveaxis(rates, 0, -1))
         return part
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<AttitudeHistory of {self.seconds.size} epochs from {self.epoch.utc_iso} UTC>"
 
     @cached_property
-    def time(self):
-        """The epochs as an astropy Time in TDB; NaN epochs are masked."""
+    def time(self) -> Time:
+        """The epochs as an astropy Time in TDB, rounded to 5e-12 s; NaN epochs are masked."""
         return epochs.times(self.epoch, self.seconds, self.low)
 
     @property
-    def xyzw(self):
+    def xyzw(self) -> FloatArray:
+        """(S, 4) unit quaternions, body to ICRF, scalar last."""
         return frozen(np.moveaxis(np.moveaxis(self.wxyz, -1, 0)[[1, 2, 3, 0]], 0, -1))
 
     @cached_property
-    def angular_velocity(self):
+    def angular_velocity(self) -> FloatArray:
         """(S, 3) rad/s over the body axes."""
         return frozen(self.motion.angular_velocity_at(self.seconds, self.low))
 
     @cached_property
-    def angular_acceleration(self):
+    def angular_acceleration(self) -> FloatArray:
         """(S, 3) rad/s2 over the body axes: the rate of change of angular_velocity."""
         return frozen(
             self.motion.angular_acceleration_at(
@@ -90,56 +117,68 @@ class AttitudeHistory(Immutable):
         )
 
     @cached_property
-    def angular_velocity_inertial(self):
+    def angular_velocity_inertial(self) -> FloatArray:
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))
 
-    def body_to_inertial(self, v):
-        """Vectors (3,) or (S, 3) in body axes, as components (S, 3) in ICRF."""
-        v = validation.rows(v, "v", 3)
-        if _is_one_for_many(v, self.wxyz):
-            return _one_for_many(v, quaternion.conjugate(self.wxyz))
-        return quaternion.rotate(self.wxyz, v)
+    def body_to_inertial(self, v: Reals) -> FloatArray:
+        """Components (S, 3) in ICRF of vectors (3,) or (S, 3) in body axes."""
+        vectors = validation.rows(v, "v", 3)
+        if _is_one_for_many(vectors, self.wxyz):
+            return _one_for_many(vectors, quaternion.conjugate(self.wxyz))
+        return quaternion.rotate(self.wxyz, vectors)
 
-    def inertial_to_body(self, v):
-        """Vectors (3,) or (S, 3) in ICRF, as components (S, 3) in body axes."""
-        v = validation.rows(v, "v", 3)
-        if _is_one_for_many(v, self.wxyz):
-            return _one_for_many(v, self.wxyz)
-        return quaternion.rotate(quaternion.conjugate(self.wxyz), v)
+    def inertial_to_body(self, v: Reals) -> FloatArray:
+        """Components (S, 3) in body axes of vectors (3,) or (S, 3) in ICRF."""
+        vectors = validation.rows(v, "v", 3)
+        if _is_one_for_many(vectors, self.wxyz):
+            return _one_for_many(vectors, self.wxyz)
+        return quaternion.rotate(quaternion.conjugate(self.wxyz), vectors)
 
     @cached_property
-    def matrix(self):
-        """(S, 3, 3) body to ICRF: v_icrf = matrix @ v_body."""
+    def matrix(self) -> FloatArray:
+        """(S, 3, 3) rotation matrices, body to ICRF: v_icrf = matrix @ v_body."""
         return frozen(quaternion.matrix(self.wxyz))
 
     @property
-    def dcm(self):
+    def dcm(self) -> FloatArray:
         """(S, 3, 3) ICRF to body, the paper's attitude matrix A: the transpose of `matrix`."""
         return np.swapaxes(self.matrix, -1, -2)
 
-    def as_rotation(self):
-        """The attitudes as a scipy Rotation, body to ICRF, of shape S."""
+    def as_rotation(self) -> Rotation:
+        """The attitudes as a scipy Rotation, body to ICRF, of shape S; AttitudeError for NaN."""
         from scipy.spatial.transform import Rotation
 
         self._refuse_nan("a scipy Rotation")
         flat = Rotation.from_quat(np.array(self.xyzw).reshape(-1, 4))
         return flat[0] if not self.shape else flat
 
-    def euler(self, sequence):
-        """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c)."""
+    def euler(self, sequence: str) -> FloatArray:
+        """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c).
+
+        Raises
+        ------
+        AttitudeError
+            For a sequence without three axes of which neighbours differ, and NaN epochs.
+        """
         self._refuse_nan("Euler angles")
-        angles = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
+        angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
         return angles.reshape(*self.shape, 3)
 
-    def table(self, *, rates=True):
-        """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s)."""
+    def table(self, *, rates: bool = True) -> QTable:
+        """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
+
+        Raises
+        ------
+        AttitudeError
+            For epochs of any shape other than (N,).
+        """
         from astropy import units
         from astropy.table import QTable
 
         if len(self.shape) != 1:
             raise AttitudeError(
-                f"the epochs have shape {self.shape}; a table wants a row of them, (N,)."
+                f"the epochs have shape {self.shape}; a table takes one row of epochs, (N,)."
             )
         columns = {"time": self.time, "wxyz": np.array(self.wxyz)}
         if rates:
@@ -147,24 +186,24 @@ class AttitudeHistory(Immutable):
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
         return QTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
 
-    def _refuse_nan(self, what):
+    def _refuse_nan(self, what: str) -> None:
         if np.any(np.isnan(self.seconds)):
             raise AttitudeError(
-                f"some epochs are NaN, of which {what} cannot be made; leave them out, for "
-                "example with history[~np.isnan(history.seconds)]."
+                f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
+                "with history[~np.isnan(history.seconds)]."
             )
 
 
-def _is_one_for_many(v, wxyz):
+def _is_one_for_many(v: FloatArray, wxyz: FloatArray) -> bool:
     return v.shape == (3,) and wxyz.ndim == 2 and len(wxyz) >= _MANY
 
 
-def _one_for_many(v, wxyz):
+def _one_for_many(v: FloatArray, wxyz: FloatArray) -> FloatArray:
     """The components (N, 3) over body axes of one inertial vector."""
     from attitude.solution import vectors
 
     out = np.empty((3, len(wxyz)))
-    # Read-only, as others call it: to numba a writable array is another type.
+    # Read-only, as in all calls of compiled code: to numba a writable array is another type.
     given = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
     vectors.to_body(*given, out)
     return out.T

@@ -1,4 +1,11 @@
-"""Values that do not change: read-only arrays, also after copying, pickling and unpickling."""
+"""Values that do not change: read-only arrays, also after copying, pickling and unpickling.
+
+A class whose constructor converts its arguments (text, Quantities and lists to arrays in SI units)
+writes its ``__init__`` and annotates it with the types that callers pass; the attributes in the
+class body are annotated with the types that the object holds.  Such a dataclass is made with
+``init=False``: the generated ``__init__`` would have one annotation for both.  A private attribute
+is declared in ``__init__`` as ``self._name: Type``: in the class body it would be a field.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +18,7 @@ Array = TypeVar("Array", bound=NDArray[Any])
 
 
 def frozen(array: Array) -> Array:
-    """The array itself, from now on read-only."""
+    """The array itself, made read-only in place."""
     array.setflags(write=False)
     return array
 
@@ -19,8 +26,8 @@ def frozen(array: Array) -> Array:
 def read_only(array: Array) -> Array:
     """A read-only view.
 
-    Compiled code takes read-only arrays throughout: a writable array is another type, for which
-    everything would be compiled once more.
+    Compiled code takes read-only arrays throughout: to numba a writable array has another type,
+    for which every function would be compiled once more.
     """
     view = array.view()
     view.flags.writeable = False
@@ -28,21 +35,21 @@ def read_only(array: Array) -> Array:
 
 
 class Immutable:
-    """Base of objects whose attributes do not change; what they compute on demand is kept."""
+    """Base of objects whose attributes cannot be assigned; values computed on demand are cached."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} does not change; make a new one.")
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        # numpy forgets in a pickle that an array is read-only.
+        # A pickle of a numpy array does not record that the array is read-only.
         for name, value in state.items():
             object.__setattr__(self, name, _refrozen(value))
 
     def _set(self, name: str, value: Any) -> Any:
-        """Assign while the object is being made, or keep what was computed on demand."""
+        """Assign in a constructor, or cache a value computed on demand; return the value."""
         object.__setattr__(self, name, value)
         return value
 
 
-def _refrozen(value):
+def _refrozen(value: Any) -> Any:
     return frozen(value) if isinstance(value, np.ndarray) else value

@@ -1,13 +1,13 @@
-"""What a motion is: something with an attitude at any TDB epoch of its span.
+"""The contract of motions: attitudes at any TDB epoch of a span.
 
 Free rotations, chains of arcs, torqued motions, tables and C-kernels are motions; events, scenes,
-files and the command line use the members of `Motion` and no others.
+files and the command line use no other members than those of `Motion`.
 """
 
 from __future__ import annotations
 
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -19,9 +19,11 @@ from attitude.immutable import Immutable, frozen
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from attitude.annotations import Epoch, Epochs, FloatArray
     from attitude.body import Body
+    from attitude.regime import Regime
 
 _NO_JOINTS = frozen(np.zeros(0))
 
@@ -29,7 +31,7 @@ _NO_JOINTS = frozen(np.zeros(0))
 class RateBounds(NamedTuple):
     """Upper bounds of |(R a)'|, |(R a)''|, |(R a)'''| for any unit vector a fixed in the body.
 
-    In rad/s, rad/s2, rad/s3; inf where there is none.
+    In rad/s, rad/s2, rad/s3; inf for an unknown bound.
     """
 
     first: float
@@ -38,42 +40,42 @@ class RateBounds(NamedTuple):
 
 
 class Motion(Immutable):
-    """The base of all motions; it writes once what follows from attitudes at epochs.
+    """Base of all motions; it implements what follows from attitudes at epochs.
 
-    A new kind defines
+    A new kind of motion defines
 
     ``epoch``
         Instant from which its seconds count.
     ``_evaluate(seconds, low, order)``
         Attitudes (..., 4) body to ICRF, for an order of 1 or more angular velocities (..., 3) in
         rad/s over the body axes, for 2 angular accelerations (..., 3) in rad/s2, as a list, at
-        TDB seconds + low since the epoch (float64 arrays of any shape; low may be None).  It may
-        hold more than `order` wants.  NaN for NaN; an AttitudeError outside of its span.
+        TDB seconds + low since the epoch (float64 arrays of any shape; low may be None).  The list
+        may be longer than `order` requires.  NaN for NaN; an AttitudeError outside of its span.
 
-    and, where what stands here does not hold,
+    and, if the defaults of the base do not hold,
 
     ``span``
-        First and last Instant at which it answers, or None: any epoch.
+        First and last Instant of its attitudes, or None: any epoch.
     ``joints``
         (N,) TDB seconds since the epoch, ascending, at which the angular velocity jumps.  Writers
         of files start a new segment there.
     ``body``; ``body_at(t)``, ``constant_body(what)``, ``momentum_in_body(history)``
-        The Body at the epoch, None where the inertia is unknown; the others where it changes.
+        The Body at the epoch, None if the inertia is unknown; the methods if it changes.
     ``momentum``
-        (3,) angular momentum in ICRF if it is constant, else None.
+        (3,) angular momentum in ICRF, kg m2/s, if it is constant, else None.
     ``smooth``
         Whether angular accelerations are known and continuous between joints.
     ``rate_bounds(seconds)``
-        `RateBounds` that hold from there to the next joint, or None: only samples tell.
+        `RateBounds` that hold from there to the next joint, or None if they are unknown.
     ``has_rates_at(seconds, low)``
-        Whether it knows angular velocities there better than from differences of attitudes.
+        Whether angular velocities there are more exact than differences of attitudes.
     ``meta``
-        What the file that it was read from says besides: names, comments.
+        Names and comments of the file from which the motion was read.
     ``close()``
-        Release what it holds; motions are context managers.
+        Release its resources; motions are context managers.
 
     >>> from attitude import Body, Spin
-    >>> class Swing(Motion):                # about z, 0.1 rad to either side, once a second
+    >>> class Swing(Motion):                # 0.1 rad about z to either side, at 1 Hz
     ...     epoch = epochs.instant("2026-01-01")
     ...     def _evaluate(self, seconds, low, order):
     ...         w = 2.0 * np.pi
@@ -87,20 +89,49 @@ class Motion(Immutable):
            [0.      , 0.      , 0.      ]])
     """
 
-    epoch: epochs.Instant
-    span: tuple[epochs.Instant, epochs.Instant] | None = None
-    joints: NDArray[np.float64] = _NO_JOINTS
-    body: Body | None = None
-    momentum: NDArray[np.float64] | None = None
-    smooth: bool = False
-    meta: Mapping[str, Any] = MappingProxyType({})
+    if TYPE_CHECKING:
+        # Read-only for type checkers, so that a subclass may define attributes or properties.
+        @property
+        def epoch(self) -> epochs.Instant:
+            """Instant from which the seconds count."""
+
+        @property
+        def span(self) -> tuple[epochs.Instant, epochs.Instant] | None:
+            """First and last Instant of the attitudes, or None: any epoch."""
+
+        @property
+        def joints(self) -> FloatArray:
+            """(N,) TDB seconds since the epoch at which the angular velocity jumps."""
+
+        @property
+        def body(self) -> Body | None:
+            """The Body at the epoch, None if the inertia is unknown."""
+
+        @property
+        def momentum(self) -> FloatArray | None:
+            """(3,) angular momentum in ICRF, kg m2/s, if it is constant, else None."""
+
+        @property
+        def smooth(self) -> bool:
+            """Whether angular accelerations are known and continuous between joints."""
+
+        @property
+        def meta(self) -> Mapping[str, Any]:
+            """Names and comments of the file from which the motion was read."""
+    else:
+        span = None
+        joints = _NO_JOINTS
+        body = None
+        momentum = None
+        smooth = False
+        meta = MappingProxyType({})
 
     def _evaluate(
-        self, seconds: NDArray[np.float64], low: NDArray[np.float64] | None, order: int
-    ) -> list[NDArray[np.float64]]:
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
         raise NotImplementedError(f"{type(self).__name__} defines no _evaluate")
 
-    def at(self, t: Any, low: ArrayLike | None = None) -> AttitudeHistory:
+    def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs.
 
         Parameters
@@ -110,7 +141,7 @@ class Motion(Immutable):
             astropy Time, skyfield Time, datetime, datetime64, ISO text in UTC, or lists of them.
             A scalar gives a scalar history; NaN gives NaN.
         low : array_like, optional
-            With plain numbers: a second double, t + low being the seconds.
+            With plain numbers: a second double; t + low are the seconds.
 
         Returns
         -------
@@ -121,36 +152,37 @@ class Motion(Immutable):
         AttitudeError
             For epochs that cannot be read, or outside of the span of the motion.
         """
-        seconds, low = epochs.seconds_since(self.epoch, t, low)
-        found = self._evaluate(seconds, low, 0)
-        # The history makes its arrays read-only, so what was given is copied.
-        kept = None if low is None else np.array(low)
-        history = AttitudeHistory(self, self.epoch, np.array(seconds), kept, found[0])
+        hi, lo = epochs.seconds_since(self.epoch, t, low)
+        found = self._evaluate(hi, lo, 0)
+        # The history makes its arrays read-only, so the caller's arrays are copied.
+        kept = None if lo is None else np.array(lo)
+        history = AttitudeHistory(self, self.epoch, np.array(hi), kept, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history
 
-    def angular_velocity_at(
-        self, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> NDArray[np.float64]:
+    def angular_velocity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        return self._evaluate(*_as_arrays(seconds, low), 1)[1]
+        hi, lo = _as_arrays(seconds, low)
+        return self._evaluate(hi, lo, 1)[1]
 
     def angular_acceleration_at(
         self,
         seconds: ArrayLike,
         low: ArrayLike | None = None,
         *,
-        angular_velocity: NDArray[np.float64] | None = None,
-    ) -> NDArray[np.float64]:
-        """Its rate of change (..., 3), rad/s2 in body axes, at TDB seconds since the epoch.
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2 in body axes, at TDB seconds since the epoch.
 
-        Motions with a body need no second evaluation where the angular velocity there is given.
+        `angular_velocity` (..., 3), rad/s in body axes at the same epochs, saves motions with a
+        body a second evaluation.
         """
-        return self._evaluate(*_as_arrays(seconds, low), 2)[2]
+        hi, lo = _as_arrays(seconds, low)
+        return self._evaluate(hi, lo, 2)[2]
 
-    def body_at(self, t: Any) -> Body | None:
-        """The Body at one epoch, of any kind that `at` takes."""
+    def body_at(self, t: Epoch | float) -> Body | None:
+        """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
         return self.body
 
     def constant_body(self, what: str) -> Body:
@@ -159,7 +191,7 @@ class Motion(Immutable):
         Parameters
         ----------
         what : str
-            What it is wanted for, as the error message begins.
+            Name of the quantity computed from the body, for the error message.
 
         Raises
         ------
@@ -173,7 +205,7 @@ class Motion(Immutable):
             )
         return self.body
 
-    def momentum_in_body(self, history: AttitudeHistory) -> NDArray[np.float64]:
+    def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
         """Angular momentum (S, 3), kg m2/s over the body axes, at the epochs of a history.
 
         Raises
@@ -181,11 +213,13 @@ class Motion(Immutable):
         AttitudeError
             If the motion has no body.
         """
-        return history.angular_velocity @ self.constant_body("the angular momentum").tensor
+        tensor = self.constant_body("the angular momentum").tensor
+        momentum: FloatArray = history.angular_velocity @ tensor
+        return momentum
 
     @property
-    def regime(self) -> Any:
-        """The `Regime`: periods and ranges of a free rotation.
+    def regime(self) -> Regime:
+        """The `Regime` of a free rotation: its periods and ranges.
 
         Raises
         ------
@@ -197,20 +231,28 @@ class Motion(Immutable):
         )
 
     def rate_bounds(self, seconds: float) -> RateBounds | None:
-        """Upper bounds from TDB seconds since the epoch to the next joint, or None."""
+        """Upper bounds that hold from TDB seconds since the epoch to the next joint, or None."""
         return None
 
     def has_rates_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> bool:
-        """Whether angular velocities there are known better than from differences of attitudes."""
+        """Whether angular velocities there are more exact than differences of attitudes.
+
+        At TDB seconds + low since the epoch.
+        """
         return True
 
     def close(self) -> None:
-        """Release what the motion holds; a second time does nothing."""
+        """Release the resources of the motion; a second call does nothing."""
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.close()
 
 
@@ -220,21 +262,27 @@ class Foreign(Motion):
     Parameters
     ----------
     given : object
-        Its ``epoch``, or that of its ``spin``, says what seconds count from; else the epoch of its
-        histories.  ``body`` and ``momentum`` are used where it has them.
+        Its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+        ``momentum``, ``span`` and ``meta`` are used if it has them.
     """
 
-    def __init__(self, given: Any):
+    given: Any
+
+    def __init__(self, given: Any) -> None:
         self._set("given", given)
         self._set("epoch", _epoch_of(given))
         for name in ("body", "momentum", "span", "meta"):
             if getattr(given, name, None) is not None:
                 self._set(name, getattr(given, name))
 
-    def at(self, t, low=None):
-        return self.given.at(t) if low is None else self.given.at(t, low=low)
+    def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
+        """The attitudes at some epochs; see `Motion.at`."""
+        found: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
+        return found
 
-    def _evaluate(self, seconds, low, order):
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
         history = self.at(seconds, low)
         found = [history.wxyz]
         if order > 0:
@@ -245,38 +293,45 @@ class Foreign(Motion):
 
 
 def motion_of(given: Any, name: str = "motion") -> Motion:
-    """The motion itself, or one that wraps any other object with ``.at(t)``.
+    """The motion itself, or a `Foreign` motion of any other object with ``.at(t)``.
+
+    Parameters
+    ----------
+    given : Motion or object
+    name : str
+        Name of the object in error messages.
 
     Raises
     ------
     AttitudeError
-        For what has no ``.at(t)``, and where it cannot be known what its seconds count from.
+        For a class, an object without ``.at(t)``, and an object without an epoch.
     """
     if isinstance(given, Motion):
         return given
     if isinstance(given, type):
         raise AttitudeError(
-            f"{name} is the class {given.__name__}; give one of its objects, as {given.__name__}"
-            "(...) makes them."
+            f"{name} is the class {given.__name__}; give an object, made by {given.__name__}(...)."
         )
     if not callable(getattr(given, "at", None)):
         raise AttitudeError(
-            f"{name} is {type(given).__name__}; give a FreeRotation, or anything else with .at(t) "
+            f"{name} is {type(given).__name__}; give a FreeRotation, or another object with .at(t) "
             "that returns an AttitudeHistory."
         )
     return Foreign(given)
 
 
-def _epoch_of(given):
+def _epoch_of(given: Any) -> epochs.Instant:
+    """The Instant from which the seconds of an object count."""
     for owner in (given, getattr(given, "spin", None)):
-        if isinstance(getattr(owner, "epoch", None), epochs.Instant):
-            return owner.epoch
+        epoch = getattr(owner, "epoch", None)
+        if isinstance(epoch, epochs.Instant):
+            return epoch
     raise AttitudeError(
-        f"the motion ({type(given).__name__}) has neither .epoch nor .spin, so that it is not "
-        "known what its seconds count from; give it one of them."
+        f"the motion ({type(given).__name__}) has neither .epoch nor .spin, from which its seconds "
+        "count; give it an Instant as .epoch."
     )
 
 
-def _as_arrays(seconds, low):
-    seconds = np.asarray(seconds, dtype=np.float64)
-    return seconds, None if low is None else np.asarray(low, dtype=np.float64)
+def _as_arrays(seconds: ArrayLike, low: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
+    hi = np.asarray(seconds, dtype=np.float64)
+    return hi, None if low is None else np.asarray(low, dtype=np.float64)

@@ -1,33 +1,44 @@
 """Sums and products of float64 arrays in two doubles, exact or to 2 eps squared.
 
-A pair (hi, lo) stands for hi + lo with |lo| at most half a unit in the last place of hi.
-`solution.twofloat` has the same for compiled code.
+A pair (hi, lo) stands for hi + lo with |lo| at most half a unit in the last place of hi; hi and lo
+are floats or arrays.  `solution.twofloat` has the same functions for compiled code.
 
 Source: Dekker, Numer. Math. 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2.
 """
 
+from __future__ import annotations
 
-def two_sum(a, b):
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+    Doubles: TypeAlias = float | FloatArray
+    # Floats of floats, arrays of arrays or of both.
+    Pair: TypeAlias = tuple[Any, Any]
+
+
+def two_sum(a: Doubles, b: Doubles) -> Pair:
     """a + b as the rounded sum and its rounding error, exactly."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
 
 
-def add(pair, term, low=0.0):
+def add(pair: tuple[Doubles, Doubles], term: Doubles, low: Doubles = 0.0) -> Pair:
     """The sum (hi, lo) of a pair and term + low, to 2 eps squared of the largest of them."""
     total, error = two_sum(pair[0], term)
     return two_sum(total, error + (pair[1] + low))
 
 
-def product(a, b):
+def product(a: Doubles, b: Doubles) -> Pair:
     """a b as the rounded product and its rounding error, exactly; |a| and |b| below 1e299."""
     p = a * b
     (a, a_low), (b, b_low) = _halves(a), _halves(b)
     return p, ((a * b - p) + a * b_low + a_low * b) + a_low * b_low
 
 
-def _halves(x):
+def _halves(x: Doubles) -> Pair:
     """x as two numbers of 26 bits each."""
     big = 134217729.0 * x
     high = big - (big - x)

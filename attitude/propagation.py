@@ -1,11 +1,14 @@
-"""The array floor: states in, attitudes out, for optimisers and inner loops.
+"""Exact attitudes from plain arrays, for optimisers and inner loops.
 
-Also the one place where arrays from Python meet the compiled solution, which is imported (and, the
-first time on a machine, compiled) at the first propagation.
+The compiled solution is imported (and, the first time on a machine, compiled) at the first
+propagation.
 """
+
+from __future__ import annotations
 
 import math
 from functools import cache
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
@@ -15,7 +18,12 @@ from attitude.errors import AttitudeError
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
-# Bodies whose constants are in memory at a time: they stay in the second-level cache.
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray, Reals
+
+# The constants of so many bodies are computed together: they stay in the second-level cache.
 _BLOCK = 256
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 
@@ -29,12 +37,12 @@ _FAULTS = {
         "two. Check the numbers and their units."
     ),
     codes.RATIO_TOO_LARGE: (
-        "moments are {moments}; they may differ by a factor of 1e45 at the most. Give 0 for the "
+        "moments are {moments}; they may differ by a factor of at most 1e45. Give 0 for the "
         "moment of an ideal rod about itself."
     ),
     codes.SPIN_ABOUT_ROD: (
         "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
-        "axis without inertia is undefined. Give 0 for it, or a moment above zero."
+        "axis without inertia is undefined. Give 0 for that component, or a moment above zero."
     ),
     codes.UNEQUAL_ROD: (
         "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
@@ -45,9 +53,45 @@ _FAULTS = {
 }
 
 
+@overload
 def propagate(
-    moments, wxyz0, omega0, t, *, t_low=None, angular_velocity=False, out=None, rates_out=None
-):
+    moments: Reals,
+    wxyz0: Reals,
+    omega0: Reals,
+    t: Reals,
+    *,
+    t_low: Reals | None = None,
+    angular_velocity: Literal[False] = False,
+    out: FloatArray | None = None,
+    rates_out: None = None,
+) -> FloatArray: ...
+
+
+@overload
+def propagate(
+    moments: Reals,
+    wxyz0: Reals,
+    omega0: Reals,
+    t: Reals,
+    *,
+    t_low: Reals | None = None,
+    angular_velocity: Literal[True],
+    out: FloatArray | None = None,
+    rates_out: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]: ...
+
+
+def propagate(
+    moments: Reals,
+    wxyz0: Reals,
+    omega0: Reals,
+    t: Reals,
+    *,
+    t_low: Reals | None = None,
+    angular_velocity: bool = False,
+    out: FloatArray | None = None,
+    rates_out: FloatArray | None = None,
+) -> FloatArray | tuple[FloatArray, FloatArray]:
     """Exact attitudes of freely rotating bodies at any time.
 
     Parameters
@@ -72,8 +116,8 @@ def propagate(
     Returns
     -------
     wxyz : (..., T, 4) array
-        Body to inertial, scalar first, unit length, of the sign that a continuous motion from
-        wxyz0 has.  A view of component-major memory; without the T axis for a single number t.
+        Body to inertial, scalar first, unit length, with the sign of a continuous motion from
+        wxyz0.  A view of component-major memory; without the T axis if t is a single number.
     omega : (..., T, 3) array, only with angular_velocity=True
         rad/s over the body axes.
 
@@ -103,22 +147,16 @@ def propagate(
     scalar = t.ndim == 0
     t = t.reshape(1) if scalar else t
     if t_low is not None:
-        t_low = validation.seconds(t_low, "t_low")
-        t_low = np.broadcast_to(t_low, t.shape) if t_low.ndim == 0 else t_low
-        if t_low.size != t.size:
-            raise AttitudeError(
-                f"t_low has shape {t_low.shape}, t has {t.shape}; give both in the same shape."
-            )
-        t_low = t_low.reshape(t.shape)
-    lead = _lead(moments, wxyz0, omega0, t)
+        t_low = _low_parts(validation.seconds(t_low, "t_low"), t)
+    lead = _leading_shape(moments, wxyz0, omega0, t)
     count = math.prod(lead)
-    wxyz = _filled(out, "out", (*lead, *t.shape[-1:]), 4, scalar)
+    wxyz = _result_memory(out, "out", (*lead, *t.shape[-1:]), 4, scalar)
     rates = None
     if angular_velocity:
-        rates = _filled(rates_out, "rates_out", (*lead, *t.shape[-1:]), 3, scalar)
+        rates = _result_memory(rates_out, "rates_out", (*lead, *t.shape[-1:]), 3, scalar)
     elif rates_out is not None:
         raise AttitudeError("rates_out is given without angular_velocity=True; give both.")
-    _run(
+    _propagate_blocks(
         _flat(moments, lead, count),
         _flat(wxyz0, lead, count),
         _flat(omega0, lead, count),
@@ -127,28 +165,42 @@ def propagate(
         wxyz.reshape(count, 4, t.shape[-1]),
         None if rates is None else rates.reshape(count, 3, t.shape[-1]),
     )
-    wxyz = _answer(wxyz, out, scalar)
-    return (wxyz, _answer(rates, rates_out, scalar)) if angular_velocity else wxyz
+    wxyz = _result(wxyz, out, scalar)
+    return wxyz if rates is None else (wxyz, _result(rates, rates_out, scalar))
 
 
 def constants_of(
-    moments, wxyz, omega, principal, *, differences=None, rates=True, first=0, count=1
-):
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    *,
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    first: int = 0,
+    count: int = 1,
+) -> NDArray[Any]:
     """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
-
-    These are bodies number first, first + 1, ... of `count`, for the error message.
 
     Parameters
     ----------
     moments, omega : (B, 3, 2) arrays
+        Principal moments of inertia in any unit, and rad/s over the principal axes.
     wxyz : (B, 4) array
+        Attitudes at the epoch, body to inertial.
     principal : (1 or B, 4) array
         Unit quaternion from principal axes to body axes.
     differences : (3, 2) array, optional
-        Of a single motion, where it is known to more digits than pairs of moments and rates tell:
-        see `attitude.solution.principal.PrincipalAxes.differences`.
+        Of a single motion, where these are known to more digits than follow from pairs of moments
+        and rates: see `attitude.solution.principal.PrincipalAxes.differences`.
     rates : bool
-        Whether `evaluate` will be asked for angular velocities.
+        Whether `evaluate` is to compute angular velocities.
+    first, count : int
+        Number of the first body, and of all bodies, for the error message.
+
+    Returns
+    -------
+    (B,) structured array of `attitude.solution.record.CONSTANTS`
 
     Raises
     ------
@@ -156,8 +208,10 @@ def constants_of(
         For the first state that is not physical.
     """
     prepare_all, _ = _compiled()
-    # zeros, two microseconds sooner than np.zeros has a record with so many fields
-    constants = np.ndarray(len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize))
+    # zeros, two microseconds faster than np.zeros of a record with so many fields
+    constants: NDArray[Any] = np.ndarray(
+        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
+    )
     given = _writable(moments), _writable(wxyz), _writable(omega), _writable(principal)
     if prepare_all(*given, constants, differences, rates):
         k = int(np.flatnonzero(constants["fault"])[0])
@@ -169,17 +223,34 @@ def constants_of(
     return constants
 
 
-def evaluate(constants, t, t_low, wxyz, rates):
-    """Fill wxyz (B, 4, T) and rates (B, 3, T) or None at epochs t (1 or B, T) and t_low or None.
+def evaluate(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+) -> None:
+    """Fill attitudes and angular velocities of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants : (B,) array
+        Of `constants_of`.
+    t, t_low : (1 or B, T) arrays
+        The epochs t + t_low, s; t_low may be None.
+    wxyz : (B, 4, T) array
+        Filled: body to inertial.
+    rates : (B, 3, T) array or None
+        Filled: rad/s over the body axes.
 
     Raises
     ------
     AttitudeError
-        For epochs so far away that the phases are lost.
+        For epochs so far away that two doubles of time do not resolve the phases.
     """
     _, evaluate_all = _compiled()
     if t_low is not None:
-        # The kernels take t_low for the rounding of t; any two summands make such a pair.
+        # The kernels take t_low as the rounding error of t; any two summands make such a pair.
         with np.errstate(invalid="ignore"):
             t, t_low = pairs.two_sum(t, t_low)
     t, t_low = _writable(t), None if t_low is None else _writable(t_low)
@@ -199,18 +270,19 @@ def _compiled():
     with uncollected():
         from attitude.solution.motion import evaluate_all, prepare_all
 
-        # The first call of anything compiled makes numba read its registries: here, for no body.
+        # The first call of compiled code makes numba read its registries: here, for no body.
         pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
         prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
     return prepare_all, evaluate_all
 
 
 def _writable(array):
-    """The array, or a copy of a read-only one: to numba another type, compiled for anew."""
+    """The array, or a copy of a read-only one, for which numba would compile everything anew."""
     return array if array.flags.writeable else array.copy()
 
 
-def _run(moments, wxyz0, omega0, t, t_low, wxyz, rates):
+def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates):
+    """Fill the results of B bodies, _BLOCK bodies at a time."""
     count = len(moments)
     pairs = np.zeros((2, min(count, _BLOCK), 3, 2))
     for start in range(0, count, _BLOCK):
@@ -236,7 +308,18 @@ def _run(moments, wxyz0, omega0, t, t_low, wxyz, rates):
         )
 
 
-def _lead(moments, wxyz0, omega0, t):
+def _low_parts(t_low, t):
+    """t_low in the shape of t; one number serves all epochs."""
+    t_low = np.broadcast_to(t_low, t.shape) if t_low.ndim == 0 else t_low
+    if t_low.size != t.size:
+        raise AttitudeError(
+            f"t_low has shape {t_low.shape}, t has {t.shape}; give both in the same shape."
+        )
+    return t_low.reshape(t.shape)
+
+
+def _leading_shape(moments, wxyz0, omega0, t):
+    """The shape that the axes before the last ones broadcast to."""
     if moments.ndim == wxyz0.ndim == omega0.ndim == t.ndim == 1:
         return ()
     parts = {
@@ -251,7 +334,7 @@ def _lead(moments, wxyz0, omega0, t):
         listed = ", ".join(f"{name} {shape}" for name, shape in parts.items())
         raise AttitudeError(
             f"the leading axes do not broadcast ({listed}); give equal ones, or t[:, None] for "
-            "an own epoch of each body."
+            "one epoch per body."
         ) from err
 
 
@@ -270,14 +353,14 @@ def _epochs(t, lead, count):
     return _flat(t, lead, count)
 
 
-def _filled(out, name, shape, width, scalar):
-    """Component-major memory (..., width, T) for the result; that of `out` where it serves."""
+def _result_memory(out, name, shape, width, scalar):
+    """Component-major memory (..., width, T) for the result; that of `out` where possible."""
     if out is not None:
-        wanted = (*shape[:-1], width) if scalar else (*shape, width)
-        if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != wanted:
+        expected = (*shape[:-1], width) if scalar else (*shape, width)
+        if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
             given = getattr(out, "shape", None), getattr(out, "dtype", type(out).__name__)
             raise AttitudeError(
-                f"{name} is an array of shape and type {given}; it must be float64 {wanted}."
+                f"{name} is an array of shape and type {given}; it must be float64 {expected}."
             )
         if not out.flags.writeable:
             raise AttitudeError(f"{name} is read-only; give an array that can be filled.")
@@ -287,7 +370,8 @@ def _filled(out, name, shape, width, scalar):
     return np.empty((*shape[:-1], width, shape[-1]))
 
 
-def _answer(memory, out, scalar):
+def _result(memory, out, scalar):
+    """The result as it is returned: a view of the memory, or `out`."""
     view = memory[..., 0] if scalar else np.moveaxis(memory, -2, -1)
     if out is None:
         return view

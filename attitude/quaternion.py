@@ -1,7 +1,7 @@
 """Quaternions as arrays (..., 4), scalar first; rotation matrices and Euler angles.
 
-A unit quaternion rotates: v' = q v q*.  Every attitude in this package goes from body to inertial
-axes, so that v is what the body sees and v' what the stars see.
+A unit quaternion q rotates a vector v to v' = q v q*.  Attitudes in this package are body to
+inertial: v holds components over the body axes, v' over the inertial axes.
 
 >>> import numpy as np
 >>> quarter_about_z = np.array([np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
@@ -9,21 +9,33 @@ axes, so that v is what the body sees and v' what the stars see.
 array([-2.,  1.,  0.])
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
 
-# How far a matrix may be from a rotation (entries of R^T R - 1) to be taken for a rounded one.
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, Reals
+
+# A matrix counts as a rounded rotation if the entries of R^T R - 1 are at most this.
 _NOT_A_ROTATION = 1e-6
-# Vectors turned at a time: what lies between fits into the cache of the processor.
+# So many vectors are turned at a time: intermediate results stay in the processor's cache.
 _BLOCK = 8192
-# What rounding leaves of |q|^2 - 1 once q was divided by its length: at most 6 eps.
+# Rounding leaves at most 6 eps of |q|^2 - 1 after q was divided by its length.
 _UNIT = 8.0 * np.finfo(float).eps
 
 
-def multiply(p, q):
-    """The product p q: first q, then p."""
+def multiply(p: ArrayLike, q: ArrayLike) -> FloatArray:
+    """The products p q (..., 4) of quaternions (..., 4): the rotation q, then p.
+
+    Leading axes broadcast.
+    """
     pw, px, py, pz = _parts(p)
     qw, qx, qy, qz = _parts(q)
     return np.stack(
@@ -37,13 +49,16 @@ def multiply(p, q):
     )
 
 
-def conjugate(q):
-    """The inverse of a unit quaternion."""
+def conjugate(q: ArrayLike) -> FloatArray:
+    """The inverses (..., 4) of unit quaternions (..., 4)."""
     return np.asarray(q) * (1.0, -1.0, -1.0, -1.0)
 
 
-def rotate(q, v):
-    """The vectors (..., 3) turned by unit quaternions; leading axes broadcast."""
+def rotate(q: ArrayLike, v: ArrayLike) -> FloatArray:
+    """The vectors q v q* (..., 3) of unit quaternions (..., 4) and vectors (..., 3).
+
+    Leading axes broadcast.
+    """
     q, v = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     shape = np.broadcast_shapes(q.shape[:-1], v.shape[:-1])
     turned = np.empty((3, *shape))
@@ -58,6 +73,7 @@ def rotate(q, v):
 
 
 def _turn(q, v, turned):
+    """Fill `turned` (3, ...) with q v q*."""
     w, x, y, z = _parts(q)
     a, b, c = _parts(v)
     # v + 2 w (u x v) + 2 u x (u x v)
@@ -67,8 +83,8 @@ def _turn(q, v, turned):
     turned[2] = c + w * f + (x * e - y * d)
 
 
-def matrix(q):
-    """The rotation matrices (..., 3, 3) of unit quaternions: v' = matrix @ v."""
+def matrix(q: ArrayLike) -> FloatArray:
+    """The rotation matrices (..., 3, 3) of unit quaternions (..., 4): v' = matrix @ v."""
     w, x, y, z = _parts(q)
     out = np.empty((*w.shape, 3, 3))
     out[..., 0, 0] = w * w + x * x - y * y - z * z
@@ -80,11 +96,11 @@ def matrix(q):
     return out
 
 
-def unit(wxyz, name="wxyz"):
+def unit(wxyz: Reals, name: str = "wxyz") -> FloatArray:
     """One quaternion (4,) of any length as a unit quaternion of the same sign.
 
-    One that is of unit length within rounding is returned as it is, bit by bit: what was written
-    to a file comes back the same.
+    A quaternion of unit length within rounding is returned bit for bit, so that a quaternion
+    written to a file is read back unchanged.
 
     Raises
     ------
@@ -101,7 +117,7 @@ def unit(wxyz, name="wxyz"):
     return q / np.sqrt(q @ q)
 
 
-def from_matrix(value, name="matrix"):
+def from_matrix(value: Reals, name: str = "matrix") -> FloatArray:
     """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3).
 
     Raises
@@ -113,59 +129,78 @@ def from_matrix(value, name="matrix"):
 
     given = validation.real(value, name, shape=(3, 3))
     refuse_other_matrices(given, name)
-    return Rotation.from_matrix(given).as_quat(canonical=True, scalar_first=True)
+    found: FloatArray = Rotation.from_matrix(given).as_quat(canonical=True, scalar_first=True)
+    return found
 
 
-def refuse_other_matrices(given, name):
-    """AttitudeError where one of some matrices (..., 3, 3) is no rotation, within 1e-6."""
+def refuse_other_matrices(given: FloatArray, name: str) -> None:
+    """Refuse matrices (..., 3, 3) that are not rotations within 1e-6.
+
+    Raises
+    ------
+    AttitudeError
+        For reflections, and if an entry of R^T R - 1 exceeds 1e-6.
+    """
     off = np.max(np.abs(np.swapaxes(given, -1, -2) @ given - np.eye(3)), initial=0.0)
     if off > _NOT_A_ROTATION:
         raise AttitudeError(
             f"{name} is not a rotation: {name}^T {name} differs from the unit matrix by {off:.2g} "
-            f"(up to {_NOT_A_ROTATION:.0e} is taken for rounding). Give orthonormal columns."
+            f"(up to {_NOT_A_ROTATION:.0e} is accepted as rounding). Give orthonormal columns."
         )
     if np.any(np.linalg.det(given) < 0.0):
         raise AttitudeError(
-            f"{name} is a reflection (determinant -1); give a right-handed one, for example with "
-            "one axis reversed."
+            f"{name} is a reflection (determinant -1); give a right-handed matrix, for example by "
+            "reversing one axis."
         )
 
 
-def from_euler(sequence, angles):
+def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
     """The unit quaternion (4,) of three rotations about body axes, one after the other.
 
     Parameters
     ----------
     sequence : str
         Axes in capital letters or numbers, as in "ZXZ" or "313": R = Rz(a) Rx(b) Rz(c).
-        Small letters turn about the axes of the frame instead, in that order (scipy's habit).
+        Small letters turn about the axes of the frame instead, in that order (scipy's convention).
     angles : (3,) array_like
         rad, or a Quantity.
+
+    Raises
+    ------
+    AttitudeError
+        For another sequence, or angles that are not three finite numbers.
     """
     from scipy.spatial.transform import Rotation
 
     sequence = known_sequence(sequence)
     angles = validation.real(angles, "angles", shape=(3,), unit="rad")
-    return Rotation.from_euler(sequence, angles).as_quat(scalar_first=True)
+    found: FloatArray = Rotation.from_euler(sequence, angles).as_quat(scalar_first=True)
+    return found
 
 
-def known_sequence(sequence):
-    """An Euler sequence in scipy's letters; see `from_euler`."""
+def known_sequence(sequence: str | int) -> str:
+    """An Euler sequence in scipy's letters; see `from_euler`.
+
+    Raises
+    ------
+    AttitudeError
+        For anything but three axes of which no two neighbours are equal.
+    """
     given = sequence
     if isinstance(sequence, int) and not isinstance(sequence, bool):
         sequence = str(sequence)
     if isinstance(sequence, str):
         letters = sequence.translate(str.maketrans("123", "XYZ"))
         known = len(letters) == 3 and set(letters.upper()) <= set("XYZ")
-        if known and letters in (letters.upper(), letters.lower()):
-            first, second, third = letters
-            if first != second != third:
-                return letters
+        known = known and letters in (letters.upper(), letters.lower())
+        if known and letters[0] != letters[1] != letters[2]:
+            return letters
     raise AttitudeError(
         f'sequence is {given!r}; give three axes, no two neighbours equal, like "ZXZ" or "313".'
     )
 
 
 def _parts(array):
+    """The components along the last axis, one array each."""
     array = np.asarray(array, dtype=np.float64)
-    return tuple(array.T if array.ndim <= 2 else np.moveaxis(array, -1, 0))  # .T is far quicker
+    return tuple(array.T if array.ndim <= 2 else np.moveaxis(array, -1, 0))  # .T is much faster

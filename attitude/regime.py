@@ -1,12 +1,16 @@
-"""Which kind of motion a state belongs to, its periods and ranges; on arrays of states.
+"""The kind of motion of a state, its periods and ranges; on arrays of states.
 
 With A <= B <= C the principal moments, L the angular momentum and E the energy, the dynamic inertia
-D = L^2/2E tells where the momentum goes: about the long axis (that of A) for D < B, about the short
-axis (of C) for D > B.  Two labellings of the axes are in use; `Regime` gives both.  "L": the Euler
-angle phi is that of the long axis about the momentum, "S": of the short axis.
+D = L^2/2E decides about which axis the momentum circulates in the body: the long axis (that of A)
+for D < B, the short axis (that of C) for D > B.  Two labellings of the axes are in use; `Regime`
+has both.  "L": the Euler angle phi is that of the long axis about the momentum, "S": of the short
+axis.
 """
 
+from __future__ import annotations
+
 from enum import IntEnum
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,17 +20,21 @@ from attitude.immutable import Immutable, frozen
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
-# States whose constants are in memory at a time.
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray, Reals
+
+# The constants of so many states are computed together.
 _BLOCK = 256
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class Mode(IntEnum):
-    """The kinds of free rotation, in the order in which they are asked for.
+    """The kinds of free rotation, in the order in which they are tested.
 
-    Exact statements about the doubles given: a body is SYMMETRIC when two of its moments are the
-    same number.  What holds within the rounding of the input is told by
-    `FreeRotation.within_rounding`.
+    A mode is exact for the doubles given: a body is SYMMETRIC when two of its moments are the same
+    number.  `FreeRotation.within_rounding` lists the modes that hold within rounding of the input.
     """
 
     AT_REST = codes.AT_REST
@@ -38,7 +46,7 @@ class Mode(IntEnum):
     SHORT_AXIS = codes.SHORT_AXIS
 
     @property
-    def phrase(self):
+    def phrase(self) -> str:
         """The mode in words."""
         return _PHRASES[self]
 
@@ -56,8 +64,14 @@ _PHRASES = {
 }
 
 
-def known_convention(convention):
-    """ "L" or "S", or a sentence that tells what they mean."""
+def known_convention(convention: str) -> str:
+    """The labelling "L" or "S" in capitals.
+
+    Raises
+    ------
+    AttitudeError
+        For any other value.
+    """
     given = convention.upper() if isinstance(convention, str) else convention
     if given in ("L", "S"):
         return given
@@ -67,7 +81,7 @@ def known_convention(convention):
     )
 
 
-def classify(moments, omega):
+def classify(moments: Reals, omega: Reals) -> Any:
     """The modes of many states.
 
     Parameters
@@ -80,8 +94,8 @@ def classify(moments, omega):
     Returns
     -------
     (...) array of int8
-        Codes of `Mode`; a Mode for one state.  Exact statements about the doubles given: the sign
-        of L^2 - 2 E B is that of the exact number, whatever cancels.
+        Codes of `Mode`; a Mode for one state.  They are exact for the doubles given: the sign of
+        L^2 - 2 E B is that of the exact number, however much cancels.
 
     Raises
     ------
@@ -105,140 +119,161 @@ def classify(moments, omega):
         some = constants[: len(wxyz)]
         faults, _, cancelled = classify_all(pairs[0], wxyz, pairs[1], some)
         if faults:
-            _constants(moments, omega, part, count)  # raises the sentence
+            _constants(moments, omega, part, count)  # raises the error
         if cancelled:
             refine_all(some)
         modes_all(some, found[part])
     return Mode(int(found[0])) if lead == () else found.reshape(lead)
 
 
-def _number_of(name):
+# Type checkers take each of these properties for an attribute of the type returned here.
+
+
+def _number_of(name: str, meaning: str) -> Any:
     """The property of a field (S,) of the rows: a float for one state."""
-    return property(lambda self: self._number(name))
+    return property(lambda self: self._number(name), doc=meaning)
 
 
-def _range_of(name):
+def _period_of(name: str, meaning: str) -> Any:
+    """The property of the period, s, of a rate in turns per second."""
+    return property(lambda self: _period(self._rows[name]), doc=meaning)
+
+
+def _range_of(name: str, meaning: str) -> FloatArray:
     """The property of a field (S, 2) of the rows: the least and the greatest value."""
-    return property(lambda self: self._rows[name])
+    made: Any = property(lambda self: self._rows[name], doc=meaning)
+    return made
 
 
 class Regime(Immutable):
     """Periods, ranges and times of the motions of states of shape S; made by `regimes`.
 
-    All attributes have shape S (a float for one state); those marked (S, 2) hold the least and the
+    All attributes have shape S (a float for one state); ranges have shape (S, 2), the least and the
     greatest value.  Periods of what does not move are inf; at rest, angles to the momentum and
     quotients by it are NaN.
-
-    Attributes
-    ----------
-    mode : int array, or a Mode for one state
-    circulates : int array
-        1 where the momentum circulates about the short axis, -1 about the long axis, 0 neither.
-    energy_ratio : float
-        2 E C / L^2, what observers call E/E0: 1 for rotation about the short axis, C/B on the
-        separatrix, C/A for rotation about the long axis.
-    dynamic_inertia : float
-        D = L^2 / 2E, in the unit of the moments.
-    m, one_minus_m : float
-        Parameter of the elliptic functions and its complement, each with all its digits.  For a
-        uniform rotation the limit: m = 0, and m = 1 about the middle axis.
-    P_psi : float
-        s; period of psi, the angle about the axis that the momentum circulates about.
-    P_phi_L, P_phi_S : float
-        s; mean period of the long and of the short axis about the momentum:
-        1/P_phi_S = 1/P_phi_L + 1/P_psi.
-    nutation_L, nutation_S : (S, 2)
-        rad; angle between the momentum and the long, the short axis.  Of an axis about which the
-        momentum circulates the end nearer to it is meant.
-    precession_rate_L, precession_rate_S : (S, 2)
-        rad/s; d phi/dt of either axis.
-    libration : float
-        rad; amplitude of psi in the labelling in which it librates: about 0 or 180 deg with "L" in
-        short-axis mode, about 90 or 270 deg with "S" in long-axis mode.
-    spin_rate : float
-        rad/s; |w| at the epoch.
-    spin_rate_range : (S, 2)
-    mean_spin_rate : float
-        Its average over time (made when first asked for).
-    spin_rate_along : float
-        Component of the angular velocity along the momentum, 2 E / L: constant.
-    flip_time, dwell_time : float
-        s; half the period P_psi is their sum.  pi / wp is the time in which the middle axis turns
-        over, if it kept its greatest rate; the rest is spent with that axis near the momentum. On
-        the separatrix the dwell is inf, and the departure from the middle axis grows e-fold in
-        flip_time / pi.
 
     Notes
     -----
     Relative error at most 1e-15 for the doubles given, near every limit, except where these
-    doubles leave the number open: one place of an input moves 1 - m by 2e-16, so that P_psi near
-    the separatrix is that of the exact input.  Sources: van Zon & Schofield (2006), eqs. 3.32-3.48;
-    Samarasinha & A'Hearn, Icarus 93, 194 (1991), for the two labellings.
+    doubles leave the number open: one unit in the last place of an input changes 1 - m by 2e-16, so
+    that P_psi near the separatrix is that of the exact input.  Sources: van Zon & Schofield (2006),
+    eqs. 3.32-3.48; Samarasinha & A'Hearn, Icarus 93, 194 (1991), for the two labellings.
     """
 
-    def __init__(self, rows):
+    _rows: NDArray[Any]
+    _mean: FloatArray
+
+    def __init__(self, rows: NDArray[Any]) -> None:
         self._set("_rows", frozen(rows))
 
-    def _number(self, name):
+    def _number(self, name: str) -> Any:
         value = self._rows[name]
         return value.item() if value.ndim == 0 else value
 
     @property
-    def shape(self):
+    def shape(self) -> tuple[int, ...]:
+        """The shape S of the states, () for one."""
         return self._rows.shape
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._rows)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Regime:
         return Regime(np.array(self._rows[index]))
 
     @property
-    def mode(self):
+    def mode(self) -> Any:
+        """Codes of `Mode`, or a Mode for one state."""
         found = self._number("mode")
         return Mode(found) if self.shape == () else found
 
-    circulates = _number_of("circulates")
-    energy_ratio = _number_of("energy_ratio")
-    dynamic_inertia = _number_of("dynamic_inertia")
-    m = _number_of("m")
-    one_minus_m = _number_of("mc")
-    libration = _number_of("libration")
-    spin_rate = _number_of("speed")
-    spin_rate_along = _number_of("speed_along")
-    flip_time = _number_of("flip")
-    dwell_time = _number_of("dwell")
+    circulates = _number_of(
+        "circulates",
+        "1 where the momentum circulates about the short axis, -1 about the long one, 0 neither.",
+    )
+    energy_ratio = _number_of(
+        "energy_ratio",
+        "2 E C / L^2, observers' E/E0: 1 for rotation about the short axis, C/B on the separatrix, "
+        "C/A for rotation about the long axis.",
+    )
+    dynamic_inertia = _number_of("dynamic_inertia", "D = L^2 / 2E, in the unit of the moments.")
+    m = _number_of(
+        "m",
+        "Parameter of the elliptic functions.  For a uniform rotation the limit: 0, and 1 about "
+        "the middle axis.",
+    )
+    one_minus_m = _number_of("mc", "1 - m, with all its digits.")
+    libration = _number_of(
+        "libration",
+        "Amplitude, rad, of psi in the labelling in which it librates: about 0 or 180 deg with "
+        '"L" in short-axis mode, about 90 or 270 deg with "S" in long-axis mode.',
+    )
+    spin_rate = _number_of("speed", "Magnitude of the angular velocity at the epoch, rad/s.")
+    spin_rate_along = _number_of(
+        "speed_along",
+        "Component of the angular velocity along the momentum, 2 E / L, rad/s: constant.",
+    )
+    flip_time = _number_of(
+        "flip",
+        "pi / wp, s: the time in which the middle axis would turn over at its greatest rate.  "
+        "Half of P_psi is flip_time + dwell_time.",
+    )
+    dwell_time = _number_of(
+        "dwell",
+        "Half of P_psi less flip_time, s, spent with the middle axis near the momentum.  On the "
+        "separatrix it is inf, and the departure from the middle axis grows e-fold in "
+        "flip_time / pi.",
+    )
 
-    P_psi = property(lambda self: _period(self._rows["psi_rate"]))
-    P_phi_L = property(lambda self: _period(self._rows["phi_rate_long"]))
-    P_phi_S = property(lambda self: _period(self._rows["phi_rate_short"]))
+    P_psi = _period_of(
+        "psi_rate",
+        "Period, s, of psi, the angle about the axis that the momentum circulates about.",
+    )
+    P_phi_L = _period_of("phi_rate_long", "Mean period, s, of the long axis about the momentum.")
+    P_phi_S = _period_of(
+        "phi_rate_short",
+        "Mean period, s, of the short axis about the momentum: 1/P_phi_S = 1/P_phi_L + 1/P_psi.",
+    )
 
-    nutation_L = _range_of("nutation_long")
-    nutation_S = _range_of("nutation_short")
-    precession_rate_L = _range_of("precession_long")
-    precession_rate_S = _range_of("precession_short")
+    nutation_L = _range_of(
+        "nutation_long",
+        "Range (S, 2), rad, of the angle between the long axis and the momentum.  If the momentum "
+        "circulates about this axis, the end of the axis nearer to it.",
+    )
+    nutation_S = _range_of(
+        "nutation_short",
+        "Range (S, 2), rad, of the angle between the short axis and the momentum.  If the momentum "
+        "circulates about this axis, the end of the axis nearer to it.",
+    )
+    precession_rate_L = _range_of(
+        "precession_long", "Range (S, 2), rad/s, of d phi/dt of the long axis."
+    )
+    precession_rate_S = _range_of(
+        "precession_short", "Range (S, 2), rad/s, of d phi/dt of the short axis."
+    )
 
-    def P_phi(self, convention):
-        """Mean period of phi in either labelling, s."""
-        return self._labelled("P_phi", convention)
+    def P_phi(self, convention: str) -> Any:
+        """Mean period of phi, s, in the labelling "L" or "S"."""
+        return self.P_phi_L if known_convention(convention) == "L" else self.P_phi_S
 
-    def nutation(self, convention):
-        """Least and greatest angle (S, 2) between the axis of a labelling and the momentum, rad."""
-        return self._labelled("nutation", convention)
+    def nutation(self, convention: str) -> FloatArray:
+        """Range (S, 2), rad, of the angle of the axis of a labelling to the momentum."""
+        return self.nutation_L if known_convention(convention) == "L" else self.nutation_S
 
-    def precession_rate(self, convention):
-        """Least and greatest d phi/dt (S, 2) in either labelling, rad/s."""
-        return self._labelled("precession_rate", convention)
-
-    def _labelled(self, name, convention):
-        return getattr(self, f"{name}_{known_convention(convention)}")
+    def precession_rate(self, convention: str) -> FloatArray:
+        """Range (S, 2), rad/s, of d phi/dt in the labelling "L" or "S"."""
+        if known_convention(convention) == "L":
+            return self.precession_rate_L
+        return self.precession_rate_S
 
     @property
-    def spin_rate_range(self):
+    def spin_rate_range(self) -> FloatArray:
+        """Range (S, 2), rad/s, of the magnitude of the angular velocity."""
         return frozen(np.sort(self._rows["speed_at"], axis=-1))
 
     @property
-    def mean_spin_rate(self):
+    def mean_spin_rate(self) -> Any:
+        """Average over time, rad/s, of the magnitude of the angular velocity."""
         if "_mean" not in self.__dict__:
             from attitude.solution.regimes import mean_speeds
 
@@ -247,7 +282,7 @@ class Regime(Immutable):
             self._set("_mean", frozen(mean.reshape(self.shape)))
         return self._mean.item() if self.shape == () else self._mean
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         if self.shape == ():
             return (
                 f"<Regime: {self.mode.name}, E/E0 {self.energy_ratio:.6g}, P_psi {self.P_psi:.6g} "
@@ -256,7 +291,7 @@ class Regime(Immutable):
         return f"<Regime of {self._rows.size} states>"
 
 
-def regimes(moments, omega):
+def regimes(moments: Reals, omega: Reals) -> Regime:
     """The `Regime` of many states: modes, periods, ranges.
 
     Parameters
@@ -269,7 +304,7 @@ def regimes(moments, omega):
     Raises
     ------
     AttitudeError
-        For the first state that is not physical.
+        For the first state that is not physical, and for no states.
 
     >>> found = regimes((10, 20, 26), [(1, 15, 1), (9, 2, 1)])
     >>> found.P_psi.round(6), found.P_phi_L.round(6), found.P_phi_S.round(6)
@@ -288,8 +323,8 @@ def regimes(moments, omega):
     return Regime(rows.reshape(lead))
 
 
-def regime_of(moments, constants):
-    """The Regime of one motion whose constants are made: moments (1, 3, 2) pairs."""
+def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
+    """The Regime of one motion, from its moments (1, 3, 2), pairs, and its constants (1,)."""
     return Regime(_rows_of(moments, constants).reshape(()))
 
 
@@ -302,11 +337,12 @@ def _rows_of(moments, constants):
 
 
 def _blocks(count):
+    """Slices of at most _BLOCK states."""
     return [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
 
 
 def _as_pairs(moments, omega, part):
-    """Some of the states as pairs (2, B, 3, 2), and any attitudes for them."""
+    """Moments and rates of some states as pairs (2, B, 3, 2), and identical attitudes (B, 4)."""
     size = part.stop - part.start
     pairs = np.zeros((2, size, 3, 2))
     pairs[0, ..., 0], pairs[1, ..., 0] = moments[part], omega[part]
@@ -314,6 +350,7 @@ def _as_pairs(moments, omega, part):
 
 
 def _constants(moments, omega, part, count):
+    """Moments (B, 3, 2), pairs, and constants (B,) of some states."""
     pairs, wxyz = _as_pairs(moments, omega, part)
     constants = propagation.constants_of(
         pairs[0], wxyz, pairs[1], _IDENTITY, first=part.start, count=count
@@ -337,7 +374,8 @@ def _states(moments, omega):
     return moments, omega, lead
 
 
-def _period(rate):
+def _period(rate: Any) -> Any:
+    """The period, s, of a rate in turns per second: inf for 0, a float for one state."""
     with np.errstate(divide="ignore"):
         value = 1.0 / np.abs(rate)
     return float(value) if np.ndim(value) == 0 else frozen(value)

@@ -2,8 +2,10 @@
 
 Every function takes arrays with any leading axes.  `wxyz` is always a unit quaternion (..., 4) from
 body to inertial axes, scalar first; angles are in rad, angular velocities in rad/s over the body
-axes.  Way and back is the identity to a few units of the last place, at tiny angles, at half turns
-and at gimbal lock too (where only the sum or the difference of two angles means something).
+axes.  A conversion and its inverse return the attitude to a few units in the last place, also at
+tiny angles, at half turns and at gimbal lock (where only the sum or the difference of two angles is
+defined).  AttitudeError is raised for arrays of other shapes, unknown sequences of axes, and angles
+or matrices that are not finite.
 
 >>> import numpy as np
 >>> wxyz = from_euler("ZXZ", [0.1, 0.2, 0.3])
@@ -15,12 +17,22 @@ array([[ 0.,  1.,  0.],
        [ 0.,  0.,  1.]])
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 
-EULER_SEQUENCES = (
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from scipy.spatial.transform import Rotation
+
+    from attitude.annotations import FloatArray, Reals
+
+EULER_SEQUENCES: tuple[str, ...] = (
     *("XYX", "XZX", "YXY", "YZY", "ZXZ", "ZYZ"),
     *("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"),
 )
@@ -29,13 +41,13 @@ EULER_SEQUENCES = (
 # Quaternions --------------------------------------------------------------------------------------
 
 
-def from_xyzw(xyzw):
-    """Scalar first of scalar last: CCSDS Q1 Q2 Q3 QC, scipy, STK and ROS."""
+def from_xyzw(xyzw: Reals) -> FloatArray:
+    """Quaternions (..., 4), scalar first, of scalar last: CCSDS Q1 Q2 Q3 QC, scipy, STK, ROS."""
     return np.roll(validation.rows(xyzw, "xyzw", 4), 1, axis=-1)
 
 
-def to_xyzw(wxyz):
-    """Scalar last of scalar first.
+def to_xyzw(wxyz: Reals) -> FloatArray:
+    """Quaternions (..., 4), scalar last, of scalar first.
 
     >>> to_xyzw([1.0, 0.0, 0.0, 0.0])
     array([0., 0., 0., 1.])
@@ -43,11 +55,10 @@ def to_xyzw(wxyz):
     return np.roll(validation.rows(wxyz, "wxyz", 4), -1, axis=-1)
 
 
-def continuous(wxyz):
-    """The same attitudes (..., N, 4) with signs such that neighbours are at most 90 deg apart.
+def continuous(wxyz: Reals) -> FloatArray:
+    """The same attitudes (..., N, 4), signed as a motion of less than half a turn from row to row.
 
-    That is the sign a motion carries along as long as it turns by less than half a turn from row
-    to row.  The first row keeps its sign.
+    The first row keeps its sign; the quaternions of neighbours are at most 90 deg apart.
 
     >>> continuous([[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0]])[:, 0]
     array([1., 1.])
@@ -62,20 +73,20 @@ def continuous(wxyz):
     return out
 
 
-def unit(wxyz, name="wxyz", *, tolerance=None):
+def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> FloatArray:
     """Quaternions (..., 4) of length one, and of the same sign.
 
-    Rows whose length is 1 to 16 units in the last place are returned bit for bit.
+    Rows whose length is 1 within 16 units in the last place are returned bit for bit.
 
     Parameters
     ----------
     tolerance : float, optional
-        How far the length may be from 1; any nonzero length by default.
+        Largest difference of the length from 1; any nonzero length by default.
 
     Raises
     ------
     AttitudeError
-        For rows of zero length, that are not finite, or off by more than the tolerance.
+        For rows that are zero or not finite, or whose length is off by more than the tolerance.
     """
     given = validation.rows(wxyz, name, 4)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -93,7 +104,7 @@ def unit(wxyz, name="wxyz", *, tolerance=None):
     if tolerance is not None and np.any(off > tolerance):
         raise AttitudeError(
             f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
-            f"{tolerance:g} is taken for rounding."
+            f"{tolerance:g} is accepted as rounding. Give unit quaternions."
         )
     return np.where(off <= 16.0 * np.finfo(float).eps, given, scaled / length)
 
@@ -101,13 +112,13 @@ def unit(wxyz, name="wxyz", *, tolerance=None):
 # Matrices -----------------------------------------------------------------------------------------
 
 
-def from_matrix(matrix, name="matrix"):
-    """Attitudes, w >= 0, of rotation matrices (..., 3, 3): v_inertial = matrix @ v_body.
+def from_matrix(matrix: Reals, name: str = "matrix") -> FloatArray:
+    """Attitudes (..., 4), w >= 0, of rotation matrices (..., 3, 3): v_inertial = matrix @ v_body.
 
     Raises
     ------
     AttitudeError
-        For reflections and for matrices further than 1e-6 from a rotation.
+        For reflections and for matrices whose R^T R - 1 has an entry above 1e-6.
     """
     from scipy.spatial.transform import Rotation
 
@@ -117,34 +128,34 @@ def from_matrix(matrix, name="matrix"):
     return from_xyzw(flat).reshape(*given.shape[:-2], 4)
 
 
-def from_dcm(dcm):
-    """Attitudes of direction cosine matrices: v_body = dcm @ v_inertial, the paper's A."""
+def from_dcm(dcm: Reals) -> FloatArray:
+    """Attitudes (..., 4), w >= 0, of direction cosine matrices: v_body = dcm @ v_inertial."""
     return from_matrix(np.swapaxes(validation.real(dcm, "dcm", shape=(..., 3, 3)), -1, -2), "dcm")
 
 
-def to_matrix(wxyz):
-    """(..., 3, 3): v_inertial = matrix @ v_body."""
+def to_matrix(wxyz: Reals) -> FloatArray:
+    """Rotation matrices (..., 3, 3): v_inertial = matrix @ v_body."""
     return quaternion.matrix(validation.rows(wxyz, "wxyz", 4))
 
 
-def to_dcm(wxyz):
-    """(..., 3, 3): v_body = dcm @ v_inertial, the transpose of `to_matrix`."""
+def to_dcm(wxyz: Reals) -> FloatArray:
+    """Direction cosine matrices (..., 3, 3): v_body = dcm @ v_inertial, `to_matrix` transposed."""
     return np.swapaxes(to_matrix(wxyz), -1, -2)
 
 
 # Euler angles -------------------------------------------------------------------------------------
 
 
-def from_euler(sequence, angles):
-    """Attitudes of one to three turns about body axes, one after the other.
+def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
+    """Attitudes (..., 4) of one to three turns about body axes, one after the other.
 
     Parameters
     ----------
     sequence : str
         "ZXZ" or "313": body to inertial is Rz(a) Rx(b) Rz(c), as in CCSDS (EULER_ROT_SEQ) and STK.
         Small letters turn about the inertial axes, in that order.
-    angles : (..., 3) array_like
-        rad, in the order of the turns.
+    angles : (..., 1 to 3) array_like
+        rad, or a Quantity, in the order of the turns.
     """
     letters = _letters(sequence)
     angles = validation.real(angles, "angles", shape=(..., len(letters)), unit="rad")
@@ -159,12 +170,12 @@ def from_euler(sequence, angles):
     return out
 
 
-def to_euler(sequence, wxyz):
-    """The three angles (..., 3) of `from_euler`, of any of the twelve sequences.
+def to_euler(sequence: str | int, wxyz: Reals) -> FloatArray:
+    """The three angles (..., 3) of `from_euler` in rad, of any of the twelve sequences.
 
-    The middle one is in [0, pi] for sequences like ZXZ and in [-pi/2, pi/2] for those like ZYX,
-    the others are in (-pi, pi].  At gimbal lock the third is what remains of rounding; together
-    they still give the attitude to rounding.
+    The middle angle is in [0, pi] for sequences like ZXZ and in [-pi/2, pi/2] for those like ZYX,
+    the others are in (-pi, pi].  At gimbal lock the third angle depends on rounding; the three
+    together still give the attitude to rounding.
 
     Source: Bernardes and Viollet (2022), PLoS ONE 17, e0276302, which needs no threshold.
     """
@@ -191,8 +202,8 @@ def to_euler(sequence, wxyz):
     return np.stack([_wrapped(leading), middle, _wrapped(last)], axis=-1)
 
 
-def euler_rates(sequence, angles, angular_velocity):
-    """Rates (..., 3) of Euler angles in rad/s.
+def euler_rates(sequence: str | int, angles: Reals, angular_velocity: Reals) -> FloatArray:
+    """Rates (..., 3) of Euler angles, rad/s, of angular velocities (..., 3) over the body axes.
 
     Raises
     ------
@@ -210,14 +221,16 @@ def euler_rates(sequence, angles, angular_velocity):
     return np.linalg.solve(axes, omega[..., None])[..., 0]
 
 
-def angular_velocity_from_euler_rates(sequence, angles, rates):
-    """Angular velocity (..., 3), body axes, of the rates of Euler angles."""
+def angular_velocity_from_euler_rates(
+    sequence: str | int, angles: Reals, rates: Reals
+) -> FloatArray:
+    """Angular velocity (..., 3), rad/s in body axes, of the rates (..., 3) of Euler angles."""
     axes = _turning_axes(sequence, angles)
     return (axes @ validation.rows(rates, "rates", 3)[..., None])[..., 0]
 
 
 def _turning_axes(sequence, angles):
-    """Columns (..., 3, 3): the axis of each of the three turns, in body axes."""
+    """Columns (..., 3, 3): the axes of the three turns, over the body axes."""
     letters = quaternion.known_sequence(sequence)
     angles = validation.real(angles, "angles", shape=(..., 3), unit="rad")
     if letters.islower():
@@ -235,27 +248,27 @@ def _turning_axes(sequence, angles):
 # Rotation vectors, axis and angle, modified Rodrigues parameters ----------------------------------
 
 
-def from_rotation_vector(vector):
-    """Attitudes of rotation vectors (..., 3): axis times angle in rad, body to inertial."""
+def from_rotation_vector(vector: Reals) -> FloatArray:
+    """Attitudes (..., 4) of rotation vectors (..., 3): axis times angle, rad, body to inertial."""
     vector = validation.real(vector, "vector", shape=(..., 3), unit="rad")
     angle = np.sqrt(np.sum(vector * vector, axis=-1))
     half_sinc = 0.5 * np.sinc(angle / (2.0 * np.pi))
     return np.concatenate([np.cos(0.5 * angle)[..., None], half_sinc[..., None] * vector], -1)
 
 
-def to_rotation_vector(wxyz):
-    """Rotation vectors (..., 3), of length at most pi, to full relative accuracy when small."""
+def to_rotation_vector(wxyz: Reals) -> FloatArray:
+    """Rotation vectors (..., 3) in rad, at most pi long; small ones to full relative accuracy."""
     axis, angle = to_axis_angle(wxyz)
     return axis * angle[..., None]
 
 
-def from_axis_angle(axis, angle):
-    """Attitudes of turns by angles (...) about axes (..., 3) of any length."""
+def from_axis_angle(axis: Reals, angle: Reals) -> FloatArray:
+    """Attitudes (..., 4) of turns by angles (...) in rad about axes (..., 3) of nonzero length."""
     axis = validation.real(axis, "axis", shape=(..., 3))
     angle = validation.real(angle, "angle", unit="rad")
     largest = np.max(np.abs(axis), axis=-1, keepdims=True)
     if np.any(largest == 0.0):
-        raise AttitudeError("axis is zero; give a direction.")
+        raise AttitudeError("axis is zero; give a vector of any other length.")
     axis = axis / largest
     axis = axis / np.sqrt(np.sum(axis * axis, axis=-1, keepdims=True))
     shape = np.broadcast_shapes(axis.shape[:-1], angle.shape)
@@ -263,8 +276,8 @@ def from_axis_angle(axis, angle):
     return np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
 
 
-def to_axis_angle(wxyz):
-    """Unit axes (..., 3) and angles (...) in [0, pi]; the axis of no turn is x."""
+def to_axis_angle(wxyz: Reals) -> tuple[FloatArray, FloatArray]:
+    """Unit axes (..., 3) and angles (...) in [0, pi] rad; the axis is x where the angle is 0."""
     wxyz = validation.rows(wxyz, "wxyz", 4)
     turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
     vector = turned[..., 1:]
@@ -276,15 +289,15 @@ def to_axis_angle(wxyz):
     return axis, 2.0 * np.arctan2((length * largest)[..., 0], turned[..., 0])
 
 
-def from_mrp(mrp):
-    """Attitudes of modified Rodrigues parameters (..., 3): axis times tan(angle / 4)."""
+def from_mrp(mrp: Reals) -> FloatArray:
+    """Attitudes (..., 4) of modified Rodrigues parameters (..., 3): axis times tan(angle / 4)."""
     p = validation.real(mrp, "mrp", shape=(..., 3))
     square = np.sum(p * p, axis=-1, keepdims=True)
     return np.concatenate([1.0 - square, 2.0 * p], axis=-1) / (1.0 + square)
 
 
-def to_mrp(wxyz):
-    """Modified Rodrigues parameters (..., 3) of length at most 1: never of the shadow set."""
+def to_mrp(wxyz: Reals) -> FloatArray:
+    """Modified Rodrigues parameters (..., 3), at most 1 long (the shadow set is longer)."""
     wxyz = validation.rows(wxyz, "wxyz", 4)
     turned = np.where(wxyz[..., :1] < 0.0, -wxyz, wxyz)
     return turned[..., 1:] / (1.0 + turned[..., :1])
@@ -293,8 +306,8 @@ def to_mrp(wxyz):
 # Pole and spin angle ------------------------------------------------------------------------------
 
 
-def from_pole(right_ascension, declination, spin_angle):
-    """Attitudes of a pole and the angle of the prime meridian, as the IAU gives them.
+def from_pole(right_ascension: Reals, declination: Reals, spin_angle: Reals) -> FloatArray:
+    """Attitudes (..., 4) of a pole and the angle of the prime meridian, in rad, as the IAU defines.
 
     Body z points to the pole; body x is spin_angle east of the node at right ascension + 90 deg:
     Rz(ra + 90 deg) Rx(90 deg - dec) Rz(W).  Archinal et al. (2018), Celest. Mech. 130, 22; the
@@ -311,8 +324,8 @@ def from_pole(right_ascension, declination, spin_angle):
     return from_euler("ZXZ", np.stack(np.broadcast_arrays(*angles), axis=-1))
 
 
-def to_pole(wxyz):
-    """Right ascension in [0, 2 pi), declination, spin angle in [0, 2 pi): three arrays (...)."""
+def to_pole(wxyz: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Right ascension in [0, 2 pi), declination, spin angle in [0, 2 pi): arrays (...), rad."""
     node, tilt, spin = np.moveaxis(to_euler("ZXZ", wxyz), -1, 0)
     return _positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, _positive(spin)
 
@@ -320,42 +333,41 @@ def to_pole(wxyz):
 # Rates --------------------------------------------------------------------------------------------
 
 
-def quaternion_rate(wxyz, angular_velocity):
+def quaternion_rate(wxyz: Reals, angular_velocity: Reals) -> FloatArray:
     """Rate of change (..., 4) in 1/s of attitudes: q' = q (0, w) / 2, w over the body axes."""
     omega = validation.rows(angular_velocity, "angular_velocity", 3)
     pure = np.concatenate([np.zeros((*omega.shape[:-1], 1)), omega], axis=-1)
     return 0.5 * quaternion.multiply(validation.rows(wxyz, "wxyz", 4), pure)
 
 
-def angular_velocity_from_quaternion_rate(wxyz, rate):
-    """Angular velocity (..., 3), body axes, of the rate of change (..., 4) of attitudes."""
+def angular_velocity_from_quaternion_rate(wxyz: ArrayLike, rate: Reals) -> FloatArray:
+    """Angular velocity (..., 3), rad/s in body axes, of the rate of change (..., 4) in 1/s."""
     rate = validation.rows(rate, "rate", 4)
     return 2.0 * quaternion.multiply(quaternion.conjugate(wxyz), rate)[..., 1:]
 
 
-def body_to_inertial_rates(wxyz, angular_velocity):
-    """Components (..., 3) over the inertial axes of angular velocities over the body axes."""
+def body_to_inertial_rates(wxyz: Reals, angular_velocity: ArrayLike) -> FloatArray:
+    """Angular velocities (..., 3) over the inertial axes of those over the body axes, rad/s."""
     return quaternion.rotate(validation.rows(wxyz, "wxyz", 4), angular_velocity)
 
 
-def inertial_to_body_rates(wxyz, angular_velocity):
-    """Components (..., 3) over the body axes of angular velocities over the inertial axes."""
-    return quaternion.rotate(
-        quaternion.conjugate(validation.rows(wxyz, "wxyz", 4)), angular_velocity
-    )
+def inertial_to_body_rates(wxyz: Reals, angular_velocity: ArrayLike) -> FloatArray:
+    """Angular velocities (..., 3) over the body axes of those over the inertial axes, rad/s."""
+    inverse = quaternion.conjugate(validation.rows(wxyz, "wxyz", 4))
+    return quaternion.rotate(inverse, angular_velocity)
 
 
 # scipy --------------------------------------------------------------------------------------------
 
 
-def from_rotation(rotation):
-    """Attitudes of a scipy Rotation that takes body vectors to inertial axes."""
+def from_rotation(rotation: Rotation) -> FloatArray:
+    """Attitudes (4,) or (N, 4) of a scipy Rotation from body to inertial axes."""
     if not hasattr(rotation, "as_quat"):
         raise AttitudeError(f"rotation is {rotation!r}; give a scipy Rotation (body to inertial).")
     return from_xyzw(rotation.as_quat())
 
 
-def to_rotation(wxyz):
+def to_rotation(wxyz: Reals) -> Rotation:
     """A scipy Rotation, body to inertial, of attitudes (4,) or (N, 4)."""
     from scipy.spatial.transform import Rotation
 
@@ -363,7 +375,7 @@ def to_rotation(wxyz):
 
 
 def _letters(sequence):
-    """One to three axes in scipy's letters."""
+    """A sequence of one to three axes in scipy's letters."""
     if isinstance(sequence, str) and 1 <= len(sequence) <= 2:
         letters = sequence.translate(str.maketrans("123", "XYZ"))
         if set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower()):
@@ -372,12 +384,13 @@ def _letters(sequence):
 
 
 def _wrapped(angle):
-    """Into (-pi, pi], for angles within two turns; angles that are in it stay as they are."""
+    """Angles within two turns brought into (-pi, pi]; those inside of it are not changed."""
     angle = np.where(angle > np.pi, angle - 2.0 * np.pi, angle)
     return np.where(angle <= -np.pi, angle + 2.0 * np.pi, angle)
 
 
 def _positive(angle):
+    """Angles within one turn of [0, 2 pi) brought into it."""
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)
 

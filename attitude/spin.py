@@ -1,6 +1,9 @@
 """The state of rotation at an epoch: attitude and angular velocity."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,21 +11,38 @@ from attitude import epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
-@dataclass(frozen=True, eq=False, repr=False)
+    from attitude.annotations import Epoch, FloatArray, Real, Reals
+    from attitude.body import Body
+    from attitude.regime import Mode
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Spin(Immutable):
     """Attitude and angular velocity of a body at an epoch.
 
     Parameters
     ----------
     epoch : str, astropy Time, skyfield Time, datetime, datetime64
-        Text is ISO 8601 in UTC, or with the name of a time scale behind it.
+        Text is ISO 8601 in UTC, or followed by the name of a time scale.
     wxyz : (4,) array_like
-        Unit quaternion from body axes to `frame`, scalar first; of any length.
+        Quaternion from body axes to `frame`, scalar first; of any length.
     angular_velocity : (3,) array_like
         Over the body axes: rad/s, or any Quantity, or text such as "14.5 deg/day".
     frame : str
         "icrf" (the same axes as GCRF and SPICE's J2000), "eme2000" or "ecliptic" (of J2000).
+
+    Attributes
+    ----------
+    epoch : Instant
+    wxyz : (4,) array
+        Unit quaternion from body axes to `frame`, scalar first.
+    angular_velocity : (3,) array
+        rad/s over the body axes.
+    frame : str
+        In lower case.
 
     Raises
     ------
@@ -35,19 +55,23 @@ class Spin(Immutable):
     """
 
     epoch: epochs.Instant
-    wxyz: np.ndarray
-    angular_velocity: np.ndarray
-    frame: str = "icrf"
+    wxyz: FloatArray
+    angular_velocity: FloatArray
+    frame: str
 
-    def __post_init__(self):
-        self._set("epoch", epochs.instant(self.epoch, "epoch"))
-        self._set("frame", frames.known(self.frame))
-        self._set("wxyz", frozen(quaternion.unit(self.wxyz)))
-        rate = validation.real(self.angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
+    def __init__(
+        self, epoch: Epoch, wxyz: Reals, angular_velocity: Reals, frame: str = "icrf"
+    ) -> None:
+        self._set("epoch", epochs.instant(epoch, "epoch"))
+        self._set("frame", frames.known(frame))
+        self._set("wxyz", frozen(quaternion.unit(wxyz)))
+        rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
         self._set("angular_velocity", frozen(rate))
 
     @classmethod
-    def from_rotation(cls, *, epoch, rotation, angular_velocity, frame="icrf"):
+    def from_rotation(
+        cls, *, epoch: Epoch, rotation: Rotation, angular_velocity: Reals, frame: str = "icrf"
+    ) -> Spin:
         """From one scipy Rotation that takes body vectors to the frame."""
         if not hasattr(rotation, "as_quat"):
             raise AttitudeError(
@@ -59,34 +83,56 @@ class Spin(Immutable):
         return cls(epoch, wxyz, angular_velocity, frame)
 
     @classmethod
-    def from_matrix(cls, *, epoch, matrix, angular_velocity, frame="icrf"):
+    def from_matrix(
+        cls, *, epoch: Epoch, matrix: Reals, angular_velocity: Reals, frame: str = "icrf"
+    ) -> Spin:
         """From a rotation matrix (3, 3) that takes body vectors to the frame.
 
-        The paper's attitude matrix A, and what others call DCM, is its transpose.
+        Its transpose is the paper's attitude matrix A, often called DCM.
         """
         return cls(epoch, quaternion.from_matrix(matrix), angular_velocity, frame)
 
     @classmethod
-    def from_euler(cls, *, epoch, sequence, angles, angular_velocity, frame="icrf"):
+    def from_euler(
+        cls,
+        *,
+        epoch: Epoch,
+        sequence: str,
+        angles: Reals,
+        angular_velocity: Reals,
+        frame: str = "icrf",
+    ) -> Spin:
         """From Euler angles: "313" or "ZXZ" is body to frame = Rz(a) Rx(b) Rz(c); rad."""
         return cls(epoch, quaternion.from_euler(sequence, angles), angular_velocity, frame)
 
     @classmethod
     def from_periods(
-        cls, body, *, epoch, pole, phi0, mode=None, convention=None, P_psi=None, P_phi=None,
-        psi0=None, theta_branch=None, P=None, frame="ecliptic",
-    ):  # fmt: skip
-        """From a published set: pole, two periods, angles at an epoch.
+        cls,
+        body: Body | None,
+        *,
+        epoch: Epoch,
+        pole: Reals,
+        phi0: Real,
+        mode: str | Mode | None = None,
+        convention: str | None = None,
+        P_psi: Real | None = None,
+        P_phi: Real | None = None,
+        psi0: Real | None = None,
+        theta_branch: str | None = None,
+        P: Real | None = None,
+        frame: str = "ecliptic",
+    ) -> Spin:
+        """From a published spin state: pole, two periods, angles at an epoch.
 
         Parameters
         ----------
         body : Body
-            Ratios of the moments will do.  The labels of its axes follow from the moments.
+            Its moments may be relative.  The labels of its axes follow from the moments.
         mode : "LAM", "SAM" or Mode
-            Long-axis or short-axis mode.  Required: the periods do not tell.
+            Long-axis or short-axis mode.  Required: it does not follow from the periods.
         convention : "L" or "S"
             Whether phi and P_phi are those of the long or of the short axis (see
-            attitude.published.conventions and docs/conventions.md).  Required, for the same reason.
+            attitude.published.conventions and docs/conventions.md).  Required, as the mode.
         P_psi, P_phi : float or Quantity
             s; rotation about the axis, and its mean circulation about the momentum.
         pole : (2,) array_like
@@ -94,19 +140,19 @@ class Spin(Immutable):
         phi0, psi0 : float or Quantity
             rad, at the epoch; theta0 follows.
         theta_branch : "acute" or "obtuse", optional
-            Which side of 90 degrees theta0 is on.  Required where psi librates (SAM with "L", LAM
-            with "S"), else acute unless told otherwise.
+            theta0 up to or above 90 degrees.  Required where psi librates (SAM with "L", LAM with
+            "S"); otherwise "acute" by default.
         P : float or Quantity
-            s; instead of all of mode, convention, P_psi, P_phi and psi0: a relaxed rotator, about
-            the short axis of the body or, with body=None, about its z axis, as in DAMIT.
+            s; in place of mode, convention, P_psi, P_phi and psi0: a relaxed rotator, about the
+            short axis of the body or, with body=None, about its z axis, as in DAMIT.
         frame : str
-            The ecliptic of J2000 unless told otherwise, as in the literature.
+            Of the pole; the ecliptic of J2000 by default, as in the literature.
 
         Raises
         ------
         AttitudeError
-            Where no motion has these numbers: which range would be possible, and which other
-            modes or conventions would have a motion.
+            If no motion has these numbers; the text has the possible range, and the modes and
+            conventions in which a motion exists.
 
         Notes
         -----
@@ -129,6 +175,8 @@ class Spin(Immutable):
                 )
             return cls(epoch, *published.relaxed(body, P=P, pole=pole, phi0=phi0), frame)
         _require(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
+        if body is None:
+            raise AttitudeError("body is None; give a Body, or one period P for a rotator about z.")
         state = published.from_periods(
             body, mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, pole=pole,
             phi0=phi0, psi0=psi0, theta_branch=theta_branch,
@@ -137,10 +185,26 @@ class Spin(Immutable):
 
     @classmethod
     def from_energy(
-        cls, body, *, epoch, energy_ratio, convention, pole, phi0, psi0, P_psi=None, P_phi=None,
-        mode=None, theta_branch=None, frame="ecliptic",
-    ):  # fmt: skip
-        """From E/E0 = 2 E C / L^2, which tells the mode, and one period; see `from_periods`."""
+        cls,
+        body: Body,
+        *,
+        epoch: Epoch,
+        energy_ratio: Real,
+        convention: str,
+        pole: Reals,
+        phi0: Real,
+        psi0: Real,
+        P_psi: Real | None = None,
+        P_phi: Real | None = None,
+        mode: str | Mode | None = None,
+        theta_branch: str | None = None,
+        frame: str = "ecliptic",
+    ) -> Spin:
+        """From E/E0 = 2 E C / L^2 and one of P_psi and P_phi.
+
+        The mode follows from E/E0; a `mode` that differs is an error.  The others as in
+        `from_periods`.
+        """
         state = published.from_energy(
             body, energy_ratio=energy_ratio, convention=convention, pole=pole, phi0=phi0,
             psi0=psi0, P_psi=P_psi, P_phi=P_phi, mode=mode, theta_branch=theta_branch,
@@ -149,10 +213,21 @@ class Spin(Immutable):
 
     @classmethod
     def from_pole(
-        cls, body, *, epoch, convention, pole, phi0, angular_velocity=None, theta0=None, psi0=None,
-        P_psi=None, P_phi=None, frame="ecliptic",
-    ):  # fmt: skip
-        """From the direction of the momentum, with rates or with angles and one period.
+        cls,
+        body: Body,
+        *,
+        epoch: Epoch,
+        convention: str,
+        pole: Reals,
+        phi0: Real,
+        angular_velocity: Reals | None = None,
+        theta0: Real | None = None,
+        psi0: Real | None = None,
+        P_psi: Real | None = None,
+        P_phi: Real | None = None,
+        frame: str = "ecliptic",
+    ) -> Spin:
+        """From the direction of the momentum, and rates or angles and one period.
 
         Either angular_velocity (3,), rad/s in body axes, from which theta0 and psi0 follow; or
         theta0, psi0 and one of P_psi and P_phi.  The others as in `from_periods`.
@@ -164,11 +239,20 @@ class Spin(Immutable):
         return cls(epoch, *state, frame)
 
     @classmethod
-    def from_angles(cls, body, *, epoch, convention, angles, angular_velocity, frame="ecliptic"):
+    def from_angles(
+        cls,
+        body: Body,
+        *,
+        epoch: Epoch,
+        convention: str,
+        angles: Reals,
+        angular_velocity: Reals,
+        frame: str = "ecliptic",
+    ) -> Spin:
         """From 3-1-3 angles and rates of labelled axes, as radar observers print them.
 
         Labelled axes to frame is Rz(a) Rx(b) Rz(c), rad; angular_velocity (3,) in rad/s is over
-        the labelled axes too: (B, C, A) with "L", (A, B, C) with "S".
+        the labelled axes too: those of B, C, A with "L", of A, B, C with "S".
         """
         state = published.from_angles(
             body, convention=convention, angles=angles, angular_velocity=angular_velocity
@@ -176,18 +260,19 @@ class Spin(Immutable):
         return cls(epoch, *state, frame)
 
     @property
-    def wxyz_icrf(self):
-        """The attitude (4,) from body axes to ICRF."""
+    def wxyz_icrf(self) -> FloatArray:
+        """The attitude (4,) from body axes to ICRF, scalar first."""
         if self.frame == "icrf":
             return self.wxyz
         return frozen(quaternion.multiply(frames.wxyz_to_icrf(self.frame), self.wxyz))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
 
 
-def _require(**given):
+def _require(**given: object) -> None:
+    """AttitudeError naming the keywords that are None."""
     missing = [name for name, value in given.items() if value is None]
     if missing:
         raise AttitudeError(

@@ -1,15 +1,33 @@
-"""Where numbers from outside are checked, once: shapes, units, finiteness.
+"""Check the numbers that callers give, once: shape, unit, finiteness.
 
-Behind these functions there are only float64 arrays in SI units and radians.  A gate never
-changes a value: what it returns is exactly what was given, converted to the unit asked for.
+All other code works on float64 arrays in SI units and radians.  No function here changes a value
+except by converting it to the unit of the result.
 """
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 
+if TYPE_CHECKING:
+    from attitude.annotations import BoolArray, FloatArray, Real, Reals
 
-def real(value, name, *, shape=None, unit=None, finite=True):
+Choice = TypeVar("Choice")
+
+
+def real(
+    value: Reals,
+    name: str,
+    *,
+    shape: Sequence[int | EllipsisType] | None = None,
+    unit: str | None = None,
+    finite: bool = True,
+) -> FloatArray:
     """The value as a new float64 array.
 
     Parameters
@@ -17,13 +35,13 @@ def real(value, name, *, shape=None, unit=None, finite=True):
     value : array_like, astropy Quantity, or text such as ``"14.5 deg/day"``
         Plain numbers are already in `unit`; a Quantity or a text is converted to it.
     name : str
-        How the value is called in the error message.
+        Name of the value in error messages.
     shape : tuple, optional
-        What is allowed; a leading ``...`` stands for any leading axes.
+        The shape that is allowed; a leading ``...`` stands for any leading axes.
     unit : str, optional
         Unit of the result, as astropy spells it; without it the value is a pure number.
     finite : bool
-        Whether NaN and infinity are refused.
+        Refuse NaN and infinity.
 
     Raises
     ------
@@ -39,21 +57,22 @@ def real(value, name, *, shape=None, unit=None, finite=True):
     return array
 
 
-def rows(value, name, width, *, unit=None):
-    """The value as a float64 array (..., width), not copied where it is one already.
+def rows(value: Reals, name: str, width: int, *, unit: str | None = None) -> FloatArray:
+    """The value as a float64 array (..., width), not copied if it is one already.
 
-    Numbers may be of any kind, NaN too: the compiled solution checks what it is given.
+    NaN and infinity pass: the compiled solution checks its input.
     """
-    array = value
-    if type(value) is not np.ndarray or value.dtype != np.float64:
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        array: FloatArray = value
+    else:
         array = _floats(value, name, unit)
     if array.shape[-1:] != (width,):
         raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled((..., width))}.")
     return array
 
 
-def seconds(value, name):
-    """The value as a float64 array of seconds, not copied where it is one already; NaN allowed."""
+def seconds(value: Reals, name: str) -> FloatArray:
+    """The value as a float64 array of seconds, not copied if it is one already; NaN is allowed."""
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
     if type(value) is float:
@@ -61,29 +80,29 @@ def seconds(value, name):
     return _floats(value, name, "s")
 
 
-def number(value, name, *, unit=None):
-    """One finite number as a float; see `real`."""
+def number(value: Real, name: str, *, unit: str | None = None) -> float:
+    """One finite number as a float in `unit`; see `real`."""
     return float(real(value, name, shape=(), unit=unit))
 
 
-def positive(value, name, *, unit=None):
-    """One finite number greater than zero as a float; see `real`."""
+def positive(value: Real, name: str, *, unit: str | None = None) -> float:
+    """One finite number greater than zero as a float in `unit`; see `real`."""
     given = number(value, name, unit=unit)
     if not given > 0.0:
         raise AttitudeError(f"{name} is {given!r}; it must be greater than zero.")
     return given
 
 
-def one_of(value, name, allowed):
-    """The value itself, if it is among the allowed ones."""
+def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
+    """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:
         listed = ", ".join(repr(choice) for choice in allowed)
         raise AttitudeError(f"{name} is {value!r}; it must be one of {listed}.")
     return value
 
 
-def unit_vector(value, name):
-    """The vector (3,) of length one along a value, or an AttitudeError for what has no direction.
+def unit_vector(value: Reals, name: str) -> FloatArray:
+    """The vector (3,) of length one along a value; AttitudeError for a vector of length zero.
 
     >>> unit_vector((0, 3e-300, -4e-300), "axis")
     array([ 0. ,  0.6, -0.8])
@@ -94,14 +113,16 @@ def unit_vector(value, name):
         raise AttitudeError(
             f"{name} is zero, which has no direction; give a vector of any other length."
         )
-    vector = vector / size  # so that its square neither over- nor underflows
-    return vector / np.sqrt(vector @ vector)
+    vector = vector / size  # so that its square neither overflows nor underflows
+    direction: FloatArray = vector / np.sqrt(vector @ vector)
+    return direction
 
 
-def _floats(value, name, unit):
+def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if type(value) is tuple and all(type(item) in (int, float) for item in value):
         return np.array(value, dtype=np.float64)
-    if _mask_of(value) is not None and np.any(_mask_of(value)):
+    mask = _mask_of(value)
+    if mask is not None and np.any(mask):
         raise AttitudeError(
             f"{name} has masked entries; give a number for each, or leave them out."
         )
@@ -125,7 +146,8 @@ def _floats(value, name, unit):
     return np.array(array, dtype=np.float64)
 
 
-def _mask_of(value):
+def _mask_of(value: Any) -> BoolArray | None:
+    """The mask of numpy's and of astropy's masked arrays, or None."""
     if isinstance(value, np.ma.MaskedArray):
         return np.ma.getmaskarray(value)
     return np.asarray(value.mask) if hasattr(value, "unmasked") else None
@@ -141,7 +163,8 @@ def _holds_quantities(value):
     )
 
 
-def _quantity(value, name):
+def _quantity(value: Any, name: str) -> Any:
+    """Text, or a list of text, Quantities and numbers, as an astropy Quantity."""
     from astropy import units
 
     try:
@@ -156,7 +179,8 @@ def _quantity(value, name):
         ) from err
 
 
-def _in_unit(quantity, name, unit):
+def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
+    """The numbers of a Quantity in a unit; without a unit, of a dimensionless Quantity."""
     from astropy import units
 
     if unit is None:
@@ -165,10 +189,10 @@ def _in_unit(quantity, name, unit):
         raise AttitudeError(f"{name} is in {quantity.unit}; it must be a pure number.")
     if quantity.unit == units.dimensionless_unscaled:
         return quantity.value
-    wanted = units.Unit(unit)
+    target = units.Unit(unit)
     try:
-        return quantity.to_value(wanted)
-    except ValueError as err:  # of another kind; or from a file, of a name that astropy kept
+        return quantity.to_value(target)
+    except ValueError as err:  # another dimension, or an unknown name that astropy kept from a file
         raise AttitudeError(
             f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
         ) from err
@@ -181,13 +205,13 @@ def _fits(given, allowed):
     return given == tuple(allowed)
 
 
-def _spelled(shape):
-    if shape == ():
+def _spelled(shape: Sequence[int | EllipsisType]) -> str:
+    if tuple(shape) == ():
         return "a single number"
     return "(" + ", ".join("..." if n is Ellipsis else str(n) for n in shape) + ")"
 
 
-def shown(value):
-    """A value as it appears in an error message: one line, shortened."""
+def shown(value: object) -> str:
+    """A value for an error message: its repr on one line, at most 60 characters."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."

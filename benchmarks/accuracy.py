@@ -3,9 +3,9 @@
     python benchmarks/accuracy.py                 # 10 states a family, about 3 minutes
     python benchmarks/accuracy.py --states 40 --seed 7
 
-Every state of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions to both sides, against the
-mpmath oracle of tests/oracle.py, which shares no formula with the package.  A wrong overall sign
-of the quaternion counts as an error of 2 pi.
+It evaluates every state of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions, forward and
+backward, and compares with the mpmath oracle of tests/oracle.py, which shares no formula with the
+package.  A wrong overall sign of the quaternion counts as an error of 2 pi.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def errors_of(state):
 
 
 def tensors(count, seed):
-    """The same for bodies whose axes are not principal, their tensors taken as exact."""
+    """The same for bodies with full tensors, whose doubles are taken as exact."""
     print(f"{'full tensors':<35}" + "".join(f"{n:>11.0e}" for n in REVOLUTIONS))
     worst = np.zeros(len(REVOLUTIONS))
     for state in states.sample(count, seed, states.TUMBLING):

@@ -1,8 +1,8 @@
-"""What does an array of UTC epochs cost on its way to TDB, and how far is it from astropy's?
+"""What does the conversion of UTC epochs to TDB cost, and how far is it from astropy's?
 
-Prints, for 1e5 UTC epochs as one astropy Time over a day, a year and a century, the time an epoch
-of `seconds_since` (the first call, which fits the pieces of TDB - TT, and later ones), the time
-an epoch of astropy's own `.tdb`, and the largest difference between the two.
+It prints, for 1e5 UTC epochs as one astropy Time over a day, a year and a century, the time per
+epoch of `seconds_since` (the first call, which fits the pieces of TDB - TT, and later ones), the
+time per epoch of astropy's own `.tdb`, and the largest difference between the two.
 
     python benchmarks/epochs.py
 """
@@ -29,18 +29,18 @@ def nanoseconds(function):
 
 
 def difference(start, times, hi, lo):
-    """The largest difference from astropy's TDB, in s; formed in two doubles."""
+    """The largest difference from astropy's TDB, in s; computed in two doubles."""
     reference = time_scales.seconds_from_jd(times.jd1, times.jd2)
     reference = pairs.add(reference, -start.seconds, -start.low)
     return np.max(np.abs((hi - reference[0]) + (lo - reference[1])))
 
 
 def main():
-    warnings.simplefilter("ignore", erfa.ErfaWarning)  # astropy's, of dubious years
+    warnings.simplefilter("ignore", erfa.ErfaWarning)  # "dubious year", from astropy
     print(f"numpy {np.__version__}, astropy {astropy.__version__}, {COUNT} UTC epochs as one Time")
     print("span        first call    later      astropy   ns an epoch;   largest difference, s")
     start = epochs.instant("2020-01-01T00:00:00")
-    # So that all is imported and numpy has had this much memory from the system before.
+    # Import everything, and let numpy allocate this much memory once, before measuring.
     epochs.seconds_since(start, Time(1980.0 + np.linspace(0.0, 1.0, COUNT), format="jyear"))
     for label, days in (("a day", 1.0), ("a year", 365.25), ("a century", 36525.0)):
         utc = Time(2458849.5, np.linspace(0.0, days, COUNT), format="jd", scale="utc")

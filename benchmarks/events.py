@@ -1,15 +1,15 @@
-"""Does the search miss an event that samples see, and what does it cost?
+"""Does the search miss an event that samples show, and what does it cost?
 
-Random tumblers of several kinds turn for ten thousand rotations.  The search looks for four
-conditions at once: a direction in a wide and in a narrow cone, a facet that is lit, a glint of
-the Sun's disc.  Beside it the same conditions are evaluated, by other formulas, at samples every
-1e-4 rad of rotation: each change between two samples must be an event of the search, and each
-event alone between two samples must be such a change.  Prints what was missed (0 is wanted), what
-the search found that samples do not see (pairs between two samples), and its time.
+Random tumblers of several kinds turn for ten thousand rotations.  The search covers four
+conditions at once: a direction in a wide and in a narrow cone, a facet that is lit, a glint of the
+Sun's disc.  The same conditions are evaluated, by other formulas, at samples every 1e-4 rad of
+rotation: each change between two samples must be an event of the search, and each single event
+between two samples must be such a change.  It prints the number of missed events (0 is required),
+the number of pairs of events between two samples, which samples cannot show, and the time.
 
     python benchmarks/events.py [--quick] [--tumblers 0:100] [--rotations 10000] [--step 1e-4]
 
-The full run samples 6e10 attitudes, a quarter of an hour on one core; --quick a thousandth.
+The full run samples 6e10 attitudes, a quarter of an hour on one core; --quick a thousandth of them.
 """
 
 import argparse
@@ -30,7 +30,7 @@ from tests import states
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")
 WIDE, NARROW = 0.5, 0.02
 _CHUNK = 1 << 14
-# An event so near to a sample may be on either side of it for the other formulas, rad.
+# Events this near to a sample, rad, can be on its other side by the other formulas.
 _ROUNDING = 1e-7
 
 
@@ -57,11 +57,11 @@ def searched(motion, axis, normal, sun, observer, span):
 
 @entry_point
 def sampled(wxyz, given, limits, states):
-    """What is true at each sample, a bit for each condition."""
+    """The conditions that hold at each sample, one bit for each."""
     axis, normal, sun, observer = given[0], given[1], given[2], given[3]
     for i in range(wxyz.shape[1]):
         w, x, y, z = wxyz[0, i], wxyz[1, i], wxyz[2, i], wxyz[3, i]
-        # Columns of the matrix body to inertial, by which a body vector is turned.
+        # Entries of the matrix from body to inertial axes.
         xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
         yx, yy, yz = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
         zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
@@ -82,7 +82,7 @@ def sampled(wxyz, given, limits, states):
 
 @entry_point
 def changed(states, last, changes):
-    """Changes: the number of the sample after, times 4, plus that of the condition."""
+    """Fill changes: 4 times the number of the later sample, plus the number of the condition."""
     count = 0
     for i in range(len(states)):
         if states[i] != last:
@@ -96,7 +96,7 @@ def changed(states, last, changes):
 
 
 def compare(number, rotations, step):
-    """Events, changes that samples see, missed, not seen by samples, seconds searched."""
+    """Counts of events, of changes between samples, missed, pairs between samples; seconds."""
     motion, axis, normal, sun, observer = tumbler(number)
     rate = motion.regime.mean_spin_rate
     dt = step / rate
@@ -117,7 +117,7 @@ def compare(number, rotations, step):
     place = found.seconds / dt
     bins, counts = np.unique(4 * np.ceil(place).astype(np.int64) + found.which, return_counts=True)
     odd = bins[counts % 2 == 1]
-    # What one list has and the other has not, but for events within rounding of a sample.
+    # The differences of the two lists, except events within rounding of a sample.
     near = np.abs(place - np.rint(place)) * step < _ROUNDING
     near = np.unique(
         np.concatenate(
@@ -144,7 +144,7 @@ def main():
         chosen.tumblers, chosen.rotations = "0:10", 100.0
     compare(0, 1, 1e-3)  # compiles
     first, last = (int(part) for part in chosen.tumblers.split(":"))
-    print("tumbler     events    samples see    missed    pairs between samples    us a rotation")
+    print("tumbler     events    by samples     missed    pairs between samples    us a rotation")
     total = np.zeros(5)
     for number in range(first, last):
         row = compare(number, chosen.rotations, chosen.step)

@@ -1,9 +1,9 @@
-"""How fast are attitude files written and read, and is anything lost on the way?
+"""How fast are attitude files written and read, and what is lost?
 
     python benchmarks/formats.py [RECORDS]
 
-Writes a tumbler's history (1e5 records by default) in every format into a folder that is removed
-again, reads it, and prints seconds of the processor, bytes and the largest differences.
+It writes a tumbler's history (1e5 records by default) in every format into a temporary folder,
+reads it, and prints CPU seconds, bytes and the largest differences.
 """
 
 import os
@@ -20,7 +20,7 @@ from attitude.formats import aem, stk, tables
 def main(count):
     spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
     history = FreeRotation(Body(moments=(10, 20, 26)), spin).at(np.arange(count) * 0.1)
-    history.angular_velocity  # made before the clock starts  # noqa: B018
+    history.angular_velocity  # computed before the measurement  # noqa: B018
     ways = {
         "AEM 2.0": ("aem", aem.write, aem.read, {}),
         "AEM 1.0": ("aem", aem.write, aem.read, {"version": "1.0"}),
@@ -47,7 +47,7 @@ def main(count):
 
 
 def best(call, times=3):
-    """The shortest of some runs, in seconds of the processor."""
+    """The least CPU time of some runs, in seconds."""
     took = []
     for _ in range(times):
         start = time.process_time()
@@ -62,7 +62,7 @@ def losses(table, history):
     angle = 2.0 * np.linalg.norm(turn[:, 1:], axis=1)
     hi, lo = epochs.seconds_since(history.epoch, table.epoch)
     late = (table.seconds - history.seconds + hi) + (table.low + lo)
-    # angles of identical quaternions come out at 1e-16 by the rounding of this product
+    # the rounding of this product gives 1e-16 for identical quaternions
     angle[np.all(table.wxyz == history.wxyz, axis=1)] = 0.0
     return float(np.max(angle)), float(np.max(np.abs(late)))
 

@@ -1,16 +1,16 @@
-"""How fast and how exact is the brightness of a body, and how much memory does it take?
+"""How fast and how accurate is the brightness of a body, and how much memory does it take?
 
-Prints the measured figure for each claim about light curves: facet-epochs a second beside those of
-numpy in the same run, at the block size that suits numpy best; errors against closed forms, 60
-digits and cast rays; peak memory of 1e7 epochs of 1000 facets.  One thread unless it says more.
-Random directions, so that nothing is gained from one epoch to the next.
+It prints the measured value of each claim about light curves: facet-epochs a second compared with
+numpy in the same run, at the best block size for numpy; errors against closed forms, 60 digits and
+cast rays; peak memory of 1e7 epochs of 1000 facets.  One thread unless a row names more.
+Directions are random, so that successive epochs share no work.
 
     python benchmarks/light_curve.py
 """
 
 import os
 
-# One thread for numpy too; read when it is imported.
+# One thread for numpy too; numpy reads these variables when it is imported.
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
@@ -33,7 +33,7 @@ ROUNDS = 7
 
 
 def directions(count, highest=180.0, lowest=0.0, seed=1):
-    """(N, 3) views of component-major memory: Sun and observer, phase angles in degrees."""
+    """Sun and observer, (N, 3) views of component-major memory; phase angles in degrees."""
     rng = np.random.default_rng(seed)
     sun = rng.normal(size=(3, count))
     sun /= np.linalg.norm(sun, axis=0)
@@ -52,7 +52,7 @@ def random_directions(count, seed=1):
 
 
 def thousand_facets():
-    """1000 facets: a convex body of as many directions, the hull of points on an ellipsoid."""
+    """A convex mesh of 1000 facets with different normals: the hull of points on an ellipsoid."""
     from scipy.spatial import ConvexHull
 
     k = np.arange(502)
@@ -68,7 +68,7 @@ def thousand_facets():
 
 
 def peanut(frequency):
-    """A waist and twelve craters: 20 f^2 facets, many shadows."""
+    """A body with a waist and twelve craters: 20 f^2 facets, many shadows."""
     rng = np.random.default_rng(0)
     vertices, facets = unit_sphere(frequency)
     radius = np.sqrt(vertices[:, 0] ** 2 + 0.12)
@@ -110,7 +110,7 @@ def numpy_tuned(mesh, law, sun, observer, block):
 
 
 def least(functions, rounds=ROUNDS):
-    """Least time of each of several calls, taken in turns so that all share the machine's moods."""
+    """Least time of each of several calls, run in turns so that load affects all of them alike."""
     times = np.full(len(functions), np.inf)
     for function in functions:
         function()
@@ -122,8 +122,8 @@ def least(functions, rounds=ROUNDS):
     return times
 
 
-def row(what, measured, asked=""):
-    print(f"{what:58s} {measured:34s} {asked}", flush=True)
+def row(quantity, measured, required=""):
+    print(f"{quantity:58s} {measured:34s} {required}", flush=True)
 
 
 def rms(value, reference):
@@ -134,7 +134,7 @@ def rms(value, reference):
 def convex():
     mesh, law = thousand_facets(), LommelSeeligerLambert()
     sun, observer = random_directions(EPOCHS)
-    part = 5000  # of the epochs, for numpy's sake
+    part = 5000  # fewer epochs for numpy, which is slow
     blocks = (5, 10, 20, 50, 100, 300, 1000)
     calls = [
         lambda: brightness(mesh, law, sun, observer),
@@ -150,12 +150,12 @@ def convex():
     ours = len(mesh) * EPOCHS / times[0] / 1e9
     rates = len(mesh) * part / times[3:] / 1e9
     row("convex sum, Lommel-Seeliger + Lambert, 1000 x 1e5", f"{ours:.2f} G facet-epochs/s", ">= 2")
-    for name, asked in (("numpy_plain", ">= 20"), ("numpy_tuned", "")):
+    for name, required in (("numpy_plain", ">= 20"), ("numpy_tuned", "")):
         best = max(k for k in zip(rates, names, strict=True) if k[1][0] == name)
         row(
             f"  against {name}, best block {best[1][1]}: {best[0]:.3f} G",
             f"{ours / best[0]:.1f} x",
-            asked,
+            required,
         )
     theirs = numpy_plain(mesh, law, sun[:part], observer[:part], 20)
     mine = brightness(mesh, law, sun[:part], observer[:part])
@@ -165,7 +165,7 @@ def convex():
         f"{np.max(np.abs(mine - theirs)[shown] / theirs[shown]):.1e}",
     )
     rates = len(mesh) * EPOCHS / times[1:3] / 1e9
-    row("  the kernel, no cluster passed over", f"{rates[0]:.2f} G facet-epochs/s")
+    row("  the loop without skipping clusters", f"{rates[0]:.2f} G facet-epochs/s")
     row("  facets that are summed", f"{summed_share(mesh, sun, observer):.0%}")
     row("  two threads", f"{rates[1]:.2f} G facet-epochs/s")
     for other in (Hapke(), Material(0.3, 0.4), Material(0.3, 0.4, "cook-torrance")):
@@ -175,7 +175,7 @@ def convex():
 
 
 def all_facets(mesh, law, sun, observer):
-    """The kernel with every cluster marked as shown: what passing over them gains."""
+    """The loop with every cluster marked as visible, to measure the gain of skipping clusters."""
     from attitude.light_curve import sums
     from attitude.light_curve.clusters import clusters_of
 
@@ -190,7 +190,7 @@ def all_facets(mesh, law, sun, observer):
 
 
 def summed_share(mesh, sun, observer):
-    """Facets in clusters that are not passed over, empty places too, over all: the mean."""
+    """Mean share of facets, with empty places, in clusters that are not skipped."""
     from attitude.light_curve.clusters import SIZE, cell_scale, clusters_of
 
     clusters = clusters_of(mesh)
@@ -287,7 +287,7 @@ def memory():
 
 
 def memory_child(how):
-    """Peak memory of this process, in which nothing else has happened."""
+    """Print the peak memory of this process, which does nothing else."""
     mesh, count = thousand_facets(), 10_000_000
     begin = time.perf_counter()
     if how == "arrays":
@@ -318,7 +318,7 @@ def turn(pair, speed, first):
 
 def main():
     print(f"numpy {np.__version__}, numba {numba.__version__}, {os.cpu_count()} cores")
-    print(f"{'what':58s} {'measured':34s} asked")
+    print(f"{'quantity':58s} {'measured':34s} required")
     convex()
     ellipsoid()
     shadows()

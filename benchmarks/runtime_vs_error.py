@@ -1,12 +1,12 @@
-"""What does an attitude cost, and how wrong is it?  This project beside what one would use instead.
+"""What does an attitude cost, and how large is its error?  This project and its alternatives.
 
     python benchmarks/runtime_vs_error.py            # about 25 minutes
     python benchmarks/runtime_vs_error.py --quick    # below 2 minutes
 
-Every method propagates the same states to the same epochs, set-up included; errors are against the
-mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of the epochs.  Written to
---output (docs/figures): runtime_vs_error.png, .md (all rows) and .json (with machine and
-versions).  Methods that are not installed are named and left out.
+Every method propagates the same states to the same epochs, set-up included; errors are relative to
+the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of the epochs.  The script
+writes runtime_vs_error.png, .md (all rows) and .json (with machine and versions) to --output
+(docs/figures).  Methods that are not installed are named and omitted.
 """
 
 import argparse
@@ -99,7 +99,7 @@ def main():
 
 
 def measure(method, case, state, exact, span, counts, limit):
-    """One row for each number of epochs; what would take longer than the limit says so."""
+    """One row for each number of epochs; a run beyond the time limit is omitted and marked."""
     moments, wxyz0, omega0 = state
     revolution = 2.0 * np.pi / np.linalg.norm(omega0)
     rows = []
@@ -127,7 +127,7 @@ def measure(method, case, state, exact, span, counts, limit):
                 row["ns"] = seconds / count * 1e9
                 row["error"] = _error(wxyz, exact, t)
                 spent.append((count, seconds))
-            except Exception as err:  # a peer that breaks is a result
+            except Exception as err:  # a failure of a method is a result
                 row["broke"] = (
                     f"{type(err).__name__}: {str(err).splitlines()[0][:90] if str(err) else ''}"
                 )
@@ -136,7 +136,7 @@ def measure(method, case, state, exact, span, counts, limit):
 
 
 def _extrapolated(spent, count):
-    """Seconds for so many epochs: what the span costs an integrator, and what each epoch costs."""
+    """Estimated seconds for a number of epochs: the cost of the span plus that of each epoch."""
     if not spent:
         return 0.0
     few, least = spent[0]
@@ -146,7 +146,7 @@ def _extrapolated(spent, count):
 
 
 def _compile(method):
-    """Once on an easy state, so that nobody's compilation is timed."""
+    """Run a method once on easy states, so that compilation is not timed."""
     try:
         method.solve((1.0, 1.7, 2.3), UNIT, (0.3, 0.5, 1.0), np.linspace(0.0, 1.0, 3))
         method.solve((1.0, 1.7, 2.3), UNIT, (1e-3, 1.0, 1e-3), np.linspace(0.0, 1.0, 3))
@@ -234,7 +234,7 @@ def _figure(rows, spans, path):
         for k, name in enumerate(names):
             here = [r for r in rows if r["method"] == name and r["span"] == span and "ns" in r]
             most = {}
-            for row in here:  # the longest array that each setting did
+            for row in here:  # the longest array of each setting
                 key = row["case"], row["setting"]
                 if row["epochs"] >= most.get(key, row)["epochs"] and row["epochs"] <= 100_000:
                     most[key] = row

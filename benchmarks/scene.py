@@ -1,9 +1,8 @@
-"""What does a scene cost an epoch, and how far is it from skyfield with scipy, and from SPICE?
+"""What does a scene cost per epoch, and how far is it from skyfield with scipy, and from SPICE?
 
-Prints a table: nanoseconds an epoch, in time of the processor and on the clock (least of seven
-each, all fits included; compiled before), beside the figure that must be reached, and the largest
-differences from independent computations on the same kernel: skyfield's `observe` and scipy's
-Rotation, and spiceypy's "CN".
+It prints nanoseconds per epoch, as CPU time and wall time (least of seven each, including all fits,
+without compilation), the required value, and the largest differences from independent computations
+on the same kernel: skyfield's `observe` and scipy's Rotation, and spiceypy's "CN".
 
     python benchmarks/scene.py
 
@@ -38,7 +37,7 @@ EVERYTHING = (
 
 
 class Counted:
-    """A motion that counts the attitudes it is asked for."""
+    """A motion that counts the attitudes it evaluates."""
 
     def __init__(self, motion):
         self.motion, self.spin, self.body = motion, motion.spin, motion.body
@@ -50,7 +49,7 @@ class Counted:
 
 
 def nanoseconds(scene, seconds, names, start=None):
-    """Nanoseconds an epoch, of the processor and on the clock, and a view."""
+    """Nanoseconds per epoch, CPU and wall time, and a view."""
 
     def once():
         begin, clock = time.thread_time(), time.perf_counter()
@@ -59,14 +58,14 @@ def nanoseconds(scene, seconds, names, start=None):
             getattr(view, name)
         return time.thread_time() - begin, time.perf_counter() - clock, view
 
-    once()  # compiled, or read from the disk
+    once()  # compiles, or reads the disk cache
     found = [once() for _ in range(7)]
     least = [min(each[k] for each in found) / seconds.size * 1e9 for k in (0, 1)]
     return least, found[0][2]
 
 
-def row(label, cost, wanted, more=""):
-    print(f"{label:54s}{cost[0]:8.1f}{cost[1]:8.1f} ns{wanted:>8s}  {more}")
+def row(label, cost, required, more=""):
+    print(f"{label:54s}{cost[0]:8.1f}{cost[1]:8.1f} ns{required:>8s}  {more}")
 
 
 def angle(a, b):
@@ -75,7 +74,7 @@ def angle(a, b):
 
 
 def skyfield_at(start, seconds):
-    """A skyfield Time of the same TDB."""
+    """A skyfield Time with the same TDB."""
     jd1, jd2 = julian(start, seconds, np.zeros(1))
     found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
@@ -83,7 +82,7 @@ def skyfield_at(start, seconds):
 
 
 def against_skyfield(view, kernel, name, every):
-    """Largest differences of directions over body axes, phase (rad), light time (s)."""
+    """Largest differences of directions in body axes and phase angle (rad), and light time (s)."""
     from scipy.spatial.transform import Rotation
     from skyfield.jpllib import SpiceKernel
 
@@ -109,7 +108,7 @@ def against_skyfield(view, kernel, name, every):
 
 
 def against_spice(view, kernel, name, every):
-    """The same of directions in ICRF, rad, and light times, s, from spkpos with "CN"."""
+    """Largest differences of directions in ICRF (rad) and light times (s) from spkpos with "CN"."""
     try:
         import spiceypy
     except ImportError:
@@ -144,7 +143,7 @@ def planets(motion):
     worst = against_spice(view, kernel, name, 997)
     if worst is not None:
         print(f"    SPICE CN:        {worst[0]:.1e} rad, {worst[1]:.1e} s")
-    print(f"    compression errs by {fit * 1e3:.2f} mm")
+    print(f"    error of the compression: {fit * 1e3:.2f} mm")
 
     counted = Counted(motion)
     cost, view = nanoseconds(Scene(counted, name, ephemeris=kernel), seconds, ["phase_angle"])
@@ -167,7 +166,7 @@ def fixed(motion):
     seconds = np.linspace(0.0, YEAR, MANY)
     scene = Scene(motion, None, observer=(1, 2, 3), sun=(-3, 1, 2))
     cost, _ = nanoseconds(scene, seconds, ("sun_direction", "observer_direction"))
-    row("fixed Sun and observer, both over body axes", cost, "30")
+    row("fixed Sun and observer, both in body axes", cost, "30")
 
 
 def satellite():
@@ -187,7 +186,7 @@ def satellite():
     row("... and elevation and shadow", cost, "-")
     name, first, second = file.read_text().splitlines()
     theirs = EarthSatellite(first, second, name, timescale())
-    # What is left of the vector when the site and the Earth's motion are taken off: SGP4 itself.
+    # Subtract the site and the Earth's motion; the rest is the position of SGP4.
     some = slice(None, None, 997)
     light = view.light_time[some]
     at = skyfield_at(view.epoch, view.seconds[some] - light)
@@ -199,9 +198,9 @@ def satellite():
 
 
 def main():
-    warnings.simplefilter("ignore")  # of dates in astropy's time scales
+    warnings.simplefilter("ignore")  # "dubious year", from astropy
     print(processor())
-    print(f"{'1e6 epochs over a year':54s}{'CPU':>8s}{'clock':>8s}{'wanted':>11s}")
+    print(f"{'1e6 epochs over a year':54s}{'CPU':>8s}{'wall':>8s}{'required':>11s}")
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-5, 2e-4, 1e-5))
     motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
     planets(motion)

@@ -1,10 +1,10 @@
-"""What do the parts that a library has too gain over that library?
+"""How much faster are parts of the package than libraries with the same function?
 
     python benchmarks/self_made.py
 
-For each part of the package that a well-kept library could do as well: the time of both for the
-same work, in one run, their ratio, and the largest difference of the answers.
-`docs/architecture.md` keeps the table with the reasons.
+It prints, for each part that a maintained library could replace, the time of both for the same work
+in one run, their ratio, and the largest difference of the answers.  `docs/architecture.md` keeps
+the table with the reasons.
 """
 
 import sys
@@ -27,7 +27,7 @@ START = epochs.instant("2026-01-01")
 
 
 def best(function, repeats=5):
-    """The least of some times, in s, and the answer."""
+    """The least of several times, s, and the answer."""
     times = []
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -37,7 +37,7 @@ def best(function, repeats=5):
 
 
 def row(part, ours, theirs, name, apart, *, count=COUNT):
-    """One line; `apart` is a function of both answers."""
+    """Print one line; `apart` is a function of both answers."""
     mine, answer = best(ours)
     other, reference = best(theirs, 2)
     print(

@@ -2,8 +2,8 @@
 
     python benchmarks/speed.py
 
-Times are the least of many repetitions; ratios to numpy.sin are taken in the same run, so that
-they carry from one machine to another.  Start-up is measured in fresh processes.
+Times are the least of many repetitions; ratios to numpy.sin are measured in the same run, so that
+they are comparable between machines.  Start-up is measured in new processes.
 """
 
 import os
@@ -56,7 +56,7 @@ def long_arrays():
             MOMENTS, WXYZ, omega, t, angular_velocity=True, out=memory, rates_out=rates
         )
     )
-    print(f"  {'the same into memory given':<40} {plain * 1e3:8.2f} {plain / sine:14.2f}"
+    print(f"  {'the same into a given array':<40} {plain * 1e3:8.2f} {plain / sine:14.2f}"
           f" {both / sine:13.2f}")  # fmt: skip
     print(f"  {'numpy.sin':<40} {best(lambda: np.sin(t)) * 1e3:8.2f}\n")
 
@@ -68,7 +68,7 @@ def bodies():
     wxyz, omega = random.normal(size=(count, 4)), random.normal(size=(count, 3))
     t = random.uniform(0.0, 1e3, (count, 1))
     cost = best(lambda: propagate(moments, wxyz, omega, t), 10) / count
-    print(f"10^5 bodies, an own epoch each             {cost * 1e6:8.2f} us a body\n")
+    print(f"10^5 bodies, one epoch each                {cost * 1e6:8.2f} us a body\n")
 
 
 def single():
@@ -79,7 +79,7 @@ def single():
     for name, call in {
         "propagate, one epoch": lambda: propagate(MOMENTS, WXYZ, omega, 60.0),
         "motion.at, one epoch": lambda: motion.at(60.0),
-        "making a FreeRotation": lambda: FreeRotation(body, spin),
+        "constructing a FreeRotation": lambda: FreeRotation(body, spin),
     }.items():
         print(f"{name:<40}   {best(call, 20, 500) * 1e6:8.2f} us")
     print()
@@ -96,7 +96,7 @@ def dates():
         t = Time("2026-01-01T00:00:00") + np.linspace(0.0, days, count) * units.day
         cost = best(lambda t=t: motion.at(t), 10) / count
         history = motion.at(t)
-        # In parts, since one double of seconds ends at 4e-9 s after a year.
+        # In two parts, since one double of seconds resolves 4e-9 s after a year.
         days, start = t.tdb, motion.spin.epoch.time
         whole, rest = days.jd1 - start.jd1, days.jd2 - start.jd2
         error = np.max(np.abs(history.seconds - whole * 86400.0 + history.low - rest * 86400.0))
@@ -128,7 +128,7 @@ def start_up():
 
 
 def process(code, cache, repetitions=7):
-    """Least wall time of a fresh process in seconds."""
+    """Least wall time of a new process, s."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
     times = []
     for _ in range(repetitions):
@@ -139,7 +139,7 @@ def process(code, cache, repetitions=7):
 
 
 def best(call, repetitions=30, loop=1):
-    """Least time of a call in seconds."""
+    """Least time of a call, s."""
     call()
     least = np.inf
     for _ in range(repetitions):

@@ -1,13 +1,14 @@
-"""How good are the splitting integrators around the exact free rotation, and what do they cost?
+"""How accurate are the splitting integrators around the exact free rotation, and what do they cost?
 
-Prints, and with --output draws,
+The script prints, and with --output draws,
 
-    cost       of the exact short step, of a step under gravity gradient, and of the torque in it
+    cost       time of the exact short step, and of a step under a constant torque and under
+               gravity gradient
     orders     attitude error of each scheme on an eccentric orbit against a 34-digit integration
     circular   T + V - n L (normal), conserved on a circular orbit, over many orbits: the exact
-               splitting beside those that split the kinetic energy too, at the same step
-    drift      the same energy from many starts: its slope, and the mean of what rounding does to
-               energy and momentum in the free motions, each with its standard error
+               splitting and those that also split the kinetic energy, at the same step
+    drift      the same energy from many starts: its slope, and the mean change of energy and
+               momentum by rounding in the free motions, each with its standard error
     dop853     100 rotations under gravity gradient against DOP853 at 1e-13
     referee    error against cost of integrators of the free rotation
     impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
@@ -33,15 +34,13 @@ from mpmath import mp, mpf
 from record import processor, writable_folder
 
 from attitude import Body, Spin, paths
-from attitude.arcs.arcs import Arcs, Impulse
+from attitude.arcs import Arcs, Impulse
 from attitude.compilation.decorators import entry_point, subroutine
-from attitude.referee import integrators
-from attitude.referee.referee import compare
+from attitude.referee import compare, integrators
 from attitude.solution.given_axes import turned_by
 from attitude.solution.march import march
 from attitude.solution.step import advance, gains, loaded, stored
-from attitude.splitting.schemes import SCHEMES
-from attitude.splitting.torqued_rotation import TorquedRotation
+from attitude.splitting import SCHEMES, TorquedRotation
 from attitude.torques import ConstantTorque, GravityGradient
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error
@@ -50,7 +49,7 @@ from tests.rounding import moved
 BODY = Body(moments=(10, 20, 26))
 SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
 TURN = 2.0 * np.pi
-# On the circular orbit: units in which GM = a = n = 1, the body turning 12 times an orbit.
+# On the circular orbit: units in which GM = a = n = 1; the body turns 12 times an orbit.
 RATES = (6.0, 3.0, 10.0)
 START = (1.0, 0.2, 0.3, 0.4)
 STEPS_AN_ORBIT = 1000
@@ -78,9 +77,9 @@ def flights(m, h, count, state):
 
 
 def cost(quick, output):
-    # Short runs and many: the best one is what the machine does when left alone.
+    # Many short runs: the best one is free of other load.
     count, repeats = 4_000, 100 if quick else 400
-    print("what one step costs, ns (the best of many runs)")
+    print("cost of one step, ns (the best of many runs)")
     state = np.zeros(14)
     state[0], state[4:7] = 1.0, SPIN.angular_velocity
     for angle in (0.01, 0.1, 0.25, 0.5, 1.0):
@@ -171,7 +170,7 @@ def circular(seconds):
 
 
 def circular_path():
-    """The same orbit as a path, which is asked in two doubles of time: 1e5 orbits are no matter."""
+    """The same orbit as a path, evaluated in two doubles of time, exact also over 1e5 orbits."""
     zero = dict.fromkeys(("eccentricity", "inclination", "node", "pericenter_argument"), 0.0)
     return paths.kepler(
         **zero, mean_anomaly=0.0, epoch=SPIN.epoch, semi_major_axis=1.0, gm=1.0, frame="icrf"
@@ -199,9 +198,9 @@ def jacobi(m, q, w, x, y):
 
 @entry_point
 def classical(kind, m, start, points, orbits, out):
-    """Kick-rotate-kick with the free motion of another scheme; extremes of each window in out.
+    """Kick-rotate-kick with the free motion of another scheme; fills the extremes of each window.
 
-    points: cosines and sines (2, steps an orbit + 1); out (windows, 2), `orbits` in all.
+    points: cosines and sines (2, steps an orbit + 1); out: (windows, 2), over `orbits` in total.
     """
     i = m[0], m[1], m[2]
     q = start[0], start[1], start[2], start[3]
@@ -232,8 +231,8 @@ def energies(history, gradient):
 def watched(name, orbits, windows, looks=40, epochs=100):
     """Extremes (windows, 2) and means (windows,) of a scheme's energy error.
 
-    In each window some orbits, evenly spread, are looked at, at random epochs; the motion asked
-    is one TorquedRotation, whatever its length.
+    In each window some evenly spread orbits are evaluated at random epochs, all by one
+    TorquedRotation.
     """
     spin = Spin(epoch=SPIN.epoch, wxyz=START, angular_velocity=RATES)
     gradient = GravityGradient(circular_path(), 1.0)
@@ -250,14 +249,14 @@ def watched(name, orbits, windows, looks=40, epochs=100):
 
 
 def circular_orbit(quick, output):
-    """Each scheme's conserved energy, by windows of the whole time."""
+    """Print the error of each scheme's conserved energy, by windows of the whole time."""
     orbits, windows = (2_000, 20) if quick else (100_000, 50)
     points = np.stack([f(np.linspace(0.0, TURN, STEPS_AN_ORBIT + 1)) for f in (np.cos, np.sin)])
     start = np.concatenate([np.array(START) / np.sqrt(np.dot(START, START)), RATES])
     turn = TURN / STEPS_AN_ORBIT * math.hypot(*RATES)
     print(f"circular orbit, {orbits} orbits, {STEPS_AN_ORBIT} steps each ({turn:.3f} rad a step):")
-    print("largest relative error of T + V - n L, first and last window; of its mean, the drift in")
-    print("all orbits, and how far the windows scatter about that")
+    print("largest relative error of T + V - n L in the first and the last window; drift of its")
+    print("mean over all orbits, and scatter of the windows about it")
     found = {}
     for name, kind in (("dlm", integrators.DLM), ("reich", integrators.REICH)):
         out = np.empty((windows, 2))
@@ -271,11 +270,11 @@ def circular_orbit(quick, output):
     exact = spread(found["kick-rotate-kick"][0])
     ratio = {name: spread(found[name][0]) / exact for name in ("dlm", "reich")}
     print(
-        "ratio of the energy error to that of kick-rotate-kick with the exact free motion, at the "
-        f"same step: Dullweber-Leimkuhler-McLachlan {ratio['dlm']:.1f}, Reich {ratio['reich']:.1f}"
+        "energy error relative to that of kick-rotate-kick with the exact free motion, at the same "
+        f"step: Dullweber-Leimkuhler-McLachlan {ratio['dlm']:.1f}, Reich {ratio['reich']:.1f}"
     )
     print("the same ratio for other spins at the same turn a step, from torques as strong as the")
-    print("spin to torques weak beside it, and what a step costs in one and the same loop, ns")
+    print("spin to torques much weaker, and the cost of a step in the same loop, ns")
     print("                          DLM    Reich     exact   DLM   Reich")
     for times in (1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8):
         (exact, dlm, reich), costs = other_spin(start, times)
@@ -289,9 +288,9 @@ def circular_orbit(quick, output):
 
 
 def other_spin(start, times):
-    """Energy errors over 40 orbits of the exact splitting, DLM and Reich, and s a step of each.
+    """Energy errors over 40 orbits of the exact splitting, DLM and Reich, and seconds per step.
 
-    Spin and steps an orbit are multiplied.
+    Spin and steps an orbit are multiplied by `times`.
     """
     steps = round(times * STEPS_AN_ORBIT)
     angles = np.linspace(0.0, TURN, steps + 1)
@@ -355,12 +354,12 @@ def jacobis(m, states, points, begin, out):
 
 
 def drift(quick, output):
-    """Slopes of the energy from random starts, and the mean of rounding in free motions."""
+    """Print slopes of the energy from random starts, and mean rounding errors of free motions."""
     starts, orbits = (4, 100) if quick else (16, 1000)
     print(f"{starts} random starts of {orbits} orbits; relative changes an orbit, their mean over")
     print("the starts and its standard error; in brackets the median of the sizes of the slopes,")
-    print("and the size of what free motions change in units of the random walk of their roundings")
-    print("(1 if that is all there is); last, how far this walk leads T in 100,000 orbits")
+    print("and the size of the change in free motions in units of the random walk of rounding")
+    print("(1 for a pure random walk); last, the size of this walk of T in 100,000 orbits")
     print(f"{'':18s}{'T + V - n L':^32s}{'T, free motions':^30s}{'L^2, free motions':^30s}    walk")
     for name in ("kick-rotate-kick", "hoa", "suzuki", "force-gradient", "blanes-moan"):
         random = np.random.default_rng(2006)
@@ -378,10 +377,10 @@ def drift(quick, output):
 
 
 def one_start(name, random, orbits):
-    """The slope of T + V - n L an orbit, relative, and the sums of `tests.rounding.moved`.
+    """The relative slope of T + V - n L per orbit, and the sums of `tests.rounding.moved`.
 
-    The energy of a regular motion oscillates with a few periods.  Of those, a smooth bell over
-    each half of the time leaves next to nothing (Das, Saiki, Sander & Yorke 2017).
+    The energy of a regular motion oscillates with a few periods.  A smooth bell over each half of
+    the time averages these out (Das, Saiki, Sander & Yorke 2017).
     """
     direction = random.normal(size=3)
     rates = math.hypot(*RATES) * direction / math.hypot(*direction)
@@ -496,7 +495,7 @@ def impulses(quick, output):
     motion = Arcs(BODY, SPIN, changes)
     t = random.uniform(0.0, epochs[-1], 100_000)
     few = t[:1000].tolist()
-    print(f"{count} impulses, made in {build * 1e3:.0f} ms; an epoch at random costs")
+    print(f"{count} impulses, constructed in {build * 1e3:.0f} ms; a random epoch costs")
     for call, times in (
         ("motion.wxyz_at(seconds), one by one", best(lambda: one_by_one(motion.wxyz_at, few), 20)),
         ("motion.at(seconds), one by one", best(lambda: one_by_one(motion.at, few), 20)),

@@ -1,16 +1,16 @@
-"""Where does each method break?  A map of the error over inertia and distance from the corners.
+"""Where does each method break?  A map of the error over inertia and distance from special states.
 
     python benchmarks/stability.py            # about 3 minutes
     python benchmarks/stability.py --quick    # a coarser map, below 1 minute
 
-Three planes: the inertia runs from two equal moments at one end to two equal moments at the other,
-both approached down to 1e-16; the state approaches rotation about the short axis, about the long
-axis, and the separatrix, down to 1e-16.  Each state is propagated by 10 revolutions (this project
-also by 1e9) and compared with the mpmath oracle of tests/oracle.py for the exact doubles given.
-The last row shows the conditioning: how far the exact answer after 10 revolutions moves when one
-input changes by one unit in its last place.  No method can be blamed for less.
+In each of three planes the inertia runs from two equal moments at one end to two equal moments at
+the other, both approached down to 1e-16; the state approaches rotation about the short axis, about
+the long axis, and the separatrix, down to 1e-16.  Each state is propagated by 10 revolutions (this
+project also by 1e9) and compared with the mpmath oracle of tests/oracle.py for the exact doubles
+given.  The last row shows the conditioning: the change of the exact answer after 10 revolutions
+when one input changes by one unit in its last place, the error that any input in doubles implies.
 
-Written to --output (docs/figures): stability.png, stability.md and stability.json.
+The script writes stability.png, stability.md and stability.json to --output (docs/figures).
 """
 
 import argparse
@@ -32,7 +32,7 @@ LEAST, MOST = 1.0, 1.7
 ATTITUDE = (0.5, -0.1, 0.7, 0.3)
 PLANES = ("short axis", "long axis", "separatrix")
 BULK = ("attitude", "paper, numpy + scipy", "heyoka", "Orekit TorqueFree")
-# Beyond this an answer is useless; NaN and exceptions are counted apart.
+# Beyond this an answer is useless; NaN and exceptions are counted separately.
 USELESS = 1e-3
 
 
@@ -95,7 +95,7 @@ def _rates(plane, middle, power):
         return (0.6 * near, -0.8 * near, 1.0)
     if plane == "long axis":
         return (1.0, 0.6 * near, -0.8 * near)
-    # D2 = I3 (I3 - I2) w3^2 - I1 (I2 - I1) w1^2: the larger rate is fixed, the other balances.
+    # D2 = I3 (I3 - I2) w3^2 - I1 (I2 - I1) w1^2: fix one rate, compute the other near D2 = 0.
     small, large = LEAST * (middle - LEAST), MOST * (MOST - middle)
     if small < large:
         return (1.0, 0.4, float(np.sqrt(small / large) * (1.0 + 0.5 * near)))
@@ -111,7 +111,7 @@ def _one(state, methods, maps, broke, place):
         label = f"{method.name}, 1e9 revolutions" if k == 0 else method.name
         try:
             row = peers.as_wxyz(method.solve(*state, t))[0].tolist()
-        except Exception:  # a peer that breaks is a result
+        except Exception:  # a failure of a method is a result
             broke[label] += 1
             continue
         if np.all(np.isfinite(row)):
@@ -120,7 +120,7 @@ def _one(state, methods, maps, broke, place):
 
 
 def _conditioning(moments, wxyz0, omega0, t):
-    """Largest turn of the answer, in rad, when one moment or rate changes by one ulp."""
+    """Largest rotation of the answer, in rad, when one moment or rate changes by one ulp."""
     inputs = np.array([*moments, *omega0])
     moved = np.repeat(inputs[None], 12, axis=0)
     for k in range(6):

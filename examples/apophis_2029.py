@@ -1,9 +1,9 @@
-"""Apophis from the Earth through 13 April 2029: where it is, how it is lit, how bright it may be.
+"""Apophis seen from the Earth around 13 April 2029: position, illumination and brightness.
 
-The path is integrated from JPL's solution (an OEM file of three segments); the rotation is that
-which Pravec et al. (2014) found, with phases that nobody knows for 2029 and that are assumed here,
-so that the light curve shows what kind of curve to expect and not when its maxima come.  After the
-encounter the tides of the Earth will have changed the rotation, which a free rotation leaves out.
+The path is integrated from JPL's solution (an OEM file of three segments).  The rotation is that of
+Pravec et al. (2014); its phases in 2029 are unknown and assumed here, so that the light curve shows
+the kind of curve to expect, but not the times of its maxima.  The tides of the Earth change the
+rotation at the encounter; a free rotation does not include this.
 
     python examples/apophis_2029.py
 """
@@ -22,23 +22,23 @@ DATA = Path(__file__).resolve().parent.parent / "data"
 PICTURE = "apophis_2029.png"
 # Mean diameter, m: Brozovic et al. 2018, Icarus 300, 115.
 DIAMETER = 340.0
-# A sphere of this law has the geometric albedo (1 + a) (1/8 + c/6) = 0.30 that Mueller et al. 2014
-# (A&A 566, A22) found for Apophis; its phase function stays positive up to 179 degrees.
+# A sphere with this law has the geometric albedo (1 + a) (1/8 + c/6) = 0.30 that Mueller et al.
+# 2014 (A&A 566, A22) found for Apophis; its phase function stays positive up to 179 degrees.
 LAW = LommelSeeligerLambert(c=0.45, a=0.5, d=0.1, k=-0.32)
 
 
 def ellipsoid(body):
-    """The homogeneous ellipsoid of a body's ratios of moments, of the mean diameter."""
+    """The homogeneous ellipsoid with a body's ratios of moments and the mean diameter."""
     a, b, c = np.sort(body.moments)
     squares = np.array([b + c - a, a + c - b, a + b - c])
     axes = np.sqrt(squares)
     axes *= 0.5 * DIAMETER / np.prod(axes) ** (1.0 / 3.0)
-    # The semi-axes go to the body axes as their moments do.
+    # Sort the semi-axes into the order of the moments.
     return Ellipsoid(axes[np.argsort(np.argsort(body.moments))])
 
 
 def date(start, seconds):
-    """UTC to the minute; the epochs are steps of TDB, microseconds beside those of UTC."""
+    """UTC to the minute; steps of TDB differ from those of UTC by microseconds."""
     return start.after(seconds + 0.01).utc_iso[:16]
 
 

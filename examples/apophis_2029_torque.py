@@ -1,8 +1,8 @@
-"""Apophis past the Earth on 13 April 2029: what the tides do to its rotation.
+"""The encounter of Apophis with the Earth on 13 April 2029: how tides change its rotation.
 
-The path is integrated from JPL's solution; body and periods are those of Pravec et al. (2014).  No
-one knows the phases of the rotation in 2029, so that they are assumed, here a grid of them: the
-change of the periods depends on how the body is turned when it is nearest.
+The path is integrated from JPL's solution; body and periods are those of Pravec et al. (2014).  The
+phases of the rotation in 2029 are unknown, so a grid of phases is assumed: the change of the
+periods depends on the attitude of the body at closest approach.
 
     python examples/apophis_2029_torque.py
 """
@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude import FreeRotation, Spin, catalog
 from attitude.paths import oem
-from attitude.splitting.torqued_rotation import TorquedRotation
+from attitude.splitting import TorquedRotation
 from attitude.torques import GravityGradient
 
 DATA = Path(__file__).resolve().parent.parent / "data"
@@ -25,10 +25,10 @@ PHASES = np.radians(np.arange(0.0, 360.0, 60.0))
 
 
 def passing(path, phi0, psi0):
-    """The free rotation before, and the motion with the Earth's gravity gradient."""
+    """The free rotation before the encounter, and the motion under the Earth's gravity gradient."""
     before = catalog.entry(NAME).motion(phi0=phi0, psi0=psi0, epoch=EPOCH)
     tides = GravityGradient(path, "earth")
-    # Tolerance a step; the step follows the encounter by itself.
+    # Tolerance of each step; the step size adapts to the encounter.
     through = TorquedRotation(
         before.body, before.spin, tides, tolerance=1e-11, scheme="blanes-moan"
     )
@@ -36,7 +36,7 @@ def passing(path, phi0, psi0):
 
 
 def afterwards(motion, body, seconds=END):
-    """The free rotation that a motion ends in, once the Earth is far away."""
+    """The free rotation that continues a motion, once the Earth is far away."""
     last = motion.at(seconds)
     spin = Spin(
         epoch=last.epoch.after(float(seconds)),
@@ -47,7 +47,7 @@ def afterwards(motion, body, seconds=END):
 
 
 def turned(one, two):
-    """Degrees between two momenta."""
+    """The angle between two momenta, deg."""
     sine = np.cross(one, two)
     return np.degrees(np.arctan2(np.sqrt(sine @ sine), one @ two))
 

@@ -1,13 +1,14 @@
-"""The light curve of tumbling Apophis over its apparition of 2012-13, and the 30.56 h in it.
+"""The light curve of tumbling Apophis over its apparition of 2012-13, and its signal at 30.56 h.
 
-Pravec et al. (2014) found that Apophis tumbles: its light curve repeats with no single period, and
-the strongest signal, at 30.56 h, is neither of the two periods of the rotation but P_phi of the
-long axis, 1/30.56 h = 1/P_phi - 1/P_psi.  Here the curve is made the other way round, from the
-published rotation and moments and a path from JPL's solution, for the homogeneous ellipsoid of
-these moments.  A light curve of an ellipsoid is nearly the same after half a turn, so that its
-strongest lines have even numbers: 30.56 h appears as its second harmonic, 15.28 h.
+Pravec et al. (2014) found that Apophis tumbles: its light curve has no single period, and the
+strongest signal, at 30.56 h, is neither of the two periods of the rotation but P_phi of the long
+axis, 1/30.56 h = 1/P_phi - 1/P_psi.  This script computes the curve from the published rotation and
+moments and a path from JPL's solution, for the homogeneous ellipsoid with these moments.  A light
+curve of an ellipsoid is nearly the same after half a turn, so that its strongest lines have even
+numbers: 30.56 h appears as its second harmonic, 15.28 h.
 
-The phases of the rotation are assumed (data/mission/apophis-2012.toml), which no line depends on.
+The phases of the rotation are assumed (data/mission/apophis-2012.toml); the lines do not depend on
+them.
 
     python examples/apophis_light_curve.py
 """
@@ -37,17 +38,17 @@ def main():
     seconds = np.arange(0.0, 137.0 * DAY, 600.0)
     view = scene.since(start, seconds)
     magnitude = found.magnitude.of(view)
-    # What is left of the magnitude when the phase function is taken off: the rotation alone.
+    # Without the phase function, the magnitude varies by the rotation alone.
     variation = magnitude - hg(view.phase_angle, H, G)
     left = view.seconds - view.light_time
 
-    tell(view, seconds, magnitude)
+    print_curve(view, seconds, magnitude)
     fit = spectrum.fit(left, variation, motion.period_psi, motion.period_phi, order=4)
-    tell_lines(fit, variation)
+    print_lines(fit, variation)
     draw(view, seconds / DAY, magnitude, variation, fit)
 
 
-def tell(view, seconds, magnitude):
+def print_curve(view, seconds, magnitude):
     print(f"\n{'UTC':<12}{'phase deg':>10}{'aspect deg':>11}{'V(1,1)':>8}   over the next 31 h")
     for k in range(0, len(view), 20 * 144):
         rest = magnitude[k : k + 31 * 6]
@@ -58,7 +59,7 @@ def tell(view, seconds, magnitude):
         )
 
 
-def tell_lines(fit, variation):
+def print_lines(fit, variation):
     total = np.var(variation)
     print("\nLines |i/P_phi + j/P_psi|, the strongest first; power as a part of the variance:")
     print(f"{'i':>3}{'j':>4}{'period h':>10}{'amplitude mag':>15}{'power':>9}")
@@ -73,15 +74,16 @@ def tell_lines(fit, variation):
             f"{0.5 * amplitude**2 / total:9.4f}{note}"
         )
     print(
-        f"\nWhat the series leaves is {fit.rms:.3f} mag rms of {np.sqrt(total):.3f}: Sun and Earth "
-        "move on, and\namplitudes with them, while a line stands for a view that does not change."
+        f"\nThe residual of the series is {fit.rms:.3f} mag rms of {np.sqrt(total):.3f}: the "
+        "directions of Sun and Earth\nchange, and the amplitudes with them, while a line has one "
+        "amplitude."
     )
 
 
 def periodogram(seconds, variation):
-    """Frequencies in 1/h and amplitudes in mag, known to nothing but the curve.
+    """Frequencies in 1/h and amplitudes in mag, from the curve alone.
 
-    Hann's window keeps what the strongest line spills over off the weaker ones.
+    Hann's window suppresses the leakage of the strongest line into the weaker ones.
     """
     window = np.hanning(len(variation))
     waves = np.fft.rfft(window * (variation - np.mean(variation)), 8 * len(variation))

@@ -1,8 +1,9 @@
 """Despin of a tumbling satellite by thruster pulses, and the deployment of a boom.
 
-A satellite of Envisat's inertia tumbles.  When its long axis is first at right angles to the x axis
-of ICRF, and each minute after that, a pulse takes a third of the momentum over the body axes, with
-the errors of a real thruster; then a boom is deployed.  Between the pulses the motion is exact.
+A satellite with Envisat's inertia tumbles.  When its long axis is first at right angles to the x
+axis of ICRF, and each minute after that, a pulse removes a third of the momentum over the body
+axes, with the errors of a real thruster; then a boom is deployed.  Between the pulses the motion is
+exact.
 
     python examples/despin.py
 """
@@ -11,10 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from attitude import Spin
-from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
-from attitude.arcs.triggers import AxisCrossesDirection
-from attitude.body import Body
+from attitude import Body, Spin
+from attitude.arcs import Arcs, AxisCrossesDirection, Impulse, InertiaChange
 from attitude.formats import spin_file
 
 DATA = Path(__file__).resolve().parent.parent / "data"
@@ -28,11 +27,11 @@ def main():
     random = np.random.default_rng(1)
 
     def pulse(before):
-        """A share of the momentum over the body axes, each thruster a few percent wrong."""
+        """Minus a share of the momentum over the body axes, with an error of a few percent."""
         momentum = before.angular_velocity @ body.tensor
         return -SHARE * momentum * (1.0 + ERROR * random.normal(size=3))
 
-    # Nobody's clock decides when the first pulse is given, but the body's attitude.
+    # The attitude of the body triggers the first pulse.
     long = body.principal_axes[:, np.argmin(body.moments)]
     crossing = AxisCrossesDirection(long, direction=(1.0, 0.0, 0.0))
     first = Arcs(body, spin, [Impulse(crossing, pulse)])

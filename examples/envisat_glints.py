@@ -1,11 +1,11 @@
 """Envisat over one night: the flashes of its flat sides, found between the samples.
 
 A box with one wing (data/mission/envisat-glints.toml: dimensions approximate, materials, wing angle
-and state of rotation assumed) is seen from Skibotn in northern Norway on the night of 23 October
-2013.  Each side is diffuse with a gloss about the mirror direction.  A side glints while the Sun,
-mirrored in it, is so near to the observer that its gloss keeps a tenth of its peak: some seconds,
-as the body turns at 2.7 deg/s.  These times are found on the exact motion, not among samples.  In
-the shadow of the Earth a glint is dark.
+and state of rotation assumed) is observed from Skibotn in northern Norway on the night of 23
+October 2013.  Each side is diffuse with a specular lobe about the mirror direction.  A side glints
+while the Sun, mirrored in it, is so near to the observer that the lobe exceeds a tenth of its peak:
+for some seconds, as the body turns at 2.7 deg/s.  The search for these times uses the exact motion,
+not samples.  In the shadow of the Earth a glint is dark.
 
     python examples/envisat_glints.py
 """
@@ -38,12 +38,12 @@ def sides(scene):
 
 
 def reach(material):
-    """Where Phong's lobe cos^n has fallen to a tenth, rad, and the Sun's radius."""
+    """The angle at which Phong's lobe cos^n has fallen to a tenth, plus the Sun's radius, rad."""
     return np.arccos(0.1 ** (1.0 / material.exponent)) + events.SUN_RADIUS
 
 
 def passes(scene, start):
-    """(begin, end) in seconds of the motion of each time above the lowest elevation."""
+    """(begin, end) in seconds of the motion of each interval above the lowest elevation."""
     view = scene.since(start, np.arange(0.0, NIGHT, 10.0))
     up = np.flatnonzero(np.diff(np.r_[False, view.elevation > LOWEST, False]))
     return [(view.seconds[a], view.seconds[b - 1]) for a, b in up.reshape(-1, 2)]
@@ -83,7 +83,7 @@ def main():
         seen = found.magnitude.of(view)
         seen = seen[np.isfinite(seen)]
         edges = events.find_discrete(begin, end, events.shadow_state(scene), step=5.0)
-        told = ", ".join(
+        crossings = ", ".join(
             f"{('light', 'penumbra', 'umbra')[state]} {date(t)}"
             for t, state in zip(*edges, strict=True)
         )
@@ -91,7 +91,7 @@ def main():
         phase = np.degrees([np.min(view.phase_angle), np.max(view.phase_angle)])
         print(
             f"{date(begin, 0)} - {date(end, 0):<11}{np.degrees(np.max(view.elevation)):8.1f}"
-            f"{phase[0]:6.0f} -{phase[1]:3.0f}{magnitudes:>14}   {told}"
+            f"{phase[0]:6.0f} -{phase[1]:3.0f}{magnitudes:>14}   {crossings}"
         )
 
     flashes, mirrors = glints(scene, spans)
@@ -108,8 +108,8 @@ def main():
             f"{found.magnitude.of(view)[1]:8.2f}"
         )
     print(
-        f"\n{len(flashes)} glints; were the sides mirrors, flat to the Sun's disc, there would be "
-        f"{mirrors}. (inf: nothing is lit.)"
+        f"\n{len(flashes)} glints; perfect plane mirrors would give {mirrors}. "
+        "(inf: no lit part is visible.)"
     )
     draw(found, spans, flashes, date)
 

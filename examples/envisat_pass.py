@@ -1,8 +1,8 @@
-"""Envisat over Graz on 23 October 2013: what a ground station sees of a tumbling satellite.
+"""Envisat over Graz on 23 October 2013: a tumbling satellite observed from a ground station.
 
-Reads a mission file (path from two-line elements, tensor of inertia, spin period from the laser
-station of Graz), prints the pass and draws elevation, distance, angles to the body axes, and the
-position angle of its long axis on the sky.  The state of rotation is an assumed one: see
+The script reads a mission file (path from two-line elements, tensor of inertia, spin period from
+the laser station of Graz), prints the pass and draws elevation, distance, angles to the body axes,
+and the position angle of its long axis on the sky.  The state of rotation is assumed: see
 data/spin/envisat.toml.
 
     python examples/envisat_pass.py
@@ -21,7 +21,7 @@ AXES = ("least", "middle", "greatest")
 
 
 def date(start, seconds):
-    """UTC to the second; the epochs are steps of TDB, microseconds beside those of UTC."""
+    """UTC to the second; steps of TDB differ from those of UTC by microseconds."""
     return start.after(seconds + 0.01).utc_iso[:19]
 
 
@@ -56,7 +56,7 @@ def main():
 
 
 def shadow(scene, start):
-    """When the satellite is without sunlight within one orbit."""
+    """Print the times in umbra and penumbra within one orbit."""
     seconds = np.arange(0.0, 6100.0, 0.25)
     lit = scene.since(start, seconds).lit_fraction
     dark = np.flatnonzero(lit == 0.0)
@@ -97,7 +97,7 @@ def draw(view, seconds, start):
     middle.set(ylabel="angle from the line of sight (deg)", ylim=(0, 225), yticks=range(0, 181, 30))
     middle.legend(ncols=3, loc="upper center", fontsize=8, framealpha=0.9)
 
-    # Steps across north are no motion.
+    # Do not draw steps of 360 deg across north.
     angle = np.degrees(view.long_axis_position_angle)
     angle[1:][np.abs(np.diff(angle)) > 180.0] = np.nan
     below.plot(minutes, angle, color="C4")

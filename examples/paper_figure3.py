@@ -1,10 +1,10 @@
 """The example of van Zon & Schofield (2006), section 5 and figure 3.
 
 A body with moments (10, 20, 26) starts, with its axes along those of the laboratory, at the angular
-velocity (1, 15, 1): nearly about its middle axis, so that it turns over again and again.  The exact
-angular velocity in the body and the attitude matrix A (laboratory to body) are drawn against time,
-with a numerical integration of Euler's equations as dots on them and its error below: what grows
-there is the error of the integration, for the exact solution has none that could be seen.
+velocity (1, 15, 1): nearly about its middle axis, so that it turns over repeatedly.  The exact
+angular velocity in the body and the attitude matrix A (laboratory to body) are drawn against time
+as lines, a numerical integration of Euler's equations as dots, and the difference below: it is the
+error of the integration, because that of the exact solution is too small to be visible.
 
     python examples/paper_figure3.py
 """
@@ -29,7 +29,7 @@ def integrated(motion, t, tolerance):
 
     def slope(_, state):
         w, a = state[:3], state[3:].reshape(3, 3)
-        # Euler's equations, and dA/dt = -W A (the paper's 2.13): A's columns turn against w.
+        # Euler's equations, and dA/dt = -W A (the paper's 2.13): the columns of A rotate by -w.
         return np.concatenate(
             [np.cross(moments * w, w) / moments, -np.cross(w, a, axisb=0, axisc=0).ravel()]
         )

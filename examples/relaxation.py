@@ -1,8 +1,8 @@
 """Relaxation of a tumbling asteroid: from long-axis mode through the separatrix to short-axis spin.
 
-Toutatis' moments and rates, with friction a thousand times or more what rock has, so that days
-show what takes millions of years.  The angular momentum stays where it is, to rounding; the energy
-falls to the least that this momentum allows.
+The moments and rates are those of Toutatis; the friction is at least a thousand times that of rock,
+so that days replace millions of years.  The angular momentum is constant to rounding; the energy
+decreases to the least value for this momentum.
 
     python examples/relaxation.py
 """
@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude import FreeRotation, Mode, Spin
 from attitude.formats import spin_file
-from attitude.splitting.torqued_rotation import TorquedRotation
+from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation
 
 DATA = Path(__file__).resolve().parent.parent / "data"

@@ -1,8 +1,8 @@
-"""The T-handle that flips: rotation about the middle axis, as filmed in orbit.
+"""A T-handle that flips: rotation about the middle axis, as filmed in orbit.
 
-A handle of two rods spins about its middle axis of inertia, a hundredth of a degree off.  The
-exact motion tells when it flips, for as long as one likes; how far off it starts decides how long
-that takes, by the logarithm only.
+A handle of two rods spins about its middle axis of inertia, tilted by a hundredth of a degree.  The
+exact motion gives the times of its flips over any span; the time between flips grows with the
+logarithm of the inverse tilt.
 
     python examples/t_handle.py
 """
@@ -16,7 +16,7 @@ RATE = 2.0 * np.pi  # one turn a second
 
 
 def handle():
-    """A T of two brass rods as points: a bar of 8 cm along x, a stem of 4 cm along y."""
+    """A T of two brass rods, as points: a bar of 8 cm along x, a stem of 4 cm along y."""
     bar = np.column_stack([np.linspace(-0.04, 0.04, 161), np.zeros((161, 2))])
     stem = np.column_stack([np.zeros(81), np.linspace(0.0, 0.04, 81), np.zeros(81)])
     points = np.concatenate([bar, stem])
@@ -24,7 +24,7 @@ def handle():
 
 
 def spun_off_by(body, degrees):
-    """Spun about the middle axis, tilted towards the axis of least inertia."""
+    """Rotation about the middle axis, tilted towards the axis of least inertia; that axis."""
     order = np.argsort(body.moments)
     middle, least = body.principal_axes[:, order[1]], body.principal_axes[:, order[0]]
     tilt = np.radians(degrees)
@@ -36,7 +36,7 @@ def spun_off_by(body, degrees):
 def main():
     body = handle()
     print("principal moments:", ", ".join(f"{1e6 * x:.2f}" for x in body.moments), "kg mm2")
-    print(f"\n{'off by, deg':>12}{'mode':>14}{'seconds between flips':>24}")
+    print(f"\n{'tilt, deg':>12}{'mode':>14}{'seconds between flips':>24}")
     for degrees in (10.0, 1.0, 1e-2, 1e-4, 1e-8):
         motion, _ = spun_off_by(body, degrees)
         print(f"{degrees:12g}{motion.mode.name:>14}{0.5 * motion.period_psi:24.4f}")
@@ -46,9 +46,9 @@ def main():
     momentum = motion.momentum / np.sqrt(motion.momentum @ motion.momentum)
     cosine = motion.at(t).body_to_inertial(middle) @ momentum
     flips = t[1:][np.diff(np.sign(cosine)) != 0.0]
-    print("\noff by 0.01 deg, it turns over at", ", ".join(f"{x:.2f}" for x in flips), "s")
+    print("\ntilted by 0.01 deg, it turns over at", ", ".join(f"{x:.2f}" for x in flips), "s")
     century = motion.at(100.0 * 365.25 * 86400.0)
-    print("and in a century it points to", century.body_to_inertial(middle).round(6))
+    print("and after a century its middle axis is", century.body_to_inertial(middle).round(6))
     draw(t, np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
 
 

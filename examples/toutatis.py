@@ -1,12 +1,12 @@
-"""Toutatis: how well does free rotation explain what radar saw?
+"""Toutatis: how well does free rotation explain the radar observations?
 
-Propagates the state of 1992-11-09 (Takahashi, Busch & Scheeres 2013) to the 18 epochs of radar
-attitudes, prints the angles between the predicted and the observed body axes, and draws them.
+The script propagates the state of 1992-11-09 (Takahashi, Busch & Scheeres 2013) to the 18 epochs of
+radar attitudes, prints the angles between the predicted and the observed body axes, and draws them.
 
-December 1992 comes out to a few degrees, the worst axis to about 15.  In November 2008 the
-prediction is off by more than 100 degrees, and no propagator can help that: the tides of the Earth
-and the Sun, above all at the close approaches of 1992, 1996, 2000 and 2004, changed the angular
-momentum, and a free rotation leaves them out.
+The prediction for December 1992 agrees to a few degrees, for the worst axis to about 15.  For
+November 2008 it is off by more than 100 degrees, with any propagator of free rotation: the tides of
+the Earth and the Sun, above all at the close approaches of 1992, 1996, 2000 and 2004, changed the
+angular momentum.
 
     python examples/toutatis.py
 """
@@ -25,7 +25,7 @@ AXES = ("x", "y", "z")
 
 
 def observations():
-    """Radar attitudes as spins, with their dates."""
+    """Radar attitudes and rates as a list of Spin."""
     with open(DATA / "toutatis-observed.csv") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         return [
@@ -75,7 +75,7 @@ def main():
     print(f"\nDecember 1992: median {np.median(axes[:-1]):.1f}, worst {np.max(axes[:-1]):.1f} deg.")
     print(
         f"November 2008: {rotation[-1]:.0f} deg. Sixteen years of torques (tides at four close "
-        "approaches\nto the Earth, and of the Sun) are not in a free rotation."
+        "approaches\nto the Earth, and of the Sun) are not part of a free rotation."
     )
     draw(motion, seen, axes)
 

@@ -3,8 +3,8 @@
 Size, period and orbit are about those of (54509) YORP, on which the effect was first measured: 150
 by 128 by 93 m, 12.17 min, 1.006 au, e = 0.230 (Taylor et al. 2007, Science 316, 274; Lowry et al.
 2007, Science 316, 272: the spin rate grows by 2.0e-4 deg/day2).  The shape is invented, convex and
-without symmetry, and the density assumed: the rates come out that small, but they are no prediction
-for that body.
+without symmetry, and the density is assumed: the rates have that order of magnitude, but do not
+predict those of that body.
 
 For some obliquities the motion is integrated over one orbit, 43,600 rotations, and the change of
 the spin rate and the obliquity is compared with that from the torque averaged by quadrature.
@@ -17,19 +17,19 @@ from scipy.spatial import ConvexHull
 
 from attitude import Body, Spin, paths, quaternion
 from attitude.shape import Ellipsoid, Mesh
-from attitude.splitting.torqued_rotation import TorquedRotation
+from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation
 
 PICTURE = "yorp.png"
 AU, LIGHT, FLUX = 149597870700.0, 299792458.0, 1361.0
 DAY, YEAR = 86400.0, 365.25 * 86400.0
 DIAMETERS, DENSITY, PERIOD = (150.0, 128.0, 93.0), 2500.0, 12.17 * 60.0
-STEPS_A_ROTATION = 25.4  # no whole number: over the orbit each phase of the rotation is sampled
+STEPS_A_ROTATION = 25.4  # not a whole number, so that an orbit samples each phase of the rotation
 OBLIQUITIES = np.radians([15.0, 45.0, 75.0, 105.0, 135.0, 165.0])
 
 
 def asteroid():
-    """The convex hull of an ellipsoid with a few cubic bumps: no mirror leaves it as it is."""
+    """The convex hull of an ellipsoid with a few cubic bumps, without mirror symmetry."""
     vertices = Ellipsoid(0.5 * np.array(DIAMETERS)).facets(320).vertices
     x, y, z = vertices.T / np.sqrt(np.sum(vertices**2, axis=-1))
     bumps = 0.3 * x * z * (x - 0.5 * y) + 0.3 * x * y * z - 0.2 * x * y**2
@@ -44,7 +44,7 @@ def asteroid():
 
 
 def orbit():
-    """The orbit from the Sun; in the ecliptic, which is near enough (1.6 deg)."""
+    """The orbit about the Sun, in the ecliptic; the real one is inclined by 1.6 deg."""
     return paths.kepler(
         semi_major_axis=1.006 * AU,
         eccentricity=0.230,
@@ -57,7 +57,7 @@ def orbit():
 
 
 def spinning(body, path, obliquity):
-    """Rotation about the short axis, at an obliquity towards the pericentre."""
+    """Rotation about the short axis, the pole tilted by the obliquity towards the pericentre."""
     normal, towards = orbit_axes(path)
     pole = np.cos(obliquity) * normal + np.sin(obliquity) * towards
     short = body.principal_axes[:, np.argmax(body.moments)]
@@ -80,13 +80,13 @@ def frame_of(third, other):
     return np.column_stack([first, np.cross(third, first), third])
 
 
-# The rates, in two ways ---------------------------------------------------------------------------
+# Rates, integrated and averaged -------------------------------------------------------------------
 
 
 def integrated(motion, body, normal, span, rotations=8):
     """(dw/dt, dobliquity/dt) from means over some rotations about the start and the end of a span.
 
-    Of an orbit: what comes and goes with the seasons is the same at both.
+    The span is an orbit, so that seasonal changes cancel.
     """
     ends = []
     for middle in (0.0, span):
@@ -99,7 +99,7 @@ def integrated(motion, body, normal, span, rotations=8):
 
 
 def averaged(mesh, body, path, spin, normal, places=240, phases=240):
-    """The same from the torque on a body that turns steadily, averaged over orbit and rotation."""
+    """The same from the torque on a uniformly rotating body, averaged over orbit and rotation."""
     seconds = path.period * (np.arange(places) + 0.5) / places
     place = path.position(spin.epoch, seconds)
     distance = np.sqrt(np.sum(place**2, axis=-1))
@@ -120,7 +120,7 @@ def averaged(mesh, body, path, spin, normal, places=240, phases=240):
 
 
 def light(mesh, center, sun):
-    """Torque (N, 3) at 1 au on facets that give all light back by Lambert's law (Rubincam 2000)."""
+    """Torque (N, 3) at 1 au on facets that scatter all light by Lambert's law (Rubincam 2000)."""
     cosine = np.maximum(sun @ mesh.normals.T, 0.0)
     lit = -FLUX / LIGHT * mesh.areas * cosine
     arm = mesh.centroids - center
@@ -128,11 +128,11 @@ def light(mesh, center, sun):
     return np.cross(lit @ arm, sun) + along_normal
 
 
-# What follows -------------------------------------------------------------------------------------
+# Evolution ----------------------------------------------------------------------------------------
 
 
 def evolution(grid, rates, obliquity, years):
-    """Spin rate and obliquity (N, 2) over time, if the averaged rates alone change them."""
+    """Spin rate and obliquity (N, 2) over time, changed by the averaged rates alone."""
     start = 2.0 * np.pi / PERIOD
     state, states = np.array([start, obliquity]), []
 
@@ -153,7 +153,7 @@ def main():
     normal, _ = orbit_axes(path)
     sunlight = SolarRadiation(mesh, path, diffuse=1.0, flux=FLUX)
     print(f"{len(mesh)} facets, {mesh.volume * DENSITY:.3g} kg; one orbit:")
-    print(f"{path.period / DAY:.1f} days, {path.period / PERIOD:.0f} rotations, each of", end=" ")
+    print(f"{path.period / DAY:.1f} days, {path.period / PERIOD:.0f} rotations of", end=" ")
     print(f"{STEPS_A_ROTATION} steps\n")
     print(f"{'obliquity':>9}{'spin rate, 1e-4 deg/day2':>29}{'obliquity, deg in 1e5 years':>31}")
     print(f"{'deg':>9}{'integrated':>17}{'averaged':>12}{'integrated':>19}{'averaged':>12}")
@@ -171,7 +171,7 @@ def main():
     grid = np.radians(np.linspace(0.5, 179.5, 60))
     curve = [averaged(mesh, body, path, spinning(body, path, e), normal, 90, 90) for e in grid]
     share = worst / np.max(np.abs(curve), axis=0)
-    print(f"\nThey differ by {share[0]:.2%} and {share[1]:.2%} of the largest rates at the most.")
+    print(f"\nThey differ by at most {share[0]:.2%} and {share[1]:.2%} of the largest rates.")
     years = np.linspace(0.0, 2e6, 4001)
     ahead = [evolution(grid, np.array(curve), e, years) for e in OBLIQUITIES]
     for obliquity, states in zip(OBLIQUITIES, ahead, strict=True):

@@ -1,6 +1,7 @@
 """The house: data flows down it, imports point up, and importing the package costs little."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -55,14 +56,22 @@ def _modules():
 
 
 MODULES = _modules()
+# Names of types, which type checkers alone import: a module of any row may be annotated with them.
+TYPES = "attitude.annotations"
 
 
-def _imports(name, *, lazy=True):
-    """Modules of the package that a module imports; those inside functions only if lazy."""
+def _imports(name, *, lazy=True, typed=True):
+    """Modules of the package that a module imports.
+
+    Those inside functions only if lazy, those for annotations (`if TYPE_CHECKING:`) only if typed.
+    """
     tree = ast.parse(MODULES[name].read_text())
     nodes = ast.walk(tree) if lazy else _executed(tree)
+    hidden = () if typed else list(_for_type_checkers(tree))
     found = set()
     for node in nodes:
+        if node in hidden:
+            continue
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -73,6 +82,7 @@ def _imports(name, *, lazy=True):
                 for alias in node.names
                 if alias.name != "__version__"
             }
+    found.discard(TYPES)
     return {each for each in found if each == "attitude" or each.startswith("attitude.")}
 
 
@@ -136,6 +146,30 @@ def test_every_name_of_the_order_exists():
             assert (PACKAGE / room / f"{name}.py").is_file(), name
 
 
+def _for_type_checkers(tree):
+    """The statements inside of `if TYPE_CHECKING:`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            yield from node.body
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_annotations_are_imported_by_type_checkers_only(name):
+    tree = ast.parse(MODULES[name].read_text())
+    hidden = list(_for_type_checkers(tree))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == TYPES:
+            assert node in hidden, f"{name} imports {TYPES} when it runs"
+
+
+@pytest.mark.parametrize("name", ["attitude", "attitude.torques"])
+def test_type_checkers_see_the_lazy_names(name):
+    """The names that are imported on first use, from the modules that define them."""
+    imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    seen = {each.asname: node.module for node in imports for each in node.names}
+    assert seen == importlib.import_module(name)._WHERE
+
+
 COMPILERS = ("numba", "llvmlite")
 
 
@@ -158,8 +192,10 @@ OPENERS = (
 ALLOWED_ACCESS = {
     # The summary of a SPICE kernel, checked before SPICE reads it: a binary format.
     "attitude.formats.ck.daf_head": {"open"},
-    # FITS, a binary format, is given to astropy as an open file; parquet, another, has JSON in it.
-    "attitude.formats.tables": {"open", "json"},
+    # FITS, a binary format, is given to astropy as an open file.
+    "attitude.formats.tables": {"open"},
+    # Parquet, a binary format, has JSON in its schema.
+    "attitude.formats.parquet": {"json"},
     # jplephem opens an SPK, a binary format.
     "attitude.paths.spk": {"SPK.open"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
@@ -197,13 +233,16 @@ def test_textfiles_stand_below_what_reads_files(name):
 
 
 def test_no_cycles():
-    """No module leads back to itself, neither when it is loaded nor from inside a function."""
+    """No module leads back to itself, neither when it is loaded nor from inside a function.
+
+    Two files of one folder may name each other's classes in annotations, which nothing runs.
+    """
     assert _cycles(lazy=True) == []
 
 
 def _cycles(lazy):
     """Sets of modules each of which leads to all the others."""
-    graph = {name: _imports(name, lazy=lazy) - {"attitude"} for name in MODULES}
+    graph = {name: _imports(name, lazy=lazy, typed=False) - {"attitude"} for name in MODULES}
     reach = {name: _reachable(name, graph) for name in graph}
     found = []
     for name in graph:

@@ -164,7 +164,7 @@ def test_bad_input_is_a_sentence(options, message):
     ("masses", "positions", "message"),
     [
         ([1, 2], np.zeros((3, 3)), r"masses have shape \(2,\) and positions \(3, 3\)"),
-        ([1, -2], np.eye(3)[:2], "masses must all be greater than zero"),
+        ([1, -2], np.eye(3)[:2], r"masses holds -2\.0; every mass must be greater than zero"),
         ([], np.zeros((0, 3)), r"give \(N,\) and \(N, 3\)"),
         ([1, 1], np.full((2, 3), math.nan), "positions holds nan"),
         ([1], np.zeros((1, 3)), "at most one of them can be zero"),

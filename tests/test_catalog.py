@@ -171,7 +171,7 @@ def test_names_that_are_not_quite_right():
         catalog.entry("a")
     with pytest.raises(AttitudeError, match="give one of"):
         catalog.entry("")
-    with pytest.raises(AttitudeError, match="Psi is not known here"):
+    with pytest.raises(AttitudeError, match="Psi is not a keyword of load"):
         catalog.load("1P/Halley", Psi=3)
     with pytest.raises(AttitudeError, match="no moments"):
         catalog.entry("1P/Halley").body()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numba
 import pytest
-from numba.core import event
+from numba.core import caching, event
 
 import attitude
 from attitude.compilation import deferral
@@ -49,6 +49,19 @@ def test_a_torn_file_is_made_anew(folder, ending, left):
     assert kept_on_disk(twice, {})(1.5) == 3.0
     again = kept_on_disk(twice, {})
     assert again(1.5) == 3.0 and again.stats.cache_hits
+
+
+def test_nothing_is_kept_that_could_be_out_of_date(folder, monkeypatch):
+    """If numba renames the stamp of its index, edits elsewhere would not be noticed."""
+
+    class Renamed(caching.IndexDataCacheFile):
+        def __init__(self, *given, **named):
+            super().__init__(*given, **named)
+            del self._source_stamp
+
+    monkeypatch.setattr(caching, "IndexDataCacheFile", Renamed)
+    assert kept_on_disk(twice, {})(1.5) == 3.0
+    assert not kept(folder, "nb?")
 
 
 def test_a_full_disk_is_no_cache(folder, monkeypatch):

@@ -607,13 +607,13 @@ def test_what_is_no_epoch_is_refused(t, message):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        (5.0, "epoch is 5.0, a length of time from no given moment; give an ISO date"),
+        (5.0, "epoch is 5.0, a length of time; give an epoch: an ISO date"),
         (3 * units.day, "a length of time"),
         (datetime.timedelta(1), "a length of time"),
         (TimeDelta(1.0, format="sec"), "a length of time"),
         (["2026-01-01", "2026-01-02"], r"has shape \(2,\); give one epoch"),
         (Time(["2026-01-01"]), r"has shape \(1,\); give one epoch"),
-        (np.datetime64("NaT"), "no epoch"),
+        (np.datetime64("NaT"), "not an epoch"),
         (None, "epoch is None; give an ISO date"),
         (True, "epoch is True"),
     ],

@@ -305,7 +305,7 @@ BAD = [
     (r"RATE_FRAME = REF", "ANGVEL_FRAME = REF", r"belongs to version 2\.0"),
     (r"CENTER_NAME = EARTH", "OBJECT_NAME = A", "line 10: OBJECT_NAME was given before, in line 8"),
     (r"REF_FRAME_B = ICRF", "REF_FRAME_B = SOMETHING", "none is known"),
-    (r"REF_FRAME_A = SC_BODY_1", "REF_FRAME_A = EME2000", "both of them axes"),
+    (r"REF_FRAME_A = SC_BODY_1", "REF_FRAME_A = EME2000", "both of them known external axes"),
     (r"ATTITUDE_DIR = A2B", "ATTITUDE_DIR = C2D", "line 13: ATTITUDE_DIR is 'C2D'"),
     (r"ATTITUDE_DIR = A2B\n", "", "lack ATTITUDE_DIR"),
     (r"TIME_SYSTEM = TAI", "TIME_SYSTEM = SCLK", "line 14: TIME_SYSTEM is 'SCLK'"),
@@ -323,7 +323,7 @@ BAD = [
     (r"37 1\.0 0 0 0", "37 1.0 0 0 nan", "line 24: it holds a number that is not finite"),
     (r"37 1\.0 0 0 0", "37 1.01 0 0 0", r"line 24: the length of the quaternion is off 1 by 0\.01"),
     (r"37 1\.0 0 0 0", "37 0.0 0 0 0", "line 24: the length of the quaternion is off 1 by 1"),
-    (r"004T00:00:37", "004T00:00:37x", "line 24: the epoch '2026-004T00:00:37x' cannot be taken"),
+    (r"004T00:00:37", "004T00:00:37x", "line 24: the epoch '2026-004T00:00:37x' cannot be read"),
     (r"004T00:00:37", "004T24:00:37", "line 24: the epoch"),
     (r"004T00:00:37", "366T00:00:37", "line 24: the epoch"),
     (r"004T00:00:37", "004T23:59:60", "line 24: .*no leap second"),
@@ -486,7 +486,7 @@ def test_rates_that_no_body_has_are_refused(tmp_path):
         try:
             aem.read(path).at(HISTORY.time[1])
         except AttitudeError as err:
-            assert re.search("no body turns so fast|must be finite", str(err))
+            assert re.search("give finite angular velocities|must be finite", str(err))
 
 
 # Records in XML that are written alike go by a pattern: it must mean what the parser means --------

@@ -151,10 +151,10 @@ def test_heads_that_end_the_process_in_spice_are_refused_before(tmp_path):
     made = ck.write(tmp_path / "a.bc", MOTION, 0.0, 600.0)
     whole = (tmp_path / "a.bc").read_bytes()
     for place, value, sentence in [
-        (13, 47, "its summaries have 2 doubles and"),
-        (10, 231, "its summaries have"),
+        (13, 47, "states summaries of 2 doubles and"),
+        (10, 231, "states summaries of"),
         (77, 9, "its summaries are not within it"),
-        (86, 9, "shorter than it says"),
+        (86, 9, "shorter than its head states"),
     ]:
         changed = bytearray(whole)
         changed[place] = value

@@ -193,7 +193,7 @@ def test_types_versions_frames(tmp_path, spin):
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("out.xyz",), "tells no format"),
+        (("out.xyz",), "belongs to no format"),
         (("out.aem",), "--step"),
         (("out.aem", "--step", "10"), "--stop"),
         (("out.csv", "--step", "1", "--stop", "9", "--version", "2.0"), "--version has no meaning"),

@@ -242,13 +242,13 @@ def test_a_rod_cannot_spin_about_itself():
     good = Spin(epoch=EPOCH, wxyz=(1, 0, 0, 0), angular_velocity=(0, 1, 2))
     assert FreeRotation(rod, good).mode is Mode.PRINCIPAL_AXIS
     bad = Spin(epoch=EPOCH, wxyz=(1, 0, 0, 0), angular_velocity=(1e-3, 1, 2))
-    with pytest.raises(AttitudeError, match=r"spin about an axis without inertia.*Give 0 for it"):
+    with pytest.raises(AttitudeError, match=r"axis without inertia.*Give 0 for that component"):
         FreeRotation(rod, bad)
 
 
 def test_moments_too_far_apart():
     spin = Spin(epoch=EPOCH, wxyz=(1, 0, 0, 0), angular_velocity=(0, 1, 2))
-    with pytest.raises(AttitudeError, match="may differ by a factor of 1e45 at the most"):
+    with pytest.raises(AttitudeError, match="may differ by a factor of at most 1e45"):
         FreeRotation(Body(moments=(1e-46, 1, 1)), spin)
 
 
@@ -267,7 +267,7 @@ def test_moments_too_far_apart():
         (True, None, "t is True"),
         ([[1.0, 2.0], [3.0]], None, "t is ragged"),
         (5 * u.m, None, "t is in m; give it in s"),
-        ("2026-01-11", 1e-9, "low goes with plain seconds"),
+        ("2026-01-11", 1e-9, "low is given, but t is .*; leave out low"),
         ([1.0, 2.0], [1.0, 2.0, 3.0], r"low has shape \(3,\), t has \(2,\)"),
     ],
 )

@@ -131,7 +131,7 @@ def test_slices_of_several_axes():
     assert np.allclose(grid.euler("ZXZ")[2, 3], grid[2, 3].euler("ZXZ"), rtol=0, atol=1e-15)
     v = np.random.default_rng(2).normal(size=(5, 8, 3))
     assert np.allclose(grid.body_to_inertial(v)[2, 3], grid[2, 3].body_to_inertial(v[2, 3]))
-    with pytest.raises(AttitudeError, match=r"epochs have shape \(5, 8\); a table wants a row"):
+    with pytest.raises(AttitudeError, match=r"epochs have shape \(5, 8\); a table takes one row"):
         grid.table()
 
 

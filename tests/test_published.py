@@ -315,6 +315,8 @@ def test_relaxed_rotators_are_those_of_damit():
     np.testing.assert_allclose(again.angular_velocity, spin.angular_velocity, atol=1e-18)
     with pytest.raises(AttitudeError, match="relaxed rotator; leave out"):
         Spin.from_periods(APOPHIS, **given, mode="SAM")
+    with pytest.raises(AttitudeError, match="body is None; give a Body, or one period P"):
+        Spin.from_periods(None, **SET)
 
 
 def test_symmetric_bodies_have_one_mode():
@@ -336,8 +338,8 @@ def test_symmetric_bodies_have_one_mode():
         ({"P_psi": -1.0}, "P_psi is -1.0; it must be greater than zero"),
         ({"P_phi": 0.0}, "P_phi is 0.0"),
         ({"P_phi": 40.0 * u.h}, r"P_phi can be 12\d+.* s at the most"),
-        ({"P_psi": 30.0 * u.h, "P_phi": 13.0 * u.h}, "These combinations would have a motion: LAM"),
-        ({"P_psi": 1e10 * u.h}, "nearer to the separatrix|cannot hold it"),
+        ({"P_psi": 30.0 * u.h, "P_phi": 13.0 * u.h}, "A motion with these periods exists in: LAM"),
+        ({"P_psi": 1e10 * u.h}, "nearer to the separatrix|do not determine its period"),
         ({"mode": "NPA"}, 'give "LAM"'),
         ({"mode": Mode.SYMMETRIC}, 'give "LAM"'),
         ({"mode": None}, "mode is missing"),

@@ -143,11 +143,11 @@ def test_a_spin_is_a_value():
         ({"epoch": "New Year"}, 'cannot be read as a date; write it like "2026-01-01T00:00:00"'),
         ({"epoch": "2026-01-01T25:00:00"}, "hours go from 00 to 23"),
         ({"epoch": "2026-01-01 XYZ"}, "epoch is '2026-01-01 XYZ'"),
-        ({"epoch": 2460000.5}, "a length of time from no given moment"),
+        ({"epoch": 2460000.5}, "a length of time; give an epoch"),
         ({"epoch": None}, "epoch is None"),
         ({"epoch": math.nan}, "epoch is nan"),
         ({"epoch": ["2026-01-01", "2026-01-02"]}, r"epoch has shape \(2,\); give one epoch"),
-        ({"epoch": np.datetime64("NaT")}, "which is no epoch"),
+        ({"epoch": np.datetime64("NaT")}, "which is not an epoch"),
     ],
 )
 def test_bad_input_is_a_sentence(options, message):

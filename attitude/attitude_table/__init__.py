@@ -1,6 +1,6 @@
-"""Attitudes at given epochs, and by interpolation between them.
+"""Attitudes given at epochs, and interpolated between them.
 
-table           `AttitudeTable`, read from a file or measured
+table           `AttitudeTable`: measured attitudes, or those of a file
 interpolation   Hermite, Lagrange and great-circle interpolation of quaternions and rates
 """
 

@@ -1,9 +1,13 @@
 """Attitudes and rates between the records of a table: Lagrange, Hermite or great circles.
 
-Windows of neighbouring quaternions are interpolated component by component by the polynomial
-through them (Hermite: through their rates of change too), in Newton's form, and the result is
-brought back to length one.  SPICE's CK types 5 and 6 do the same.
+Each component of the quaternions is interpolated by the polynomial through a window of neighbouring
+records (Hermite: through their derivatives too), in Newton's form, and the result is normalised, as
+in SPICE's CK types 5 and 6.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,18 +15,30 @@ from attitude import quaternion
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 
-METHODS = ("slerp", "lagrange", "hermite")
-MOST_DEGREE = 31
-# Where nothing is said: four records with rates, or eight without.
-USUAL_DEGREE = 7
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.attitude_table.table import AttitudeTable
+
+METHODS: tuple[str, ...] = ("slerp", "lagrange", "hermite")
+MOST_DEGREE: int = 31
+# The default: four records with rates, or eight without.
+USUAL_DEGREE: int = 7
 _CHUNK = 8192
 
 
-def settled(method, degree, count, has_rates):
-    """The method and degree that a table of so many records can have, from those that it states.
+def settled(method: str | None, degree: int | None, count: int, has_rates: bool) -> tuple[str, int]:
+    """The method and degree of a table of `count` records, from those requested.
 
-    Hermite without rates becomes Lagrange; a degree is reduced to what the records allow, and an
-    even one of Hermite by one; one record alone is a fixed attitude ("slerp").
+    None is the default.  Hermite without rates becomes Lagrange; a degree is reduced to that of
+    all the records, and an even one of Hermite by one; a single record is a fixed attitude
+    ("slerp").
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown method, and a degree that is not a whole number from 1 to `MOST_DEGREE`.
     """
     if method is None:
         method = "hermite" if has_rates else "lagrange"
@@ -48,23 +64,26 @@ def settled(method, degree, count, has_rates):
     return method, min(degree, count - 1)
 
 
-def evaluate(table, row, ahead, *, order):
+def evaluate(
+    table: AttitudeTable, row: IntArray, ahead: FloatArray, *, order: int
+) -> list[FloatArray]:
     """Attitudes of unit length and their derivatives.
 
     Parameters
     ----------
-    table : object
-        With arrays `hi`, `lo`, `nodes` (N, 4), `rates` (N, 3) or None, and `method`, `degree`.
+    table : AttitudeTable
+        Of one segment.
     row : (T,) int array
         The record before each epoch, or at it.
     ahead : (T,) array
         Seconds from that record to the epoch.
     order : int
-        0 for attitudes alone, 1 for angular velocity too, 2 for angular acceleration too.
+        0 for attitudes, 1 for angular velocities too, 2 for angular accelerations too.
 
     Returns
     -------
     list of arrays (T, 4), (T, 3), (T, 3), the first order + 1 of them
+        Quaternions; rad/s and rad/s2 over the body axes.
     """
     parts = [
         _evaluate(table, row[k : k + _CHUNK], ahead[k : k + _CHUNK], order)
@@ -76,7 +95,7 @@ def evaluate(table, row, ahead, *, order):
 def _evaluate(table, row, ahead, order):
     found = _along_circles if table.method == "slerp" else _by_polynomial
     out = found(table, row, ahead, order)
-    if order and table.rates is not None and table.method != "hermite":
+    if order and table.angular_velocity is not None and table.method != "hermite":
         out[1:] = _interpolated_rates(table, row, ahead)[:order]
     return out
 
@@ -89,7 +108,7 @@ def _by_polynomial(table, row, ahead, order):
     columns = [table.nodes[index[:, k]] for k in range(width)]
     slopes = None
     if repeat == 2:
-        rates = [table.rates[index[:, k]] for k in range(width)]
+        rates = [table.angular_velocity[index[:, k]] for k in range(width)]
         slopes = [
             scale[:, None] * forms.quaternion_rate(q, w)
             for q, w in zip(columns, rates, strict=True)
@@ -110,34 +129,44 @@ def _by_polynomial(table, row, ahead, order):
 
 
 def _window(table, row, ahead, width):
-    """First record of each window, the epoch in it, its scale in s, and where its records lie."""
-    first = np.clip(row - (width - 1) // 2, 0, len(table.hi) - width)
+    """First record of each window, the epoch in it, its length in s, the epochs of its records.
+
+    Epochs are in units of that length, from the record before the epoch.
+    """
+    first = np.clip(row - (width - 1) // 2, 0, len(table.seconds) - width)
     index = first[:, None] + np.arange(width)
-    offsets = (table.hi[index] - table.hi[row][:, None]) + (
-        table.lo[index] - table.lo[row][:, None]
+    offsets = (table.seconds[index] - table.seconds[row][:, None]) + (
+        table.low[index] - table.low[row][:, None]
     )
     scale = offsets[:, -1] - offsets[:, 0] if width > 1 else np.ones(len(row))
     return first, ahead / scale, scale, offsets / scale[:, None]
 
 
-def polynomial(at, values, slopes, x):
+def polynomial(
+    at: FloatArray,
+    values: Sequence[FloatArray],
+    slopes: Sequence[FloatArray] | None,
+    x: FloatArray,
+) -> FloatArray:
     """The polynomials (T, ...) through rows of values and slopes, at x.
 
     Parameters
     ----------
     at : (T, width) array
-        Where the values belong.
+        Arguments of the values.
     values, slopes : lists of `width` arrays (T, ...)
-        Slopes may be None.
+        Values and derivatives there; slopes may be None.
     x : (T,) array
+        Argument of each polynomial.
     """
-    return _newton(at, values, slopes, x, 0)[0]
+    found: FloatArray = _newton(at, values, slopes, x, 0)[0]
+    return found
 
 
 def _newton(at, values, slopes, x, order):
-    """The polynomial through values (and slopes) at the columns of `at`, and its derivatives."""
+    """The polynomial through values (and slopes) at the columns of `at`, and two derivatives."""
     repeat = 1 if slopes is None else 2
-    place = np.repeat(at, repeat, axis=1)
+    node = np.repeat(at, repeat, axis=1)
     level = [value for value in values for _ in range(repeat)]
     coefficients = [level[0]]
     for step in range(1, len(level)):
@@ -146,13 +175,13 @@ def _newton(at, values, slopes, x, order):
             if step == 1 and repeat == 2 and k % 2 == 0:
                 following.append(slopes[k // 2])
             else:
-                gap = (place[:, k + step] - place[:, k])[:, None]
+                gap = (node[:, k + step] - node[:, k])[:, None]
                 following.append((level[k + 1] - level[k]) / gap)
         level = following
         coefficients.append(level[0])
     p, dp, ddp = coefficients[-1], 0.0 * coefficients[-1], 0.0 * coefficients[-1]
     for k in range(len(coefficients) - 2, -1, -1):
-        step = (x - place[:, k])[:, None]
+        step = (x - node[:, k])[:, None]
         if order > 1:
             ddp = ddp * step + 2.0 * dp
         if order:
@@ -162,12 +191,16 @@ def _newton(at, values, slopes, x, order):
 
 
 def _along_circles(table, row, ahead, order):
-    """The great circle from record to record, at a constant rate."""
-    if len(table.hi) == 1:
+    """The great circles from record to record, at a constant rate."""
+    if len(table.seconds) == 1:
         return [table.nodes[row], np.zeros((len(row), 3)), np.zeros((len(row), 3))][: order + 1]
-    start = np.minimum(row, len(table.hi) - 2)
-    step = (table.hi[start + 1] - table.hi[start]) + (table.lo[start + 1] - table.lo[start])
-    since = ahead + ((table.hi[row] - table.hi[start]) + (table.lo[row] - table.lo[start]))
+    start = np.minimum(row, len(table.seconds) - 2)
+    step = (table.seconds[start + 1] - table.seconds[start]) + (
+        table.low[start + 1] - table.low[start]
+    )
+    since = ahead + (
+        (table.seconds[row] - table.seconds[start]) + (table.low[row] - table.low[start])
+    )
     p, q = table.nodes[start], table.nodes[start + 1]
     turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
     part = forms.from_rotation_vector(turn * (since / step)[:, None])
@@ -176,11 +209,11 @@ def _along_circles(table, row, ahead, order):
 
 
 def _interpolated_rates(table, row, ahead):
-    """Given rates by the same method, componentwise; and their derivative."""
-    if len(table.hi) == 1:
-        return [table.rates[row], np.zeros((len(row), 3))]
+    """The rates of the records interpolated by the same method, componentwise; their derivative."""
+    if len(table.seconds) == 1:
+        return [table.angular_velocity[row], np.zeros((len(row), 3))]
     width = 2 if table.method == "slerp" else table.degree + 1
     first, x, scale, at = _window(table, row, ahead, width)
-    values = [table.rates[first + k] for k in range(width)]
+    values = [table.angular_velocity[first + k] for k in range(width)]
     p, dp, _ = _newton(at, values, None, x, 1)
     return [p, dp / scale[:, None]]

@@ -1,6 +1,9 @@
-"""A history that was measured or read from a file, which answers ``.at(t)`` like a FreeRotation."""
+"""Attitudes that were measured or read from a file, as a motion."""
+
+from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -12,23 +15,34 @@ from attitude.history import AttitudeHistory
 from attitude.immutable import frozen
 from attitude.motion import Motion
 
-# How far outside of its records a table answers: the rounding of epochs given as dates, in s.
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import BoolArray, Epoch, Epochs, FloatArray, Reals
+    from attitude.epochs.instants import Instant
+
+    # First and last epoch of a segment, each in two doubles of seconds.
+    Limits: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
+
+# Seconds beyond the limits of a table that count as within: the rounding of epochs given as dates.
 _SLACK = 1e-9
+# Greatest angular velocity, rad/s.
 _FASTEST = 1e30
 
 
 class AttitudeTable(Motion):
-    """Attitudes at some epochs, and by interpolation between them.
+    """Attitudes given at epochs, and interpolated between them.
 
     Parameters
     ----------
     epoch : str, astropy Time, Instant, ...
-        From which plain numbers of t are counted.
+        Epoch from which plain numbers t count.
     t : (N,) array_like
         Increasing: TDB seconds since the epoch, or epochs of any kind (see `FreeRotation.at`).
     wxyz : (N, 4) array_like
-        Body to `frame`, scalar first, of unit length to 1e-3 (rounded ones are made unit); any
-        sign.
+        Body to `frame`, scalar first, of unit length to 1e-3 (they are normalised); of any sign.
     angular_velocity : (N, 3) array_like, optional
         rad/s, body axes, relative to inertial space.
     low : (N,) array_like, optional
@@ -39,74 +53,87 @@ class AttitudeTable(Motion):
         "hermite" (with angular velocities; the default with them), "lagrange" (the default
         without) or "slerp".
     degree : int, optional
-        Of the interpolating polynomial, 7 if nothing is said; reduced where there are too few
-        records.
+        Of the interpolating polynomial, by default 7; reduced if there are too few records.
     usable : pair of epochs, optional
-        Between which the table may be asked; first and last record by default.
+        First and last epoch of interpolated attitudes; by default those of the records.
     meta : dict, optional
-        What the file says otherwise: names, comments.
+        Names and comments of the file.
 
     Attributes
     ----------
     epoch : Instant
-    seconds, low, wxyz, angular_velocity : arrays
-        The records, attitudes in ICRF; angular_velocity is None where none were given.
+    seconds, low : (N,) arrays
+        TDB seconds of the records since `epoch`: seconds + low.
+    wxyz : (N, 4) array
+        The records: body to ICRF, scalar first.
+    angular_velocity : (N, 3) array or None
+        rad/s over the body axes; None if none were given.
     method, degree : str, int
-        How it is interpolated.
+        Of the interpolation.
     segments : tuple of AttitudeTable
         The parts of a file with several; (self,) for one.
     span : (Instant, Instant)
     history : AttitudeHistory
-        The records themselves.
+        The records.
 
     Raises
     ------
     AttitudeError
-        For epochs that do not increase, shapes, quaternions that are no attitudes.
+        For epochs that do not increase, other shapes, and quaternions whose length is not 1.
 
     >>> table = AttitudeTable("2026-01-01", [0, 10], [[1, 0, 0, 0], [0, 0, 0, 1]], method="slerp")
     >>> table.at(5.0).wxyz.round(12)
     array([0.70710678, 0.        , 0.        , 0.70710678])
     """
 
+    epoch: Instant
+    seconds: FloatArray
+    low: FloatArray
+    wxyz: FloatArray
+    angular_velocity: FloatArray | None
+    method: str
+    degree: int
+    meta: dict[str, Any]
+    _limits: Limits
+    _parts: tuple[AttitudeTable, ...] | None
+
     def __init__(
         self,
-        epoch,
-        t,
-        wxyz,
+        epoch: Epoch,
+        t: Epochs,
+        wxyz: Reals,
         *,
-        angular_velocity=None,
-        low=None,
-        frame="icrf",
-        method=None,
-        degree=None,
-        usable=None,
-        meta=None,
-    ):
-        epoch = epochs.instant(epoch)
-        hi, lo = epochs.seconds_since(epoch, t, low)
+        angular_velocity: Reals | None = None,
+        low: ArrayLike | None = None,
+        frame: str = "icrf",
+        method: str | None = None,
+        degree: int | None = None,
+        usable: Sequence[Epoch | None] | None = None,
+        meta: Mapping[str, Any] | None = None,
+    ) -> None:
+        start = epochs.instant(epoch)
+        hi, lo = epochs.seconds_since(start, t, low)
         if hi.ndim != 1 or not len(hi):
-            raise AttitudeError(f"t has shape {hi.shape}; a table wants a row of epochs, (N,).")
+            raise AttitudeError(f"t has shape {hi.shape}; a table takes one row of epochs, (N,).")
         hi, lo = pairs.two_sum(hi, np.zeros(len(hi)) if lo is None else lo)
         _refuse_disorder(hi, lo)
-        wxyz = validation.real(wxyz, "wxyz", shape=(len(hi), 4))
-        wxyz = forms.unit(wxyz, tolerance=1e-3)
+        attitudes = validation.real(wxyz, "wxyz", shape=(len(hi), 4))
+        attitudes = forms.unit(attitudes, tolerance=1e-3)
         if frames.known(frame) not in ("icrf", "gcrf"):
-            wxyz = quaternion.multiply(frames.wxyz_to_icrf(frame), wxyz)
+            attitudes = quaternion.multiply(frames.wxyz_to_icrf(frame), attitudes)
+        rates = None
         if angular_velocity is not None:
-            angular_velocity = validation.real(
+            rates = validation.real(
                 angular_velocity, "angular_velocity", shape=(len(hi), 3), unit="rad/s"
             )
-            refuse_speed(angular_velocity)
-            angular_velocity = frozen(angular_velocity)
-        method, degree = interpolation.settled(
-            method, degree, len(hi), angular_velocity is not None
-        )
-        self._set("epoch", epoch)
+            refuse_speed(rates)
+            rates = frozen(rates)
+        method, degree = interpolation.settled(method, degree, len(hi), rates is not None)
+        self._set("epoch", start)
         self._set("seconds", frozen(hi))
         self._set("low", frozen(np.asarray(lo)))
-        self._set("wxyz", frozen(wxyz))
-        self._set("angular_velocity", angular_velocity)
+        self._set("wxyz", frozen(attitudes))
+        self._set("angular_velocity", rates)
         self._set("method", method)
         self._set("degree", degree)
         self._set("meta", dict(meta or {}))
@@ -114,7 +141,15 @@ class AttitudeTable(Motion):
         self._set("_parts", None)
 
     @classmethod
-    def from_history(cls, history, *, rates=True, method=None, degree=None, meta=None):
+    def from_history(
+        cls,
+        history: AttitudeHistory,
+        *,
+        rates: bool = True,
+        method: str | None = None,
+        degree: int | None = None,
+        meta: Mapping[str, Any] | None = None,
+    ) -> AttitudeTable:
         """A table of the attitudes (and, with rates, angular velocities) of a history (N,)."""
         return cls(
             history.epoch,
@@ -128,18 +163,25 @@ class AttitudeTable(Motion):
         )
 
     @classmethod
-    def joined(cls, tables, *, meta=None):
-        """Several tables as the segments of one.  Where they overlap, the earlier one answers.
+    def joined(
+        cls, tables: Iterable[AttitudeTable], *, meta: Mapping[str, Any] | None = None
+    ) -> AttitudeTable:
+        """Several tables as the segments of one; where they overlap, the first one is used.
 
-        Nothing is interpolated across the gap between two segments.
+        Attitudes in the gap between two segments are not interpolated.
+
+        Raises
+        ------
+        AttitudeError
+            For no table.
         """
-        tables = [part for table in tables for part in table.segments]
-        if not tables:
+        given = [part for table in tables for part in table.segments]
+        if not given:
             raise AttitudeError("there are no segments to join; give one table or more.")
-        if len(tables) == 1 and meta is None:
-            return tables[0]
-        epoch = tables[0].epoch
-        parts = tuple(table._counted_from(epoch) for table in tables)
+        if len(given) == 1 and meta is None:
+            return given[0]
+        epoch = given[0].epoch
+        parts = tuple(table._counted_from(epoch) for table in given)
         self = object.__new__(cls)
         rates = [part.angular_velocity for part in parts]
         joined = {
@@ -147,7 +189,7 @@ class AttitudeTable(Motion):
             "seconds": np.concatenate([part.seconds for part in parts]),
             "low": np.concatenate([part.low for part in parts]),
             "wxyz": np.concatenate([part.wxyz for part in parts]),
-            "angular_velocity": None if any(r is None for r in rates) else np.concatenate(rates),
+            "angular_velocity": _concatenated(rates),
             "method": parts[0].method,
             "degree": parts[0].degree,
             "meta": dict(parts[0].meta if meta is None else meta),
@@ -158,10 +200,10 @@ class AttitudeTable(Motion):
             self._set(name, frozen(value) if isinstance(value, np.ndarray) else value)
         return self
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.seconds)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         first, last = self.span
         parts = f" in {len(self.segments)} segments" if len(self.segments) > 1 else ""
         return (
@@ -170,36 +212,39 @@ class AttitudeTable(Motion):
         )
 
     @property
-    def segments(self):
+    def segments(self) -> tuple[AttitudeTable, ...]:
+        """The parts between which attitudes are not interpolated; (self,) for one."""
         return (self,) if self._parts is None else self._parts
 
     @property
-    def span(self):
-        """First and last epoch at which it answers, as Instants."""
+    def span(self) -> tuple[Instant, Instant]:
+        """First and last epoch of the attitudes, as Instants."""
         ends = [part._limits for part in self.segments]
         first, last = min(end[0] for end in ends), max(end[1] for end in ends)
         return self.epoch.after(*first), self.epoch.after(*last)
 
     @cached_property
-    def history(self):
-        """The records as an AttitudeHistory, just as they were given."""
+    def history(self) -> AttitudeHistory:
+        """The records as an AttitudeHistory, without interpolation."""
         history = AttitudeHistory(self, self.epoch, self.seconds, self.low, self.wxyz)
         if self.angular_velocity is not None:
             history.__dict__["angular_velocity"] = self.angular_velocity
         return history
 
-    def has_rates_at(self, seconds, low=None):
-        """Whether angular velocities were given."""
+    def has_rates_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> bool:
+        """Whether the table has angular velocities."""
         return self.angular_velocity is not None
 
-    def _evaluate(self, seconds, low, order):
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
         hi = np.ravel(seconds)
         lo = np.zeros(hi.size) if low is None else np.ravel(low)
         out = [np.full((hi.size, width), np.nan) for width in (4, 3, 3)[: order + 1]]
         left = ~np.isnan(hi + lo)
         for part in self.segments:
             inside = np.flatnonzero(left)
-            inside = inside[part._answers(hi[inside], lo[inside])]
+            inside = inside[part._covers(hi[inside], lo[inside])]
             if len(inside):
                 values = part._interpolated(hi[inside], lo[inside], order)
                 for array, value in zip(out, values, strict=True):
@@ -209,7 +254,8 @@ class AttitudeTable(Motion):
             self._refuse_outside(hi[left][0])
         return [array.reshape(*np.shape(seconds), array.shape[-1]) for array in out]
 
-    def _refuse_outside(self, seconds):
+    def _refuse_outside(self, seconds: float) -> None:
+        """AttitudeError for an epoch, in seconds, outside of all segments."""
         spans = [
             f"{self.epoch.after(*part._limits[0]).utc_iso} to "
             f"{self.epoch.after(*part._limits[1]).utc_iso}"
@@ -218,45 +264,34 @@ class AttitudeTable(Motion):
         listed = ", ".join(spans[:4]) + (", ..." if len(spans) > 4 else "")
         where = f"{self.epoch.after(seconds).utc_iso} UTC" if np.isfinite(seconds) else seconds
         raise AttitudeError(
-            f"the table has no attitude at {where}; it answers from {listed} UTC. Ask within, or "
-            "fit a free rotation to it, which has no limits."
+            f"the table has no attitude at {where}; its attitudes span {listed} UTC. Give epochs "
+            "within, or fit a free rotation to the table, which has no limits."
         )
 
     # One segment ----------------------------------------------------------------------------------
 
     @cached_property
-    def nodes(self):
-        """(N, 4): the records with continuous signs."""
+    def nodes(self) -> FloatArray:
+        """(N, 4): the quaternions of the records, body to ICRF, with continuous signs."""
         return frozen(forms.continuous(self.wxyz))
 
-    @property
-    def hi(self):
-        return self.seconds
-
-    @property
-    def lo(self):
-        return self.low
-
-    @property
-    def rates(self):
-        return self.angular_velocity
-
     @cached_property
-    def _coarse(self):
-        """Which steps turn the body by more than half a turn, so far as its rates tell."""
+    def _coarse(self) -> BoolArray:
+        """Whether the rates turn the body by more than half a turn to the next record, (N,)."""
         if self.angular_velocity is None:
             return np.zeros(len(self), dtype=bool)
         speed = np.linalg.norm(self.angular_velocity, axis=1)
         turn = np.diff(self.seconds) * 0.5 * (speed[1:] + speed[:-1])
         return np.append(turn > np.pi, False)
 
-    def _answers(self, hi, lo):
+    def _covers(self, hi: FloatArray, lo: FloatArray) -> BoolArray:
+        """Whether each epoch lies within the limits of the segment."""
         first, last = self._limits
         since = (hi - first[0]) + (lo - first[1])
         until = (last[0] - hi) + (last[1] - lo)
         return (since >= -_SLACK) & (until >= -_SLACK)
 
-    def _interpolated(self, hi, lo, order):
+    def _interpolated(self, hi: FloatArray, lo: FloatArray, order: int) -> list[FloatArray]:
         row = np.searchsorted(self.seconds, hi, side="right") - 1
         row = np.clip(row, 0, len(self) - 1)
         ahead = (hi - self.seconds[row]) + (lo - self.low[row])
@@ -277,25 +312,26 @@ class AttitudeTable(Motion):
             out[1][exact] = self.angular_velocity[row[exact]]
         return out
 
-    def _usable(self, usable):
-        limits = (self.seconds[0], self.low[0]), (self.seconds[-1], self.low[-1])
-        limits = [tuple(map(float, end)) for end in limits]
+    def _usable(self, usable: Sequence[Epoch | None] | None) -> Limits:
+        """First and last epoch, those of the records unless narrowed."""
+        limits = [(float(self.seconds[k]), float(self.low[k])) for k in (0, -1)]
         for k, end in enumerate(usable or ()):
             if end is not None:
                 hi, lo = epochs.seconds_since(self.epoch, epochs.instant(end, "usable"))
+                assert lo is not None  # an Instant has both doubles
                 beyond = (hi - limits[k][0]) + (lo - limits[k][1])
-                if (beyond > 0.0) == (k == 0):  # inside of the records; never beyond them
+                if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
                     limits[k] = float(hi), float(lo)
-        return tuple(limits)
+        return limits[0], limits[1]
 
-    def _counted_from(self, epoch):
-        """The same segment, its seconds counted from another epoch."""
+    def _counted_from(self, epoch: Instant) -> AttitudeTable:
+        """The same segment with its seconds counted from another epoch."""
         if epoch == self.epoch:
             return self
         shift = pairs.add((self.epoch.seconds, self.epoch.low), -epoch.seconds, -epoch.low)
         other = object.__new__(AttitudeTable)
         for name, value in self.__dict__.items():
-            if name not in ("history",):
+            if name != "history":
                 other._set(name, value)
         hi, lo = pairs.add((self.seconds, self.low), *shift)
         limits = (pairs.add(end, *shift) for end in self._limits)
@@ -306,15 +342,23 @@ class AttitudeTable(Motion):
         return other
 
 
-def refuse_speed(rates):
-    """AttitudeError for angular velocities whose squares would overflow, or that did already."""
+def _concatenated(rates: list[FloatArray | None]) -> FloatArray | None:
+    """The rates of all segments, or None if one has none."""
+    known = [each for each in rates if each is not None]
+    return np.concatenate(known) if len(known) == len(rates) else None
+
+
+def refuse_speed(rates: FloatArray | None) -> None:
+    """AttitudeError for angular velocities in rad/s above 1e30, whose squares may overflow."""
     if rates is not None and not np.all(np.abs(rates) <= _FASTEST):
         raise AttitudeError(
-            f"an angular velocity is not finite or above {_FASTEST:g} rad/s; no body turns so fast."
+            f"an angular velocity is not finite or above {_FASTEST:g} rad/s; give finite angular "
+            "velocities below that."
         )
 
 
-def _refuse_disorder(hi, lo):
+def _refuse_disorder(hi: FloatArray, lo: FloatArray) -> None:
+    """AttitudeError for epochs that are not finite or do not increase."""
     if not np.all(np.isfinite(hi + lo)):
         raise AttitudeError("t holds an epoch that is not finite; leave such records out.")
     steps = np.diff(hi) + np.diff(lo)

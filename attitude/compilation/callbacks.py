@@ -1,47 +1,59 @@
-"""C functions that compiled loops call by address: torques, ours and those that users write.
+"""C functions that compiled loops call by address: torques of the package and of users.
 
 Each is void f(double t, double *wxyz, double *omega, double *given, double *parameters,
 double *out); see `solution.march`.
 """
 
+from __future__ import annotations
+
 import ctypes
 import math
+from typing import TYPE_CHECKING, Any
 
 from attitude.compilation.decorators import UNCOMPILED
 from attitude.compilation.pointers import C_FUNCTION, vector
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+# Of LLVM's fastmath flags those with which sums may be taken in any order.
 _SUMS = {"reassoc", "contract", "nsz"}
 
 
 class Callback:
-    """A C function, compiled when its address is first asked for.
+    """A C function, compiled at the first use of its address.
 
     Parameters
     ----------
     python : function
+        Of the six arguments of `pointers.C_FUNCTION`.
     fastmath : bool or set
-        Of `numba.cfunc`.
+        The argument of `numba.cfunc`.
     kept : bool
         Whether the machine code is kept on disk.
     """
 
-    def __init__(self, python, fastmath=False, kept=True):
+    def __init__(
+        self, python: Callable[..., None], fastmath: bool | set[str] = False, kept: bool = True
+    ) -> None:
         self.py_func = python
         self._fastmath, self._kept = fastmath, kept
-        self._function = None
+        self._function: Any = None
         self.__doc__, self.__name__ = python.__doc__, python.__name__
         self.__module__, self.__wrapped__ = python.__module__, python
 
     @property
-    def address(self):
-        """Of the C function; this object keeps it alive."""
+    def address(self) -> int:
+        """The address of the C function, valid as long as this object lives."""
         if self._function is None:
-            self._function = self._made()
+            self._function = self._compiled()
         if UNCOMPILED:
-            return ctypes.cast(self._function, ctypes.c_void_p).value
-        return self._function.address
+            found = ctypes.cast(self._function, ctypes.c_void_p).value
+            assert found is not None
+            return found
+        return int(self._function.address)
 
-    def _made(self):
+    def _compiled(self) -> Any:
         if UNCOMPILED:
             return C_FUNCTION(self.py_func)
         from attitude.compilation import lowering
@@ -49,26 +61,26 @@ class Callback:
         return lowering.c_function(self.py_func, self._fastmath, self._kept)
 
 
-def callback(function):
-    """The C function of a Python one, kept on disk where that is possible."""
+def callback(function: Callable[..., None]) -> Callback:
+    """The C function of a Python function; its machine code is kept on disk where possible."""
     return Callback(function)
 
 
-def reduction_callback(function):
+def reduction_callback(function: Callable[..., None]) -> Callback:
     """As `callback`, where sums may be taken in any order."""
     return Callback(function, fastmath=_SUMS)
 
 
-def is_compiled(function):
-    """Whether a user's function is one of numba's."""
+def is_compiled(function: object) -> bool:
+    """Whether a user's function is a dispatcher of numba."""
     return hasattr(function, "py_func")
 
 
-def callback_of(function):
+def callback_of(function: Callable[..., Any]) -> Callback:
     """The C function that calls a user's compiled function of (t, wxyz, omega)."""
 
     def torque(t, wxyz, omega, given, parameters, out):
-        # What a function that raises leaves here: numba prints the error, and goes on.
+        # NaN if the function raises: numba then prints the error and returns.
         out[0] = out[1] = out[2] = math.nan
         found = function(t, vector(wxyz, 4), vector(omega, 3))
         if len(found) == 3:

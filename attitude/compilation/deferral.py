@@ -1,18 +1,25 @@
-"""What is put off while a function is compiled: garbage collection and Ctrl-C.
+"""Suspend garbage collection and Ctrl-C while a function is compiled.
 
-Imports of a compiler and compilations make many objects that stay; collecting garbage meanwhile
-takes a tenth of the time and finds nothing.  LLVM calls back into Python, where an interrupt would
-be printed, lost, and followed by an error of numba's own.
+Importing a compiler and compiling allocate many objects that stay; collecting garbage meanwhile
+takes a tenth of the time and finds nothing.  LLVM calls back into Python, where a KeyboardInterrupt
+would be printed and lost, and followed by an error of numba's own.
 """
+
+from __future__ import annotations
 
 import gc
 import signal
 import threading
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import FrameType
 
 
 @contextmanager
-def uncollected():
+def uncollected() -> Iterator[None]:
     """Suspend cyclic garbage collection; re-entrant and thread-safe."""
     suspend_collection()
     try:
@@ -22,59 +29,59 @@ def uncollected():
 
 
 _lock = threading.Lock()
-_collections = 0
+_suspensions = 0
 _was_enabled = False
 
 
-def suspend_collection():
+def suspend_collection() -> None:
     """Suspend cyclic garbage collection until as many calls of `resume_collection`."""
-    global _collections, _was_enabled
+    global _suspensions, _was_enabled
     with _lock:
-        if _collections == 0:
+        if _suspensions == 0:
             _was_enabled = gc.isenabled()
             gc.disable()
-        _collections += 1
+        _suspensions += 1
 
 
-def resume_collection():
+def resume_collection() -> None:
     """Undo one `suspend_collection`."""
-    global _collections
+    global _suspensions
     with _lock:
-        _collections -= 1
-        if _collections == 0 and _was_enabled:
+        _suspensions -= 1
+        if _suspensions == 0 and _was_enabled:
             gc.enable()
 
 
-_interrupts = 0
-_seen = False
+_holds = 0
+_interrupted = False
 
 
-def hold_interrupts():
-    """Hold Ctrl-C until as many calls of `release_interrupts`.
+def hold_interrupts() -> None:
+    """Defer Ctrl-C until as many calls of `release_interrupts`.
 
     Only in the main thread, and only where Python's own handler is installed.
     """
-    global _interrupts
+    global _holds
     if threading.current_thread() is not threading.main_thread():
         return
-    if _interrupts == 0 and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _note)
-    _interrupts += 1
+    if _holds == 0 and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _record_interrupt)
+    _holds += 1
 
 
-def release_interrupts():
-    """Undo one `hold_interrupts`; raise the KeyboardInterrupt that was held, if any."""
-    global _interrupts, _seen
+def release_interrupts() -> None:
+    """Undo one `hold_interrupts`; the last one raises a KeyboardInterrupt that was deferred."""
+    global _holds, _interrupted
     if threading.current_thread() is not threading.main_thread():
         return
-    _interrupts -= 1
-    if _interrupts == 0 and signal.getsignal(signal.SIGINT) is _note:
+    _holds -= 1
+    if _holds == 0 and signal.getsignal(signal.SIGINT) is _record_interrupt:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        if _seen:
-            _seen = False
+        if _interrupted:
+            _interrupted = False
             raise KeyboardInterrupt
 
 
-def _note(number, frame):
-    global _seen
-    _seen = True
+def _record_interrupt(number: int, frame: FrameType | None) -> None:
+    global _interrupted
+    _interrupted = True

@@ -1,9 +1,13 @@
-"""Machine code on disk that is never older than the sources it was made from."""
+"""Machine code on disk, invalidated by a change of any source file of the package."""
+
+from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numba
 from numba.core import event
@@ -12,68 +16,85 @@ from attitude.compilation import deferral
 
 
 class _Undisturbed(event.Listener):
-    """No garbage collection and no interrupt while a function of the package is compiled."""
+    """Suspend garbage collection and interrupts while a function of the package is compiled.
 
-    def on_start(self, event):
+    `numba.core.event` is documented; if the event "numba:compile" or its entry "dispatcher" change,
+    compilations take a tenth longer, and Ctrl-C during one is lost (tests/test_compilation.py).
+    """
+
+    def on_start(self, event: Any) -> None:
         if _is_ours(event):
             deferral.suspend_collection()
             deferral.hold_interrupts()
 
-    def on_end(self, event):
+    def on_end(self, event: Any) -> None:
         if _is_ours(event):
             deferral.resume_collection()
             deferral.release_interrupts()
 
 
-def _is_ours(event):
-    return event.data["dispatcher"].py_func.__module__.startswith("attitude.")
+def _is_ours(event: Any) -> bool:
+    module: str = event.data["dispatcher"].py_func.__module__
+    return module.startswith("attitude.")
 
 
 event.register("numba:compile", _Undisturbed())
 
 
-def kept_on_disk(function, options):
-    """Compile a function at its first call and keep the machine code for the next process.
+def kept_on_disk(function: Callable[..., Any], options: Mapping[str, Any]) -> Any:
+    """numba's dispatcher of a function, whose machine code is kept on disk where possible.
 
-    An installation that cannot be written, with no home directory either, has no place for the
-    cache, nor has a full disk; the function is then compiled anew in each process.
+    The function is compiled at its first call.  It is compiled in each process anew if no cache
+    folder can be written: neither beside the sources nor in the user's cache folder.
     """
     try:
         dispatcher = numba.njit(cache=True, **options)(function)
-    except RuntimeError:
+    except RuntimeError:  # numba found no folder that it can write
         return numba.njit(**options)(function)
-    # Numba looks for changes in the file of the function alone, and would go on running what it
-    # called before an edit or an upgrade elsewhere: here every file of the package counts.
-    kept = getattr(dispatcher, "_cache", None)
-    file = getattr(kept, "_cache_file", None)
-    if hasattr(file, "_source_stamp"):
-        file._source_stamp = (file._source_stamp, _stamp())
-        _never_fail(kept)
+    # numba compares a cached function with the time and size of its own file alone, and would run
+    # machine code that contains callees from before an edit or an upgrade elsewhere.  Its stamp is
+    # therefore extended to every file of the package.  These names of numba are private:
+    # Dispatcher._cache          the numba.core.caching.FunctionCache of a function
+    # Cache._cache_file          its IndexDataCacheFile, which writes the stamp into the index
+    # IndexDataCacheFile._source_stamp   any value that can be pickled, compared by ==
+    # If one of them is renamed, nothing is kept on disk: slow, but never out of date.  If the stamp
+    # is no longer compared when an index is read, edited sources run old machine code.
+    on_disk = getattr(dispatcher, "_cache", None)
+    index = getattr(on_disk, "_cache_file", None)
+    if index is None or not hasattr(index, "_source_stamp"):
+        return numba.njit(**options)(function)
+    index._source_stamp = (index._source_stamp, _stamp())
+    _tolerate_errors(on_disk)
     return dispatcher
 
 
-def _never_fail(kept):
-    """A cache that cannot be read or written is none, and no reason to stop."""
-    load, save = kept.load_overload, kept.save_overload
+def _tolerate_errors(on_disk: Any) -> None:
+    """Treat an unreadable or unwritable cache as absent.
 
-    def load_overload(*given):
+    The dispatcher calls these methods of its Cache, which are private too: `load_overload`, None
+    for a function that is not in the cache, `save_overload` and `flush`.  If numba calls others, a
+    torn cache file or a full disk stops the program instead.
+    """
+    load, save = on_disk.load_overload, on_disk.save_overload
+
+    def load_overload(*given: Any) -> Any:
         try:
             return load(*given)
-        except Exception:  # what a torn file makes of pickle; the next process begins anew
+        except Exception:  # a torn file raises any error in pickle; the next process compiles anew
             with suppress(OSError):
-                kept.flush()
+                on_disk.flush()
             return None
 
-    def save_overload(*given):
+    def save_overload(*given: Any) -> None:
         with suppress(OSError):
             save(*given)
 
-    kept.load_overload, kept.save_overload = load_overload, save_overload
+    on_disk.load_overload, on_disk.save_overload = load_overload, save_overload
 
 
 @cache
-def _stamp():
-    """Names, sizes and times of change of the package's sources, in short."""
+def _stamp() -> str:
+    """A hash of the names, sizes and modification times of the package's sources."""
     package = Path(__file__).parent.parent
     found = hashlib.sha256()
     for source in sorted(package.rglob("*.py")):

@@ -1,22 +1,28 @@
-"""The functions of `math` that compiled code uses, as machine code has them.
+"""The functions of `math` that compiled code uses, with the results of machine code.
 
-They neither raise nor warn: a root of a negative number is NaN, an exponential that is too large
-infinite.  Results are numpy's doubles, which may be divided by zero.  Functions that run in Python
-find these under the name ``math`` (`decorators.Compilable`).
+They neither raise nor warn: the square root of a negative number is NaN, an exponential that
+overflows is infinite.  Results are numpy's doubles, which may be divided by zero.  Functions that
+run in Python have this module under the name ``math`` (`decorators.Compilable`).
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, SupportsInt
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 pi, inf, nan = np.float64(math.pi), np.float64(math.inf), np.float64(math.nan)
 floor, ceil = math.floor, math.ceil
 
 
-def _of_doubles(function):
-    """The same function with NaN outside of its domain and infinity where it overflows."""
+def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
+    """A function of `math` that returns NaN outside of its domain and infinity on overflow."""
 
-    def with_limits(*given):
+    def with_limits(*given: float) -> np.float64:
         try:
             return np.float64(function(*given))
         except ValueError:
@@ -35,20 +41,20 @@ atan, atan2, asinh = _of_doubles(math.atan), _of_doubles(math.atan2), _of_double
 sinh, copysign = _of_doubles(math.sinh), _of_doubles(math.copysign)
 
 
-def log(a):
-    """-infinity at zero, NaN below."""
+def log(a: float) -> np.float64:
+    """The natural logarithm: -infinity at zero, NaN below."""
     return np.float64(math.log(a)) if a > 0.0 else (-inf if a == 0.0 else nan)
 
 
-def ldexp(a, exponent):
-    """a 2^exponent; whole numbers of any type."""
+def ldexp(a: float, exponent: SupportsInt) -> np.float64:
+    """a 2^exponent, for an exponent of any integer type; infinite on overflow."""
     try:
         return np.float64(math.ldexp(a, int(exponent)))
     except OverflowError:
         return copysign(inf, a)
 
 
-def frexp(a):
-    """Fraction and exponent."""
+def frexp(a: float) -> tuple[np.float64, int]:
+    """Fraction in [1/2, 1) and exponent of 2."""
     fraction, exponent = math.frexp(a)
     return np.float64(fraction), exponent

@@ -1,99 +1,114 @@
-"""Four or eight doubles as one value: vector arithmetic where the compiler would not find it.
+"""SIMD vectors of four or eight doubles as values, for code that LLVM does not vectorise.
 
-A short loop is unrolled before it could be vectorised, and a formula at eight places is eight
-formulas.  Here the eight are one value of the machine's vector type (eight: one AVX-512 register,
-two of AVX2, four of NEON) that compiled code adds, multiplies and divides with the usual operators,
-with doubles on either side; `instructions.fma` takes them too.  Products and sums are fused where
-the caller is compiled so (`decorators.reduction`), and only there.
+LLVM unrolls a short loop before it could vectorise it, and does not join eight copies of a formula.
+Here eight doubles are one value of the machine's vector type (one AVX-512 register, two of AVX2,
+four of NEON) that compiled code adds, multiplies and divides with the usual operators, with doubles
+on either side; `instructions.fma` takes such values too.  Products and sums are fused only where
+the caller is compiled with that option (`decorators.reduction`).
 
-The functions below define them in Python; `simd_lowering` has the vector instructions.
+The functions below are the definitions in Python; `simd_lowering` has the vector instructions.
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING
 
 from attitude.compilation.instructions import fma
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from attitude.annotations import FloatArray
+
 
 class Lanes:
-    """Some doubles as one value, in Python."""
+    """A SIMD vector of doubles, in Python.
+
+    Attributes
+    ----------
+    lanes : tuple of float
+    """
 
     __slots__ = ("lanes",)
 
-    def __init__(self, numbers):
+    def __init__(self, numbers: Iterable[float]) -> None:
         self.lanes = tuple(map(float, numbers))
 
-    def _with(self, other, function):
+    def _with(self, other: Lanes | float, function: Callable[[float, float], float]) -> Lanes:
         return Lanes(map(function, self.lanes, _spread(other, len(self.lanes))))
 
-    def __add__(self, other):
+    def __add__(self, other: Lanes | float) -> Lanes:
         return self._with(other, lambda a, b: a + b)
 
-    def __radd__(self, other):
+    def __radd__(self, other: float) -> Lanes:
         return self._with(other, lambda a, b: b + a)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Lanes | float) -> Lanes:
         return self._with(other, lambda a, b: a - b)
 
-    def __rsub__(self, other):
+    def __rsub__(self, other: float) -> Lanes:
         return self._with(other, lambda a, b: b - a)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Lanes | float) -> Lanes:
         return self._with(other, lambda a, b: a * b)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other):
+    def __truediv__(self, other: Lanes | float) -> Lanes:
         return self._with(other, _quotient)
 
-    def __rtruediv__(self, other):
+    def __rtruediv__(self, other: float) -> Lanes:
         return self._with(other, lambda a, b: _quotient(b, a))
 
     @staticmethod
-    def fused(*three):
-        """The fused product and sum of vectors and doubles."""
+    def fused(*three: Lanes | float) -> Lanes:
+        """a b + c with one rounding, of vectors and doubles."""
         count = next(len(each.lanes) for each in three if isinstance(each, Lanes))
         return Lanes(map(fma, *(_spread(each, count) for each in three)))
 
 
-def _spread(x, count):
+def _spread(x: Lanes | float, count: int) -> tuple[float, ...]:
+    """The lanes of a vector, or a double in every lane."""
     return x.lanes if isinstance(x, Lanes) else (float(x),) * count
 
 
-def _quotient(a, b):
+def _quotient(a: float, b: float) -> float:
+    """a / b; NaN or infinity where b is zero."""
     if b != 0.0:
         return a / b
     return math.nan if a == 0.0 or a != a else math.copysign(math.inf, a) * math.copysign(1.0, b)
 
 
-def eight(array, i):
-    """Eight neighbours array[i], ..., array[i + 7] of a contiguous array of doubles."""
+def eight(array: FloatArray, i: int) -> Lanes:
+    """The vector array[i], ..., array[i + 7] of a contiguous array of doubles."""
     i = int(i)
     return Lanes(array[i : i + 8])
 
 
-def lanes(numbers):
-    """Doubles of a tuple, one to a lane."""
+def lanes(numbers: tuple[float, ...]) -> Lanes:
+    """The vector of the doubles of a tuple."""
     return Lanes(numbers)
 
 
-def bits_set_in_bytes(word):
-    """How many bits are set in each of the eight bytes of a word, the lowest first."""
+def bits_set_in_bytes(word: int) -> Lanes:
+    """The numbers of bits set in each of the eight bytes of a word, the lowest byte first."""
     return Lanes(each.bit_count() for each in int(word).to_bytes(8, "little"))
 
 
-def at_least(a, least):
-    """The larger of two, lane by lane."""
+def at_least(a: Lanes, least: Lanes | float) -> Lanes:
+    """The larger of two numbers, lane by lane."""
     return a._with(least, lambda x, y: x if x > y else y)
 
 
-def root(a):
-    """The square root of each."""
+def root(a: Lanes) -> Lanes:
+    """The square root, lane by lane; NaN of negative numbers."""
     return Lanes(math.nan if x < 0.0 else math.sqrt(x) for x in a.lanes)
 
 
-def summed_up(a):
-    """The sum of all, in halves."""
-    left = a.lanes
+def summed_up(a: Lanes) -> float:
+    """The sum of the lanes: the upper half is added to the lower one until one lane is left."""
+    left = list(a.lanes)
     while len(left) > 1:
         half = len(left) // 2
         left = [left[k] + left[half + k] for k in range(half)]

@@ -1,6 +1,10 @@
-"""The vector instructions of `simd` for numba; imported with numba."""
+"""The vector instructions of `simd` for numba; imported when the first function is compiled."""
+
+from __future__ import annotations
 
 import operator
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from llvmlite import ir
 from numba import types
@@ -13,14 +17,15 @@ _INDEX = ir.IntType(32)
 
 
 class LanesType(types.Type):
-    """numba's type of some doubles; only compiled code has values of it."""
+    """numba's type of a SIMD vector of `count` doubles; only compiled code has values of it."""
 
-    def __init__(self, count):
+    def __init__(self, count: int) -> None:
         self.count = count
         super().__init__(f"lanes({count})")
 
     @property
-    def vector(self):
+    def vector(self) -> ir.VectorType:
+        """LLVM's type of the vector."""
         return ir.VectorType(_DOUBLE, self.count)
 
 
@@ -31,7 +36,7 @@ class _Model(models.PrimitiveModel):
 
 
 def _typed(function):
-    """Register what a typer, a function of numba types, returns for a function of `simd`."""
+    """Register a typer: a function from the argument types of a function of `simd` to its type."""
 
     def register(typer):
         @type_callable(function)
@@ -44,6 +49,7 @@ def _typed(function):
 
 
 def _lowered(function):
+    """Register the instructions of a function of `simd`."""
     return lower_builtin(function, types.VarArg(types.Any))
 
 
@@ -127,27 +133,28 @@ def _summed_up(context, builder, signature, arguments):
     return builder.extract_element(left, _INDEX(0))
 
 
-def fused(builder, kind, arguments):
-    """The instruction for a b + c with one rounding, of lanes and doubles."""
+def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
+    """The instruction for a b + c with one rounding, of vectors and doubles."""
     arguments = [_spread(builder, kind, each) for each in arguments]
     function = _function(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
     return builder.call(function, arguments)
 
 
-def lanes_among(kinds):
-    """The type of the lanes among operands, the others being doubles; None if there are none."""
+def lanes_among(kinds: Iterable[Any]) -> LanesType | None:
+    """The one type of the vectors among the operands, the others being doubles; else None."""
     found = {kind for kind in kinds if isinstance(kind, LanesType)}
     others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
     return found.pop() if len(found) == 1 and not others else None
 
 
 def _function(builder, name, kind, count):
+    """LLVM's function of that name, of `count` values of a type to one."""
     found = builder.module.globals.get(name)
     return found or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
 
 
 def _spread(builder, kind, x):
-    """A double in every lane; lanes as they are."""
+    """A double in every lane; a vector unchanged."""
     if x.type == kind.vector:
         return x
     none = ir.Constant(kind.vector, ir.Undefined)
@@ -156,12 +163,13 @@ def _spread(builder, kind, x):
 
 
 def _picked(places):
+    """The mask of a shuffle: the number of the lane that each lane is taken from."""
     places = list(places)
     return ir.Constant(ir.VectorType(_INDEX, len(places)), places)
 
 
 def _operator(symbol, instruction):
-    """Register an operator on vectors, and on a vector and a double."""
+    """Register the instruction of an operator on vectors, and on a vector and a double."""
 
     @_typed(symbol)
     def typer(a, b):

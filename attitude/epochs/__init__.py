@@ -1,6 +1,7 @@
 """Epochs: dates, Time objects and plain seconds to TDB seconds in two doubles, and back.
 
-inputs        `instant` and `seconds_since`: what users give, read
+inputs        `instant` and `seconds_since`: read the epochs that callers give
+kinds         the kind of the epochs given, and their list
 readers       a reader for each kind of epoch
 instants      `Instant`, `times`
 text          ISO 8601 and CCSDS dates

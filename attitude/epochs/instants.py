@@ -1,19 +1,36 @@
-"""One moment: TDB seconds past J2000 in two doubles."""
+"""One epoch: TDB seconds past J2000 in two doubles."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
 
 from attitude import pairs
 from attitude.epochs import text, time_scales
 
+if TYPE_CHECKING:
+    from astropy.time import Time
+    from numpy.typing import ArrayLike
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, init=False, repr=False)
 class Instant:
     """One epoch: TDB seconds past J2000 (2000-01-01 12:00 TDB) as the sum of two doubles.
 
-    Two instants are equal when they are the same sum; the same date given in two ways can differ
-    in `low` by the 5e-12 s that a double of days (astropy, skyfield) leaves open.
+    Two instants are equal when both doubles are; the same date given in two ways can differ in
+    `low` by 5e-12 s, the rounding of a double of days (astropy, skyfield).
+
+    Parameters
+    ----------
+    seconds, low : float
+        s; their sum is the epoch.
+
+    Attributes
+    ----------
+    seconds, low : float
+        s; the sum rounded to a double, and the rounding error.
 
     >>> from attitude.epochs import instant
     >>> instant("2016-12-31T23:59:60.5")
@@ -23,45 +40,44 @@ class Instant:
     """
 
     seconds: float
-    low: float = 0.0
+    low: float
 
-    def __post_init__(self):
-        hi, lo = pairs.two_sum(float(self.seconds), float(self.low))
+    def __init__(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> None:
+        hi, lo = pairs.two_sum(float(seconds), float(low))
         object.__setattr__(self, "seconds", float(hi))
         object.__setattr__(self, "low", float(lo))
 
     @property
-    def time(self):
-        """The same epoch as an astropy Time in TDB."""
+    def time(self) -> Time:
+        """The epoch as an astropy Time in TDB, rounded to 5e-12 s."""
         return times(self, np.float64(0.0))
 
     @property
-    def utc_iso(self):
-        """ISO text in UTC, to the nanosecond, without trailing zeros of the fraction."""
+    def utc_iso(self) -> str:
+        """ISO 8601 text in UTC, to the nanosecond, without trailing zeros of the fraction."""
         tt = time_scales.tt_from_tdb(np.float64(self.seconds), np.float64(self.low))
-        return text.utc_text(
-            *time_scales.utc_day_from_tai(*pairs.add(tt, -time_scales.TT_MINUS_TAI))
-        )
+        tai = pairs.add(tt, -time_scales.TT_MINUS_TAI)
+        return text.utc_text(*map(float, time_scales.utc_day_from_tai(*tai)))
 
-    def after(self, seconds, low=0.0):
+    def after(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> Instant:
         """The instant that is seconds + low of TDB later."""
         hi, lo = pairs.add((self.seconds, self.low), float(seconds), float(low))
         return Instant(hi, lo)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Instant({self.utc_iso} UTC)"
 
     __str__ = __repr__
 
 
-def times(start, seconds, low=None):
+def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> Time:
     """The epochs start + seconds + low as an astropy Time in TDB, rounded to 5e-12 s.
 
     Parameters
     ----------
     start : Instant
     seconds, low : float64 arrays of one shape
-        TDB seconds, as `seconds_since` returns them.  A Time holds no NaN: such entries are
+        TDB seconds, as `seconds_since` returns them.  A Time cannot hold NaN: such entries are
         masked.
     """
     from astropy.time import Time

@@ -1,152 +1,65 @@
-"""What people give as epochs, of whatever kind and shape, read into TDB in two doubles.
+"""A reader for each kind of epoch: a flat list of entries to TDB in two doubles."""
 
-`attitude.epochs` says what is taken, and asks here; each kind has a reader, which takes a flat list
-of its entries.
-"""
+from __future__ import annotations
 
 import datetime
 import math
-import numbers
-import sys
-from contextlib import suppress
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import pairs, validation
 from attitude.epochs import text, time_scales
-from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude.annotations import FloatArray
+    from attitude.epochs.instants import Instant
 
 # Modified Julian date of 1970-01-01.
 _MJD_OF_1970 = 40587
-# Julian dates 0 and 10000-01-01: where calendars of four digits and ERFA's own end.
+# Julian dates 0 and 10000-01-01: the limits of calendars of four digits, and of ERFA's calendar.
 _FIRST_JD, _LAST_JD = 0.0, 5373484.5
 
-# Kinds that are lengths of time and no moments.
-LENGTHS = ("number", "duration", "TimeDelta")
 
+def read(
+    kind: str, leaves: list[Any], shape: tuple[int, ...], name: str, start: Instant | None = None
+) -> tuple[FloatArray, FloatArray | None]:
+    """The entries of `attitude.epochs.kinds.entries` in two doubles; NaN where masked.
 
-def opened(value, name, allowed):
-    """The kind of a value, its entries as a flat list, and the shape they were given in.
-
-    One Time array, or one array of numbers, is a single entry of shape ().  Entries that a masked
-    array leaves out are `numpy.ma.masked` here.
+    Returns
+    -------
+    hi, lo : arrays
+        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `kinds.LENGTHS`,
+        seconds from `start`, and lo may be None.
     """
-    if isinstance(value, (list, tuple)) and isinstance(_first(value), (int, float)):
-        # Long lists of numbers are numpy's business; what it cannot make of them is told below.
-        with suppress(ValueError, TypeError):
-            array = np.asarray(value)
-            if array.dtype.kind in "fiu":
-                return "number", [array], ()
-    leaves, shape = _leaves(value, name)
-    kinds = {_kind(leaf) for leaf in leaves if leaf is not np.ma.masked}
-    if None in kinds:
-        wrong = next(leaf for leaf in leaves if _kind(leaf) is None)
-        raise AttitudeError(
-            f"{name} {'is' if shape == () else 'holds'} {validation.shown(wrong)}; give {allowed}."
-        )
-    if len(kinds) > 1:
-        raise AttitudeError(
-            f"{name} mixes entries of several kinds ({', '.join(sorted(kinds))}); give all in one."
-        )
-    return kinds.pop() if kinds else "number", leaves, shape
+    reader = _READERS[kind]
+    return _scattered(
+        partial(reader, start) if kind == "TimeDelta" else reader, leaves, shape, name
+    )
 
 
-def _first(values):
-    """The first entry of nested lists that is no list."""
-    while isinstance(values, (list, tuple)):
-        if not values:
-            return None
-        values = values[0]
-    return values
-
-
-def _leaves(value, name):
-    if isinstance(value, (list, tuple)):
-        parts = [_leaves(each, name) for each in value]
-        shapes = {shape for _, shape in parts}
-        if len(shapes) > 1:
-            raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.")
-        leaves = [leaf for inner, _ in parts for leaf in inner]
-        return leaves, (len(value), *(shapes.pop() if shapes else ()))
-    array = _array(value)
-    if array is None:
-        return [value], ()
-    if array.dtype.kind in "SUO":
-        mask = np.ma.getmaskarray(array).ravel()
-        texts = np.ma.getdata(array).astype("U") if array.dtype.kind == "S" else array
-        leaves = np.ma.getdata(texts).ravel().tolist()
-        return [np.ma.masked if m else e for m, e in zip(mask, leaves, strict=True)], array.shape
-    return [array], ()
-
-
-def _array(value):
-    """A numpy array with its mask and unit, of whatever numpy can make one of; else None."""
-    if isinstance(value, np.ndarray):
-        return value
-    if hasattr(value, "__array__") and not isinstance(value, np.generic) and _kind(value) is None:
-        return np.asarray(value)
-    return None
-
-
-def _kind(value):
-    """One of the kinds of things that this file takes, or None."""
-    if isinstance(value, (bool, np.bool_)):
-        return None
-    for kind, types in _TYPES:
-        if isinstance(value, types):
-            return kind
-    if isinstance(value, np.ndarray):
-        return {"M": "datetime64", "m": "duration"}.get(
-            value.dtype.kind, "number" if value.dtype.kind in "fiu" else None
-        )
-    if hasattr(value, "whole") and hasattr(value, "tt_fraction"):
-        return "skyfield Time"
-    # Whoever holds a Time has imported astropy; nobody else needs to wait for it.
-    module = sys.modules.get("astropy.time")
-    if module is not None and isinstance(value, module.TimeDelta):
-        return "TimeDelta"
-    return "astropy Time" if module is not None and isinstance(value, module.Time) else None
-
-
-_TYPES = (
-    ("text", str),
-    ("Instant", Instant),
-    ("datetime", datetime.datetime),
-    ("datetime64", np.datetime64),
-    # numpy's timedelta64 is one of its integers, so it stands before the numbers.
-    ("duration", (datetime.timedelta, np.timedelta64)),
-    ("number", numbers.Real),
-)
-
-
-def _scattered(reader, leaves, shape, name):
-    """What the reader makes of the entries, in the shape given and NaN where masked.
+def _scattered(
+    reader: Callable[..., Any], leaves: list[Any], shape: tuple[int, ...], name: str
+) -> tuple[FloatArray, FloatArray | None]:
+    """The results of a reader in the shape given, NaN where masked.
 
     A reader takes a list and returns two arrays (or one and None) with its entries along the first
     axis.
     """
     given = [leaf for leaf in leaves if leaf is not np.ma.masked]
-    results = []
+    results: list[Any] = []
     for result in reader(given, name):
         if result is not None and len(given) < len(leaves):
             full = np.full((len(leaves), *result.shape[1:]), np.nan)
             full[[leaf is not np.ma.masked for leaf in leaves]] = result
             result = full
         results.append(None if result is None else result.reshape((*shape, *result.shape[1:])))
-    return results
-
-
-def read(kind, leaves, shape, name, start=None):
-    """Two arrays of the shape given (or one and None), NaN where masked.
-
-    TDB seconds past J2000 for dates; for what `LENGTHS` names, seconds from `start`.
-    """
-    reader = _READERS[kind]
-    return _scattered(
-        partial(reader, start) if kind == "TimeDelta" else reader, leaves, shape, name
-    )
+    hi, lo = results
+    return hi, lo
 
 
 def _stacked(pairs, name):
@@ -160,7 +73,7 @@ def _stacked(pairs, name):
 
 
 def _unmasked(value):
-    """The data without its mask, and the mask or None; of numpy's kind and of astropy's."""
+    """The data without its mask, and the mask or None, for masked arrays of numpy and astropy."""
     if isinstance(value, np.ma.MaskedArray):
         unit = getattr(value, "unit", None)
         return _with_unit(np.ma.getdata(value), unit), np.ma.getmaskarray(value)
@@ -177,7 +90,7 @@ def _with_unit(data, unit):
     return Quantity(np.asarray(data), unit)
 
 
-# Seconds from the start ---------------------------------------------------------------------------
+# Lengths of time: list of entries -> seconds from the start ---------------------------------------
 
 
 def _numbers(leaves, name):
@@ -189,6 +102,7 @@ def _numbers(leaves, name):
 
 
 def _floats(value, name):
+    """One array or number as float64 seconds, NaN where masked."""
     value, mask = _unmasked(value)
     if not hasattr(value, "to_value"):
         value = _with_unit(value, getattr(value, "unit", None))  # a column of a table
@@ -215,7 +129,7 @@ def _time_deltas(start, leaves, name):
 
 
 def _time_delta(start, delta, name):
-    """The seconds of TDB from start to what astropy calls start + delta."""
+    """The seconds of TDB from start to the epoch that astropy computes as start + delta."""
     days, mask = _unmasked(delta.jd1)
     hi, lo = time_scales.seconds_from_days(_nan_where(mask, days), _unmasked(delta.jd2)[0])
     scale = delta.scale
@@ -230,12 +144,12 @@ def _time_delta(start, delta, name):
             f"{name} is a TimeDelta in the scale {scale!r}; give it in TAI, TT, TDB, TCG or TCB."
         )
     tt = time_scales.tt_from_tdb(np.float64(start.seconds), np.float64(start.low))
-    # The small difference of two small differences: a delta of 0 is 0.
+    # The difference of two small numbers: a delta of 0 stays exactly 0.
     change = time_scales.difference_at(*pairs.add((hi, lo), *tt)) - time_scales.difference_at(*tt)
     return pairs.add((hi, lo), change)
 
 
-# A reader for each kind of epoch: list of entries -> TDB seconds past J2000 in two doubles --------
+# Epochs: list of entries -> TDB seconds past J2000 in two doubles ---------------------------------
 
 
 def _instants(leaves, name):
@@ -253,10 +167,10 @@ def _astropy_time(time, name):
     scale, difference = time.scale, None
     if scale == "local":
         raise AttitudeError(
-            f"{name} is a Time in the scale 'local', which is tied to no other; give it in one of "
-            f"{', '.join(text.SCALES)}."
+            f"{name} is a Time in the scale 'local', which has no relation to other scales; give "
+            f"it in one of {', '.join(text.SCALES)}."
         )
-    # astropy keeps what a user sets with delta_tdb_tt and delta_ut1_utc under these names.
+    # The attributes in which astropy stores delta_tdb_tt and delta_ut1_utc if a user sets them.
     if getattr(time, "_delta_tdb_tt", None) is not None:
         difference = _constant(time._delta_tdb_tt)
     elif time.location is not None:
@@ -266,13 +180,14 @@ def _astropy_time(time, name):
         return time_scales.tdb_from("tai", hi, lo, difference)
     hi, lo = time_scales.seconds_from_jd(jd1, jd2)
     if scale == "ut1":
-        set_by_hand = _unmasked(getattr(time, "_delta_ut1_utc", None))[0]
-        hi, lo = time_scales.tai_from_ut1(hi, lo, name, set_by_hand)
+        set_by_user = _unmasked(getattr(time, "_delta_ut1_utc", None))[0]
+        hi, lo = time_scales.tai_from_ut1(hi, lo, name, set_by_user)
         scale = "tai"
     return time_scales.tdb_from(scale, hi, lo, difference)
 
 
 def _constant(seconds):
+    """TDB - TT as a function of the epoch that returns the seconds given."""
     known = np.asarray(_unmasked(seconds)[0], dtype=np.float64)
     return lambda hi, lo: known
 
@@ -295,7 +210,7 @@ def _datetimes(leaves, name):
 
 
 def _civil(moment, name):
-    """Day, second, microsecond and nanosecond of UTC; NaN for pandas' NaT, which is a datetime."""
+    """Day, second, microsecond, nanosecond of UTC; NaN for pandas' NaT, a subclass of datetime."""
     if moment != moment:
         return (math.nan,) * 4
     if moment.utcoffset() is not None:
@@ -321,17 +236,17 @@ def _datetimes64(leaves, name):
 def _datetime64(moments, name):
     moments, mask = _unmasked(moments)
     moments = np.asarray(moments)
-    # A bare NaT has no unit; attoseconds are too many in a second for numpy's own arithmetic.
+    # A bare NaT has no unit; numpy's integers overflow with the attoseconds of a second.
     unit = {"generic": "s", "as": "fs"}.get(np.datetime_data(moments.dtype)[0])
     moments = moments.astype(f"M8[{unit}]") if unit else moments
     unknown = np.isnat(moments) if mask is None else np.isnat(moments) | mask
     moments = np.where(unknown, moments.dtype.type(0, "s").astype(moments.dtype), moments)
-    # numpy knows no factor from years to picoseconds, and wraps silently from years to seconds.
+    # numpy cannot convert years to picoseconds, and overflows silently from years to seconds.
     fine = np.datetime_data(moments.dtype)[0] in ("ms", "us", "ns", "ps", "fs")
     year = 1970 + (moments.astype("M8[s]") if fine else moments).astype("M8[Y]").astype(np.int64)
     if np.any((year < -4712) | (year > 9999)):
         _refuse_far_years(np.float64(np.inf), name)
-    # numpy rounds down to the coarser unit, so the rest is never negative.
+    # numpy rounds down to the coarser unit: the rest is not negative.
     second = moments.astype("M8[s]")
     rest = (moments - second) / _SECOND
     day, second = np.divmod(second.astype(np.int64), 86400)
@@ -350,7 +265,7 @@ def _texts(leaves, name):
     return hi, lo
 
 
-_READERS = {
+_READERS: dict[str, Callable[..., Any]] = {
     "number": _numbers,
     "duration": _durations,
     "TimeDelta": _time_deltas,
@@ -363,8 +278,19 @@ _READERS = {
 }
 
 
-def tdb_of_day(scale, day, second, low, name):
-    """TDB of a civil day (modified Julian date) and the seconds since its midnight, in a scale."""
+def tdb_of_day(
+    scale: str, day: FloatArray, second: FloatArray, low: FloatArray | float, name: str
+) -> time_scales.Pair:
+    """TDB of a civil day (modified Julian date) and the seconds second + low since its midnight.
+
+    Parameters
+    ----------
+    scale : str
+        utc, ut1, or a scale of `time_scales.tdb_from`.
+    day, second, low : arrays of one shape
+    name : str
+        Name of the value in error messages.
+    """
     if scale == "utc":
         return time_scales.tdb_from("tai", *time_scales.tai_from_utc_day(day, second, low))
     hi, lo = pairs.add(((day - 51544.5) * time_scales.DAY, 0.0 * day), second, low)
@@ -381,6 +307,6 @@ def _nan_where(mask, values):
 def _refuse_far_years(jd, name):
     if ((jd < _FIRST_JD) | (jd >= _LAST_JD)).any():  # NaN is neither
         raise AttitudeError(
-            f"{name} lies outside of the years -4712 to 9999, for which time scales are converted; "
-            "give an epoch within them, or plain seconds from one."
+            f"{name} lies outside of the years -4712 to 9999, the range of the conversions of time "
+            "scales; give an epoch within it, or plain seconds since one."
         )

@@ -1,4 +1,6 @@
-"""Dates as text: ISO 8601 and CCSDS day of year in, ISO 8601 out."""
+"""Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601."""
+
+from __future__ import annotations
 
 import datetime
 import re
@@ -7,11 +9,13 @@ from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.validation import shown
 
-SCALES = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
+# Time scales that may follow a date.
+SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
 # Modified Julian date of the proleptic Gregorian day before 0001-01-01.
-MJD_OF_ORDINAL_0 = -678576
+MJD_OF_ORDINAL_0: int = -678576
 
-TEXT = re.compile(
+# An ISO 8601 or CCSDS date with an optional offset from UTC and an optional time scale.
+TEXT: re.Pattern[str] = re.compile(
     r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"  # year-month-day or year-day of year
     r"(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d*))?)?"  # hour:minute:second.fraction
     r"(Z|[+-]\d\d:\d\d)?)?"
@@ -20,8 +24,14 @@ TEXT = re.compile(
 )
 
 
-def parsed(text, name):
-    """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
+def parsed(text: str, name: str) -> tuple[str, int, int, float]:
+    """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second.
+
+    Raises
+    ------
+    AttitudeError
+        For text that is not a date, and dates that do not exist; `name` stands for the value.
+    """
     found = TEXT.fullmatch(text.strip())
     if found is None:
         raise AttitudeError(
@@ -37,19 +47,20 @@ def parsed(text, name):
             f"{name} is {shown(text)}, a date that does not exist ({err}); give one that does, "
             "from the years 0001 to 9999."
         ) from err
-    hour, minute, second = int(hour or 0), int(minute or 0), int(second or 0)
-    if hour > 23 or minute > 59 or second > 60:
+    hours, minutes, seconds = int(hour or 0), int(minute or 0), int(second or 0)
+    if hours > 23 or minutes > 59 or seconds > 60:
         raise AttitudeError(
             f"{name} is {shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
         )
-    fraction = float("0." + fraction) if fraction else 0.0
-    shift, minute = divmod(hour * 60 + minute - _offset(zone), 1440)
-    if second == 60:
-        _refuse_false_leap(scale, date + shift, minute, fraction, text, name)
-    return scale, date + shift, minute * 60 + second, fraction
+    part = float("0." + fraction) if fraction else 0.0
+    shift, minutes = divmod(hours * 60 + minutes - _offset(zone), 1440)
+    if seconds == 60:
+        _refuse_false_leap(scale, date + shift, minutes, part, text, name)
+    return scale, date + shift, minutes * 60 + seconds, part
 
 
-def _scale(scale, zone, text, name):
+def _scale(scale: str, zone: str | None, text: str, name: str) -> str:
+    """The time scale in lower case; AttitudeError for an unknown one, or UTC's offset with one."""
     if scale.lower() not in SCALES:
         raise AttitudeError(
             f"{name} is {shown(text)}; the time scale {scale!r} is not known, give one of "
@@ -62,25 +73,34 @@ def _scale(scale, zone, text, name):
     return scale.lower()
 
 
-def _mjd(year, month, day, yearday):
-    """Modified Julian date of a civil day; ValueError where there is none."""
+def _mjd(year: int, month: str | None, day: str | None, yearday: str | None) -> int:
+    """Modified Julian date of a civil day; ValueError if the day does not exist."""
     if not yearday:
-        return datetime.date(year, int(month), int(day)).toordinal() + MJD_OF_ORDINAL_0
+        return datetime.date(year, int(month or 0), int(day or 0)).toordinal() + MJD_OF_ORDINAL_0
     ordinal = datetime.date(year, 1, 1).toordinal() + int(yearday) - 1
     if datetime.date.fromordinal(ordinal).year != year:
         raise ValueError("day of year is out of range")
     return ordinal + MJD_OF_ORDINAL_0
 
 
-def _offset(zone):
-    """The offset from UTC in minutes, of text such as Z or +01:00."""
+def _offset(zone: str | None) -> int:
+    """The offset from UTC in minutes of text such as Z or +01:00."""
     if not zone or zone == "Z":
         return 0
     minutes = int(zone[1:3]) * 60 + int(zone[4:6])
     return -minutes if zone[0] == "-" else minutes
 
 
-def utc_text(day, second, low):
+def utc_text(day: float, second: float, low: float) -> str:
+    """ISO 8601 text, to the nanosecond, of a civil day of UTC and the seconds since its midnight.
+
+    Parameters
+    ----------
+    day : float
+        Modified Julian date, a whole number.
+    second, low : float
+        s; second + low counts from midnight.
+    """
     import erfa
 
     whole = int(second // 1.0)
@@ -89,7 +109,7 @@ def utc_text(day, second, low):
     if whole + nano * 1e-9 >= time_scales.DAY + time_scales.leap_of_day(day):
         day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
     year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
-    minute = min(whole // 60, 1439)  # where a leap second is the last of the last minute
+    minute = min(whole // 60, 1439)  # a leap second belongs to the last minute of the day
     text = (
         f"{year:04d}-{month:02d}-{date:02d}T"
         f"{minute // 60:02d}:{minute % 60:02d}:{whole - 60 * minute:02d}.{nano:09d}"
@@ -98,6 +118,7 @@ def utc_text(day, second, low):
 
 
 def _refuse_false_leap(scale, day, minute, fraction, text, name):
+    """AttitudeError for a second 60 where there was no leap second."""
     if scale == "utc" and minute == 1439 and fraction < time_scales.leap_of_day(day):
         return
     raise AttitudeError(

@@ -1,67 +1,83 @@
-"""From every time scale to TDB, for arrays, in two doubles.
+"""Convert every time scale to TDB, for arrays, in two doubles.
 
-Through astropy the way from UTC to TDB costs 6 microseconds an epoch, nearly all of it in the 787
-terms of TDB - TT.  That difference is smooth, with periods of a week and more, so pieces of a
-polynomial replace it here; leap seconds are steps, looked up once for each day that occurs.
+With astropy the conversion of UTC to TDB costs 6 microseconds an epoch, nearly all of it in the
+787 terms of TDB - TT.  That difference is smooth, with periods of a week and more, and is replaced
+here by piecewise polynomials; leap seconds are steps, looked up once for each day that occurs.
 
 An epoch is an unevaluated sum hi + lo of two float64 arrays: seconds since J2000, which is
-2000-01-01 12:00 in the scale at hand (JD 2451545.0).  One double of seconds resolves 1e-7 s today
+2000-01-01 12:00 in its own scale (JD 2451545.0).  One double of seconds resolves 1e-7 s today
 and one of days 1e-11 s; the sum of two doubles of seconds resolves 1e-21 s, and steps that are
 exact in seconds (leap seconds, scale offsets, decimal input) stay exact.  NaN gives NaN.
 
-Where ERFA has a constant or a table, it is taken from there: its table of leap seconds is the one
+Constants and tables are those of ERFA where it has them: its table of leap seconds is the one
 that astropy uses and updates.  ERFA's "dubious year" warnings (UTC before 1960, or more than five
-years past the release of its table) are not passed on: such dates are taken as ERFA takes them,
-which is TAI = UTC before 1960, and the last known leap second in the future.
+years past the release of its table) are suppressed: such dates are converted as by ERFA, with
+TAI = UTC before 1960, and the last known leap second in the future.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from attitude import chebyshev, pairs
 from attitude.errors import AttitudeError
 
-J2000 = 2451545.0
-DAY = 86400.0
-TT_MINUS_TAI = 32.184
-TAI_MINUS_GPS = 19.0
-# 1977-01-01T00:00:00 TAI, where TCG, TCB and TT met: seconds since J2000, IAU 2000 B1.9.
-_MEETING = -8400.5 * DAY + TT_MINUS_TAI
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+
+    # One or many doubles, and an epoch or length of time as hi + lo.
+    Doubles: TypeAlias = FloatArray | np.float64
+    Pair: TypeAlias = tuple[Doubles, Doubles]
+
+# Julian date of 2000-01-01 12:00.
+J2000: float = 2451545.0
+# Seconds.
+DAY: float = 86400.0
+TT_MINUS_TAI: float = 32.184
+TAI_MINUS_GPS: float = 19.0
+# 1977-01-01T00:00:00 TAI, where TCG, TCB and TT agree: seconds since J2000, IAU 2000 B1.9.
+_COMMON_EPOCH = -8400.5 * DAY + TT_MINUS_TAI
 
 # TDB - TT in pieces of 16 days by polynomials of degree 16 errs by 2e-15 s against ERFA's series,
 # measured over 1900-2100, and 5e-15 s over 1000-3000, where the date itself rounds to 3e-15 s.
 _PIECE = 16.0
 _NODES = 17
-# Pieces that are kept, some 0.7 MB: 180 years.  Beyond, the cache starts anew.
+# Upper bound of the pieces in the cache, 0.7 MB: 180 years.  A full cache is cleared.
 _MOST_PIECES = 4096
-_pieces = {}
+_pieces: dict[int, FloatArray] = {}
 
 
-def seconds_from_days(days, more=0.0):
-    """The sum of two doubles of days as a pair of seconds, without loss."""
+def seconds_from_days(days: Doubles, more: Doubles | float = 0.0) -> Pair:
+    """The sum of two doubles of days as a pair of seconds, exactly."""
     whole, whole_more = np.rint(days), np.rint(more)
     pair = (whole + whole_more) * DAY, 0.0 * whole
     pair = pairs.add(pair, *_stretched(days - whole, DAY))
     return pairs.add(pair, *_stretched(more - whole_more, DAY))
 
 
-def seconds_from_jd(jd1, jd2):
-    """A two-part Julian date of a uniform scale as seconds since J2000, without loss."""
+def seconds_from_jd(jd1: Doubles, jd2: Doubles) -> Pair:
+    """A two-part Julian date of a uniform scale as seconds since J2000, exactly."""
     return seconds_from_days(jd1 - J2000, jd2)
 
 
-def jd_from_seconds(hi, lo):
+def jd_from_seconds(hi: Doubles, lo: Doubles) -> Pair:
     """Seconds since J2000 as a two-part Julian date: a whole number and |rest| <= 1/2.
 
-    The rest is rounded to 5e-12 s: what a double of days can hold.
+    The rest is rounded to 5e-12 s, the resolution of a double of days.
     """
     whole = np.rint(hi / DAY)
     return J2000 + whole, ((hi - whole * DAY) + lo) / DAY
 
 
-def tai_from_utc_jd(jd1, jd2):
-    """TAI of UTC in ERFA's two-part quasi Julian date (what astropy keeps).
+def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
+    """TAI of UTC in ERFA's two-part quasi Julian date, the convention of astropy's Time.
 
     A day with a leap second is 86401 s long in that convention, and its date runs slower.
     """
@@ -75,7 +91,7 @@ def tai_from_utc_jd(jd1, jd2):
     return _tai_of_day(day, known, *pairs.two_sum(0.5 * length + second, low))
 
 
-def tai_from_utc_day(day, second, low=0.0):
+def tai_from_utc_day(day: Doubles, second: Doubles, low: Doubles | float = 0.0) -> Pair:
     """TAI of UTC given as a civil day and the seconds second + low since its midnight.
 
     Parameters
@@ -88,20 +104,21 @@ def tai_from_utc_day(day, second, low=0.0):
     return _tai_of_day(day, _utc_days(day), second, low)
 
 
-def leap_of_day(day):
-    """How many seconds of UTC the civil day is longer than 86400: 1 on leap-second days.
+def leap_of_day(day: ArrayLike) -> FloatArray:
+    """Length of the civil day of UTC minus 86400, in s: 1 on leap-second days.
 
-    Fractions stand for the steps of UTC before 1972.
+    A fraction is a step of UTC before 1972.
     """
     return _utc_days(np.asarray(day, dtype=np.float64))[2]
 
 
-def utc_day_from_tai(hi, lo):
+def utc_day_from_tai(hi: Doubles, lo: Doubles) -> tuple[Doubles, Doubles, Doubles]:
     """UTC of TAI as civil day and seconds second + low since its midnight; see tai_from_utc_day.
 
-    Unlike ERFA's d2dtf, which spreads the steps of UTC before 1972 over a day.
+    Steps of UTC before 1972 are kept as steps; ERFA's d2dtf spreads them over a day.
     """
-    # TAI is ahead of UTC by 0 to some tens of seconds, so the day of UTC is this one or the last.
+    # TAI is ahead of UTC by 0 to some tens of seconds: the day of UTC is that of TAI or the one
+    # before.
     day = np.floor(((hi + lo) / DAY) + 51544.5)
     day = np.where(_since_midnight(day, hi, lo)[0] < 0.0, day - 1.0, day)
     second, low = _since_midnight(day, hi, lo)
@@ -109,36 +126,42 @@ def utc_day_from_tai(hi, lo):
     return day, *pairs.add((second, low), -drift / (1.0 + drift) * second)
 
 
-def tai_from_ut1(hi, lo, name, ut1_minus_utc=None):
-    """TAI of UT1 by the table of astropy-iers-data, or by the difference given in seconds.
+def tai_from_ut1(
+    hi: Doubles, lo: Doubles, name: str, ut1_minus_utc: ArrayLike | None = None
+) -> Pair:
+    """TAI of UT1 by the table of astropy-iers-data, or by a given UT1 - UTC in seconds.
 
-    The table ends at the length of its predictions, about a year ahead.
+    The table ends with its predictions, about a year ahead.
 
     Raises
     ------
     AttitudeError
-        Outside of that table.
+        For an epoch outside of that table; `name` stands for the value.
     """
     import erfa
 
     jd1, jd2 = _filled(*jd_from_seconds(hi, lo))
     if ut1_minus_utc is None:
-        # As astropy: near a leap second the table must be asked in UTC, not in UT1.
+        # As in astropy: near a leap second the argument of the table must be UTC.
         guess = erfa.ufunc.ut1utc(jd1, jd2, _ut1_minus_utc(jd1, jd2, name))[:2]
-        ut1_minus_utc = _ut1_minus_utc(*guess, name)
+        ut1_minus_utc = _ut1_minus_utc(guess[0], guess[1], name)
     jd1, jd2 = erfa.ufunc.ut1utc(jd1, jd2, ut1_minus_utc)[:2]
     return tai_from_utc_jd(jd1, np.where(np.isnan(hi), np.nan, jd2))
 
 
-def tdb_from(scale, hi, lo, difference=None):
+def tdb_from(
+    scale: str, hi: Doubles, lo: Doubles, difference: Callable[..., Any] | None = None
+) -> Pair:
     """TDB of a uniform scale: tai, gps, tt, tcg, tcb or tdb.
 
     Parameters
     ----------
     scale : str
     hi, lo : array
+        s since J2000 in that scale.
     difference : callable, optional
-        TDB - TT in seconds of the pair (hi, lo) of TT, where it is not that of the geocentre.
+        TDB - TT in seconds as a function of the pair (hi, lo) of TT; by default `difference_at`,
+        that of the geocentre.
     """
     if scale == "tdb":
         return hi, lo
@@ -153,51 +176,51 @@ def tdb_from(scale, hi, lo, difference=None):
     return pairs.add((hi, lo), (difference or difference_at)(hi, lo))
 
 
-def scaled(hi, lo, scale):
-    """A length of time in TCB as one in TDB, or in TCG as one in TT: the secular rates alone."""
+def scaled(hi: Doubles, lo: Doubles, scale: str) -> Pair:
+    """A length of time in TCB as one in TDB, or in TCG as one in TT, by the secular rate only."""
     import erfa
 
     return pairs.add((hi, lo), -{"tcb": erfa.ELB, "tcg": erfa.ELG}[scale] * (hi + lo))
 
 
-def tdb_from_tcb(hi, lo):
+def tdb_from_tcb(hi: Doubles, lo: Doubles) -> Pair:
     """TDB = TCB - L_B (TCB - T_0) + TDB_0 (IAU 2006 B3)."""
     import erfa
 
-    return pairs.add((hi, lo), erfa.TDB0 - erfa.ELB * ((hi - _MEETING) + lo))
+    return pairs.add((hi, lo), erfa.TDB0 - erfa.ELB * ((hi - _COMMON_EPOCH) + lo))
 
 
-def tt_from_tcg(hi, lo):
+def tt_from_tcg(hi: Doubles, lo: Doubles) -> Pair:
     """TT = TCG - L_G (TCG - T_0) (IAU 2000 B1.9)."""
     import erfa
 
-    return pairs.add((hi, lo), -erfa.ELG * ((hi - _MEETING) + lo))
+    return pairs.add((hi, lo), -erfa.ELG * ((hi - _COMMON_EPOCH) + lo))
 
 
-def tt_from_tdb(hi, lo):
+def tt_from_tdb(hi: Doubles, lo: Doubles) -> Pair:
     """TT of TDB at the geocentre, the inverse of ``tdb_from("tt", ...)`` to 1e-16 s."""
-    # The difference changes by 3e-10 s a second: the first guess errs by 5e-13 s, the second by
-    # nothing that its own rounding does not exceed.
+    # The difference changes by 3e-10 s a second: the first iterate errs by 5e-13 s, the second by
+    # less than its rounding.
     first = difference_at(hi, lo)
     return pairs.add((hi, lo), -difference_at(hi - first, lo))
 
 
-def difference_at(hi, lo):
+def difference_at(hi: Doubles, lo: Doubles) -> FloatArray:
     """TDB - TT in seconds for a pair of seconds of TT; see `tdb_minus_tt`."""
     return tdb_minus_tt(J2000, (hi + lo) / DAY)
 
 
-def tdb_minus_tt(tt_jd1, tt_jd2=0.0):
+def tdb_minus_tt(tt_jd1: ArrayLike, tt_jd2: ArrayLike = 0.0) -> FloatArray:
     """TDB - TT at the geocentre, in seconds.
 
-    ERFA's dtdb (Fairhead and Bretagnon 1990) as astropy calls it without a location, 7 us an
-    epoch, replaced by polynomials wherever 17 epochs or more share a piece of 16 days: 0.1 us.
-    Fewer epochs are given to dtdb itself, so the answer for an array depends on nothing else.
+    ERFA's dtdb (Fairhead and Bretagnon 1990), 7 us an epoch, as astropy calls it without a
+    location; replaced by polynomials, 0.1 us, where 17 epochs or more lie in one piece of 16 days.
+    Fewer epochs are passed to dtdb itself, so that the result depends on the array only.
 
     Parameters
     ----------
     tt_jd1, tt_jd2 : array_like
-        Two-part Julian date in TT (or TDB, which changes nothing above 1e-12 s); NaN gives NaN.
+        Two-part Julian date in TT (or TDB: the results differ by less than 1e-12 s); NaN gives NaN.
 
     Returns
     -------
@@ -208,28 +231,28 @@ def tdb_minus_tt(tt_jd1, tt_jd2=0.0):
     flat = days.ravel()
     if flat.size < _NODES:
         return _series(flat).reshape(days.shape)
-    place = np.floor(flat / _PIECE)
-    number, index, count = _distinct(place)
+    piece = np.floor(flat / _PIECE)
+    number, index, count = _distinct(piece)
     full = count >= _NODES
     if not np.any(full):
         return _series(flat).reshape(days.shape)
     table = _fitted(number[full])
     row = np.cumsum(full) - 1
     if np.all(full):
-        x = 2.0 * (flat / _PIECE - place) - 1.0
+        x = 2.0 * (flat / _PIECE - piece) - 1.0
         return chebyshev.evaluate(table, row[index], x).reshape(days.shape)
     out = np.empty_like(flat)
-    smooth = full[index]
-    x = 2.0 * (flat[smooth] / _PIECE - place[smooth]) - 1.0
-    out[smooth] = chebyshev.evaluate(table, row[index[smooth]], x)
-    out[~smooth] = _series(flat[~smooth])
+    fitted = full[index]
+    x = 2.0 * (flat[fitted] / _PIECE - piece[fitted]) - 1.0
+    out[fitted] = chebyshev.evaluate(table, row[index[fitted]], x)
+    out[~fitted] = _series(flat[~fitted])
     return out.reshape(days.shape)
 
 
-def tdb_minus_tt_at(location, hi, lo):
+def tdb_minus_tt_at(location: Any, hi: Doubles, lo: Doubles) -> FloatArray:
     """TDB - TT in seconds for a pair of seconds of TT at an astropy EarthLocation, by dtdb.
 
-    The daily terms, 2 microseconds, want UT1; as in astropy, UTC stands for it.
+    The daily terms, 2 microseconds, are functions of UT1; as in astropy, UTC replaces it.
     """
     import erfa
 
@@ -248,14 +271,15 @@ def tdb_minus_tt_at(location, hi, lo):
 def _stretched(fraction, length):
     """The product of a fraction of a day, at most 1, and the day's length, as a pair.
 
-    Exact for lengths of 86400 and 86401: the first factor of the first product ends at the 32nd
-    binary place, so that the product has at most 50 bits.
+    Exact for lengths of 86400 and 86401: the first factor of the first product has 32 binary
+    places, so that the product has at most 50 bits.
     """
     first = np.rint(fraction * 2.0**32) * 2.0**-32
     return first * length, (fraction - first) * length
 
 
 def _tai_of_day(day, known, second, low):
+    """TAI from the civil day, its offset and drift (`_utc_days`), and the seconds second + low."""
     offset, drift, _ = known
     midnight = (day - 51544.5) * DAY
     if np.any(drift):
@@ -270,9 +294,9 @@ def _since_midnight(day, hi, lo):
 
 
 def _utc_days(day):
-    """TAI - UTC at 0h in s, its drift a second, and the jump at the day's end in s.
+    """TAI - UTC at 0h in s, its drift per second, and its jump at the end of the day in s.
 
-    The steps of ERFA's utctai, once for each day that occurs.
+    Computed as in ERFA's utctai, once for each day that occurs.
     """
     import erfa
 
@@ -287,10 +311,10 @@ def _utc_days(day):
 
 
 def _distinct(whole):
-    """The distinct values of a flat array of whole numbers, where each is, how often each occurs.
+    """The distinct values of a flat array of whole numbers, the index of each entry, the counts.
 
-    NaN counts as 0.  Counting is ten times as fast as the sorting of numpy.unique, and is taken
-    where the numbers lie close enough together.
+    NaN counts as 0.  Numbers that lie close together are counted, which is ten times as fast as
+    the sorting of numpy.unique.
     """
     number = np.where(np.isfinite(whole), whole, 0.0).astype(np.int64)
     if number.size < 2:
@@ -309,13 +333,13 @@ def _distinct(whole):
 
 
 def _filled(jd1, jd2):
-    """J2000 in the place of NaN, which ERFA's calendar must not be given."""
+    """J2000 for NaN, which ERFA's calendar cannot take."""
     known = np.isfinite(jd2)
     return np.where(known, jd1, J2000), np.where(known, jd2, 0.0)
 
 
 def _series(days):
-    """ERFA's dtdb at the geocentre, where the time of day has no effect."""
+    """ERFA's dtdb at the geocentre, where it does not depend on the time of day."""
     import erfa
 
     return erfa.dtdb(J2000, days, 0.0, 0.0, 0.0, 0.0)
@@ -324,8 +348,8 @@ def _series(days):
 def _fitted(numbers):
     """The coefficients (17, pieces) of the pieces with these numbers.
 
-    Threads may fit the same piece at once and store the same coefficients; no lock is needed, and
-    a process forked meanwhile finds none held.
+    Threads that fit the same piece store the same coefficients: no lock is needed, and a forked
+    process cannot inherit a locked one.
     """
     keys = numbers.astype(np.int64).tolist()
     have = {key: _pieces.get(key) for key in keys}
@@ -353,17 +377,18 @@ def _ut1_minus_utc(jd1, jd2, name):
     if np.any(outside):
         first, last = (Time(table["MJD"][k].value, format="mjd").iso[:10] for k in (0, -1))
         raise AttitudeError(
-            f"{name} is in UT1 outside of {first} to {last}, where the installed table of the "
-            "Earth's rotation (astropy-iers-data) knows it; give UTC, TT or TDB, or update "
+            f"{name} is in UT1 outside of {first} to {last}, the span of the installed table of "
+            "the Earth's rotation (astropy-iers-data); give UTC, TT or TDB, or update "
             "astropy-iers-data."
         )
     return found.to_value("s").reshape(np.shape(jd2))
 
 
 @lru_cache(maxsize=1)
-def earth_orientation():
-    # Read from the installed file by name: IERS_Auto would ask the network for a newer one, and
-    # IERS_A.open would leave its table in astropy for everybody.
+def earth_orientation() -> Any:
+    """The table IERS_A of astropy-iers-data as installed, without a download."""
+    # Read by file name: IERS_Auto would request a newer file from the network, and IERS_A.open
+    # would cache its table in astropy for the whole process.
     from astropy.utils import iers
 
     return iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)

@@ -1,1 +1,16 @@
-"""Files in and out: one module a format, each imported by those who read or write it."""
+"""Files of attitudes and motions: one module or package for each format, imported on its own.
+
+spin_file        spin files (TOML): a body and its spin; `spin_sections` reads their sections
+mission          mission files (TOML): a scene, times and columns; `photometry` reads their
+                 sections on shape, scattering and magnitudes
+aem, apm         CCSDS Attitude Ephemeris and Parameter Messages
+stk              STK attitude files
+ck               SPICE C-kernels
+damit            spin files and light curves of DAMIT
+tables           astropy QTable, ECSV, FITS, CSV, parquet; `csv_rows` and `parquet` are parts of it
+detect           any of these by content or ending: `read`, `opened`, `write`, `write_motion`
+
+ccsds            time codes, attitude types and axes of CCSDS messages
+rows             records read from a file -> AttitudeTable; history -> columns
+sources          what a writer is given -> segments, evaluated piece by piece
+"""

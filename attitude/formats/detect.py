@@ -1,13 +1,24 @@
-"""Which format a file has, by what is in it or by its ending; reading and writing any of them."""
+"""The format of a file by its content or ending; reading and writing files of any format."""
+
+from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from attitude.errors import AttitudeError
 from attitude.textfiles.lines import beginning
 
-# Ending -> format, for writing, and for reading where the content does not tell.
-ENDINGS = {
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import Epochs, FilePath
+    from attitude.formats.sources import AttitudeSource
+    from attitude.free_rotation.free_rotation import FreeRotation
+    from attitude.motion import Motion
+    from attitude.paths.path import Path
+
+# Ending -> format: for writing, and for reading if the content is not recognized.
+ENDINGS: dict[str, str] = {
     ".aem": "aem",
     ".xml": "aem-xml",
     ".apm": "apm",
@@ -22,17 +33,17 @@ ENDINGS = {
     ".csv": "table",
     ".parquet": "table",
 }
-# Formats that hold a motion, and not attitudes at epochs.
-OF_MOTIONS = ("apm", "apm-xml", "spin", "damit")
+# Formats that hold a motion; the others hold attitudes at epochs.
+OF_MOTIONS: tuple[str, ...] = ("apm", "apm-xml", "spin", "damit")
 
 
-def of_file(path):
-    """The format of a file that is there: one of the values of ENDINGS.
+def of_file(path: FilePath) -> str:
+    """The format of an existing file: one of the values of ENDINGS.
 
     Raises
     ------
     AttitudeError
-        Where neither content nor ending tells.
+        If the file cannot be read, or neither its content nor its ending is known.
     """
     text = beginning(path)
     for mark, found in (
@@ -50,17 +61,23 @@ def of_file(path):
     if len(text.split(b"\n")[0].split()) == 3:
         return "damit"
     raise AttitudeError(
-        f"{os.fspath(path)!r} is in no format that is known: neither its content nor its ending "
-        f"tells. Known endings are {', '.join(ENDINGS)}."
+        f"{os.fspath(path)!r} is in no format that is known: neither its content nor its ending is "
+        f"one of them. Known endings are {', '.join(ENDINGS)}."
     )
 
 
-def to_write(path):
-    """The format that the ending of a file asks for."""
+def to_write(path: FilePath) -> str:
+    """The format in which a file is written, by its ending: one of the values of ENDINGS.
+
+    Raises
+    ------
+    AttitudeError
+        For another ending.
+    """
     ending = _ending(path)
     if ending not in ENDINGS:
         raise AttitudeError(
-            f"{os.fspath(path)!r} ends in {ending!r}, which tells no format; endings are "
+            f"{os.fspath(path)!r} ends in {ending!r}, which belongs to no format; give one of "
             f"{', '.join(ENDINGS)}."
         )
     return ENDINGS[ending]
@@ -72,64 +89,97 @@ def _ending(path):
 
 
 class Source(NamedTuple):
-    """What was read, with ``.at(t)``, and what else its file says: names, comments, notes."""
+    """The content of a file in any format.
 
-    motion: object
-    said: dict
+    Attributes
+    ----------
+    motion : AttitudeTable, FreeRotation or KernelAttitude
+    said : dict
+        Names, comments, source and note, under the names of the keyword arguments of writers.
+    """
+
+    motion: Motion
+    said: dict[str, Any]
 
 
-def read(path, **how):
-    """A file in any format, as something with ``.at(t)``; see `opened` for the arguments.
+def read(
+    path: FilePath,
+    *,
+    tolerance: float | None = None,
+    frame: str | None = None,
+    orbit: Path | None = None,
+    body: str | None = None,
+    kernels: Sequence[FilePath] = (),
+) -> Motion:
+    """The motion in a file of any format; see `opened` for parameters and errors.
 
     Returns
     -------
     AttitudeTable, FreeRotation or KernelAttitude
-        The last of these is to be closed.
+        Close a KernelAttitude after use: its kernels are loaded in SPICE's pool until then.
     """
-    return opened(path, **how).motion
+    return opened(
+        path, tolerance=tolerance, frame=frame, orbit=orbit, body=body, kernels=kernels
+    ).motion
 
 
-def opened(path, *, tolerance=None, frame=None, orbit=None, body=None, kernels=()):
-    """A file in any format, as a `Source`.
+def opened(
+    path: FilePath,
+    *,
+    tolerance: float | None = None,
+    frame: str | None = None,
+    orbit: Path | None = None,
+    body: str | None = None,
+    kernels: Sequence[FilePath] = (),
+) -> Source:
+    """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
     ----------
+    path : str or path
     tolerance, frame, orbit
-        As of `aem.read`.
-    body : str
-        The frame to be read out of a C-kernel.
-    kernels : paths
-        Others that a C-kernel needs; x.tf and x.tsc beside it are found.
+        As of `aem.read`; formats that do not have them ignore them.
+    body : str, optional
+        Name of the frame in a C-kernel, "TUMBLER" by default.
+    kernels : sequence of paths
+        Further kernels that a C-kernel needs; x.tf and x.tsc beside x.bc are found.
+
+    Returns
+    -------
+    Source
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown format, and as the reader of the format.
     """
     kind = of_file(path)
-    lengths = {} if tolerance is None else {"tolerance": tolerance}
-    ways = {"frame": frame, "orbit": orbit, **lengths}
+    lengths: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        return _table(aem.read(path, **ways))
+        return _table(aem.read(path, frame=frame, orbit=orbit, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
-        found = apm.read(path, **ways)
+        message = apm.read(path, frame=frame, orbit=orbit, **lengths)
         names = ("object_name", "object_id", "center", "comments")
-        return Source(found.motion, {name: found.meta[name] for name in names})
+        return Source(message.motion, {name: message.meta[name] for name in names})
     if kind == "stk":
         from attitude.formats import stk
 
-        return _table(stk.read(path, **ways))
+        return _table(stk.read(path, frame=frame, orbit=orbit, **lengths))
     if kind == "spin":
         from attitude.formats import spin_file
 
         found = spin_file.read(path)
-        return Source(
-            found.motion, {name: getattr(found, name) for name in ("name", "source", "note")}
-        )
+        labels = {"name": found.name, "source": found.source, "note": found.note}
+        return Source(found.motion, labels)
     if kind == "damit":
         from attitude.formats import damit
 
-        found = damit.read(path)
-        return Source(found.motion(), {"scattering": found.scattering})
+        rotator = damit.read(path)
+        return Source(rotator.motion(), {"scattering": rotator.scattering})
     if kind == "ck":
         return Source(_kernel(path, body, kernels), {})
     from attitude.formats import tables
@@ -152,8 +202,25 @@ def _kernel(path, body, kernels):
     return ck.KernelAttitude([path, *beside, *kernels], body)
 
 
-def write(path, source, *, t=None, **settings):
-    """Write attitudes at epochs in the format of the ending; settings go to its writer."""
+def write(
+    path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, **settings: Any
+) -> None:
+    """Write attitudes at epochs in the format of the file's ending.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    source, t
+        As of `aem.write`.
+    settings
+        Further arguments of the writer of the format.
+
+    Raises
+    ------
+    AttitudeError
+        For an ending of no format or of a format of motions, and as the writer of the format.
+    """
     kind = to_write(path)
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
@@ -169,12 +236,27 @@ def write(path, source, *, t=None, **settings):
         tables.write(path, source, t=t, **settings)
     else:
         raise AttitudeError(
-            f"{os.fspath(path)!r} holds a motion and no attitudes at epochs; see write_motion."
+            f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
         )
 
 
-def write_motion(path, motion, **settings):
-    """Write a FreeRotation: as a spin file (.toml, exact), an APM (.apm), a DAMIT file (.spin)."""
+def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
+    """Write a free rotation as a spin file (.toml, exact), an APM (.apm) or a DAMIT file (.spin).
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    motion : FreeRotation
+    settings
+        Further arguments of the writer of the format.
+
+    Raises
+    ------
+    AttitudeError
+        For an ending of no format or of a format of attitudes at epochs, and as the writer of the
+        format.
+    """
     kind = to_write(path)
     if kind == "spin":
         from attitude.formats import spin_file
@@ -190,5 +272,5 @@ def write_motion(path, motion, **settings):
         damit.write(path, motion, **settings)
     else:
         raise AttitudeError(
-            f"{os.fspath(path)!r} holds attitudes at epochs and no motion; see write."
+            f"{os.fspath(path)!r} would hold attitudes at epochs, not a motion; use write."
         )

@@ -1,4 +1,8 @@
-"""From rows of a file to an AttitudeTable, and back: frames, directions, units, unit length."""
+"""Rows of a file to an AttitudeTable, and a history to rows: axes, directions, units, length."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,46 +13,97 @@ from attitude.errors import AttitudeError
 from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds import epochs as ccsds_epochs
 
-# How far from 1 the length of a quaternion may be: printed digits are few in some files.
-TOLERANCE = 1e-3
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.epochs import Instant
+    from attitude.formats.ccsds.attitude_types import Convention
+    from attitude.formats.ccsds.axes import Axes
+    from attitude.history import AttitudeHistory
+    from attitude.paths.path import Path
+    from attitude.textfiles.lines import Fault
+
+# Largest deviation from 1 of the length of a quaternion: some files print few digits.
+TOLERANCE: float = 1e-3
 
 
-def known_tolerance(tolerance):
-    """A tolerance of the length of quaternions that a reader was given."""
+def known_tolerance(tolerance: float) -> float:
+    """The tolerance of the length of quaternions itself; AttitudeError if it is not 0 or more."""
     number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
     if not (number and tolerance >= 0.0):
         raise AttitudeError(
-            f"tolerance is {tolerance!r}; give how far from 1 the length of a quaternion may be, 0 "
-            "or more."
+            f"tolerance is {tolerance!r}; give the largest deviation from 1 of the length of a "
+            "quaternion, 0 or more."
         )
     return tolerance
 
 
 class Rows:
-    """The records of one segment while they are read: epochs, columns and their lines."""
+    """The records of one segment while they are read: epochs, columns and their lines.
 
-    def __init__(self, scale, width):
-        self.scale, self.width = scale, width
-        self._hi, self._lo, self._values, self._lines = [], [], [], []
-        self._last = None
-        self.count = 0
+    Parameters
+    ----------
+    scale : str
+        Time scale of the epochs in lower case.
+    width : int
+        Columns beside the epoch.
 
-    def add(self, tokens, values, lines, fault):
-        """Some records: epochs as bytes, an array of columns, numbers of their lines.
+    Attributes
+    ----------
+    scale, width : str, int
+    count : int
+        Records that were added.
+    """
 
-        `fault(sentence, line)` makes the error for what is wrong with a line.
+    def __init__(self, scale: str, width: int):
+        self.scale: str = scale
+        self.width: int = width
+        self.count: int = 0
+        self._hi: list[FloatArray] = []
+        self._lo: list[FloatArray] = []
+        self._values: list[FloatArray] = []
+        self._lines: list[IntArray] = []
+        self._last: tuple[FloatArray, FloatArray] | None = None
+
+    def add(
+        self, tokens: Sequence[bytes], values: FloatArray, lines: Sequence[int], fault: Fault
+    ) -> None:
+        """Add N records.
+
+        Parameters
+        ----------
+        tokens : sequence of bytes
+            Their epochs as CCSDS time codes.
+        values : (N, width) array
+        lines : sequence of int
+            Numbers of their lines in the file.
+        fault : callable
+            Makes the error for a sentence and the number of a line.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read or do not increase, and numbers that are not finite.
         """
         try:
             hi, lo = ccsds_epochs.parsed(tokens, self.scale)
         except ccsds_epochs.BadEpoch as err:
             shown = tokens[err.index][:60].decode("ascii", "replace")
             raise fault(
-                f"the epoch {shown!r} cannot be taken: {err.reason}.", lines[err.index]
+                f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
         self.add_times(hi, lo, values, lines, fault)
 
-    def add_times(self, hi, lo, values, lines, fault):
-        """The same of epochs that are TDB seconds since J2000 already."""
+    def add_times(
+        self,
+        hi: FloatArray,
+        lo: FloatArray,
+        values: FloatArray,
+        lines: Sequence[int],
+        fault: Fault,
+    ) -> None:
+        """Add N records whose epochs are TDB seconds since J2000, hi + lo; see `add`."""
         finite = np.isfinite(values).all(axis=1) & np.isfinite(hi)
         if not np.all(finite):
             k = int(np.argmin(finite))
@@ -74,8 +129,39 @@ class Rows:
         self._lines.append(np.asarray(lines))
         self.count += len(hi)
 
-    def table(self, kind, how, axes, fault, *, tolerance=TOLERANCE, orbit=None, **settings):
-        """The AttitudeTable of what was added; settings go to it."""
+    def table(
+        self,
+        kind: str,
+        how: Convention,
+        axes: Axes,
+        fault: Fault,
+        *,
+        tolerance: float = TOLERANCE,
+        orbit: Path | None = None,
+        **settings: Any,
+    ) -> AttitudeTable:
+        """The AttitudeTable of the records, relative to ICRF.
+
+        Parameters
+        ----------
+        kind, how : str, Convention
+            Attitude type of the columns and its conventions.
+        axes : Axes
+            External axes of the attitudes.
+        fault : callable
+            As of `add`.
+        tolerance : float
+            Largest deviation from 1 of the length of a quaternion.
+        orbit : Path, optional
+            Path of the body about its center, for axes of an orbit.
+        settings
+            Further arguments of AttitudeTable.
+
+        Raises
+        ------
+        AttitudeError
+            For quaternions of another length, and as `Axes.to_icrf` and `AttitudeTable`.
+        """
         from attitude.epochs.inputs import Instant
 
         hi, lo = np.concatenate(self._hi), np.concatenate(self._lo)
@@ -84,17 +170,49 @@ class Rows:
         seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):
             _refuse_length(values[:, :4], lines, tolerance, fault)
-        with np.errstate(over="ignore", invalid="ignore"):  # refused by the table, as too fast
+        with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = attitude_types.decoded(kind, values, how)
         wxyz = forms.unit(wxyz)
-        wxyz, rates = to_icrf(wxyz, rates, axes, epoch, *seconds, orbit)
+        wxyz, rates = to_icrf(wxyz, rates, axes, epoch, seconds[0], seconds[1], orbit)
         return AttitudeTable(
             epoch, seconds[0], wxyz, low=seconds[1], angular_velocity=rates, **settings
         )
 
 
-def to_icrf(wxyz, rates, axes, epoch, hi, lo, orbit=None):
-    """Attitudes and rates relative to ICRF, of those relative to other axes."""
+def to_icrf(
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    axes: Axes,
+    epoch: Instant,
+    hi: FloatArray,
+    lo: FloatArray,
+    orbit: Path | None = None,
+) -> tuple[FloatArray, FloatArray | None]:
+    """Attitudes and angular velocities relative to ICRF from those relative to other axes.
+
+    Parameters
+    ----------
+    wxyz : (N, 4) array
+        Body to `axes`, scalar first.
+    rates : (N, 3) array or None
+        rad/s over the body axes, relative to `axes`.
+    axes : Axes
+    epoch : Instant
+    hi, lo : (N,) arrays
+        hi + lo are TDB seconds since the epoch.
+    orbit : Path, optional
+        Path of the body about its center, for axes of an orbit.
+
+    Returns
+    -------
+    wxyz, rates
+        Of the same shapes, relative to ICRF.
+
+    Raises
+    ------
+    AttitudeError
+        For angular velocities above 1e30 rad/s, and as `Axes.to_icrf`.
+    """
     if axes.kind in ("icrf", "gcrf"):
         return wxyz, rates
     refuse_speed(rates)
@@ -105,8 +223,30 @@ def to_icrf(wxyz, rates, axes, epoch, hi, lo, orbit=None):
     return forms.continuous(wxyz) if axes.turning else wxyz, rates
 
 
-def columns_of(history, kind, how, axes, orbit=None):
-    """The columns of a type for a piece of history, in the units of files."""
+def columns_of(
+    history: AttitudeHistory,
+    kind: str,
+    how: Convention,
+    axes: Axes,
+    orbit: Path | None = None,
+) -> FloatArray:
+    """The columns (N, columns) of an attitude type for a history (N,), in deg, deg/s and s.
+
+    Parameters
+    ----------
+    history : AttitudeHistory
+    kind, how : str, Convention
+        Attitude type and its conventions.
+    axes : Axes
+        External axes of the written attitudes.
+    orbit : Path, optional
+        Path of the body about its center, for axes of an orbit.
+
+    Raises
+    ------
+    AttitudeError
+        For types with nutation in turning axes, and as `Axes.to_icrf` and `encoded`.
+    """
     wxyz, rates, acceleration = np.asarray(history.wxyz), None, None
     if attitude_types.has_rates(kind):
         rates = np.asarray(history.angular_velocity)
@@ -132,7 +272,7 @@ def _refuse_length(quaternions, lines, tolerance, fault):
     if np.any(off > tolerance):
         k = int(np.argmax(off > tolerance))
         raise fault(
-            f"the length of the quaternion is off 1 by {off[k]:.3g}; up to {tolerance:g} is taken "
-            "for rounding (tolerance=).",
+            f"the length of the quaternion is off 1 by {off[k]:.3g}; up to {tolerance:g} is "
+            "accepted as rounding (tolerance=).",
             int(lines[k]),
         )

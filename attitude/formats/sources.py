@@ -1,4 +1,11 @@
-"""What writers take: histories, tables, or a motion with epochs, in pieces that fit in memory."""
+"""The arguments of writers as segments: histories, tables, or a motion with epochs.
+
+Motions are evaluated piece by piece, so that long files need little memory.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
@@ -6,13 +13,37 @@ from attitude import epochs
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.motion import motion_of
+from attitude.motion import Motion, motion_of
 
-PIECE = 16384
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from attitude.annotations import Epochs, FloatArray
+
+    class HasAttitudes(Protocol):
+        """Anything with ``.at(t)`` that returns an AttitudeHistory."""
+
+        def at(self, t: Any, /) -> AttitudeHistory:
+            """The attitudes at some epochs."""
+
+    # The argument `source` of writers; see `segments`.
+    AttitudeSource: TypeAlias = "HasAttitudes | AttitudeHistory | Records | Sequence[_Segment]"
+    _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
+
+# Records that are evaluated and written at a time.
+PIECE: int = 16384
 
 
-def only_segment(source, t, holder):
-    """The one segment of what is given; AttitudeError for several, of which a file holds one."""
+def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
+    """The one segment of what a writer was given; see `segments`.
+
+    `holder` is the kind of file in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        For several segments, and as `segments`.
+    """
     parts = segments(source, t)
     if len(parts) != 1:
         raise AttitudeError(
@@ -25,25 +56,51 @@ def only_segment(source, t, holder):
 class Records:
     """One segment to be written: a motion and its epochs, evaluated piece by piece.
 
+    Parameters
+    ----------
+    motion : Motion
+    epoch : Instant
+    seconds, low : (N,) arrays
+        seconds + low are TDB seconds since the epoch, increasing; low may be None.
+    history : AttitudeHistory, optional
+        The attitudes at these epochs, if they are known; otherwise the motion is evaluated.
+
     Attributes
     ----------
-    epoch : Instant
-    seconds, low : (N,) arrays, low may be None
+    motion, epoch, seconds, low
+        As given.
     has_rates : bool
-        Whether its angular velocities are known better than from differences of attitudes.
+        Whether the motion knows angular velocities better than from differences of attitudes.
     meta : dict
-        What the file it came from said.
+        Names, comments and keywords of the file that the motion was read from.
+    table : AttitudeTable or None
+        The motion, if it is a table.
+
+    Raises
+    ------
+    AttitudeError
+        If there are no epochs, or some are NaN or do not increase.
     """
 
-    def __init__(self, motion, epoch, seconds, low, history=None):
-        self.motion, self.epoch, self.seconds, self.low = motion, epoch, seconds, low
+    def __init__(
+        self,
+        motion: Motion,
+        epoch: epochs.Instant,
+        seconds: FloatArray,
+        low: FloatArray | None,
+        history: AttitudeHistory | None = None,
+    ):
+        self.motion: Motion = motion
+        self.epoch: epochs.Instant = epoch
+        self.seconds: FloatArray = seconds
+        self.low: FloatArray | None = low
         self._history = history
-        self.meta = dict(motion.meta)
-        self.table = motion if isinstance(motion, AttitudeTable) else None
+        self.meta: dict[str, Any] = dict(motion.meta)
+        self.table: AttitudeTable | None = motion if isinstance(motion, AttitudeTable) else None
         if len(seconds) == 0:
             raise AttitudeError("there are no epochs to write; give one or more.")
         if not np.all(np.isfinite(seconds)):
-            raise AttitudeError("some epochs are NaN, which no file can hold; leave them out.")
+            raise AttitudeError("some epochs are NaN, which files cannot hold; leave them out.")
         steps = np.diff(seconds) if low is None else np.diff(seconds) + np.diff(low)
         if np.any(steps <= 0.0):
             k = int(np.flatnonzero(steps <= 0.0)[0])
@@ -51,18 +108,18 @@ class Records:
                 f"epoch {k + 1} is not later than the one before it; files of attitudes hold "
                 "increasing epochs, each once."
             )
-        self.has_rates = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
+        self.has_rates: bool = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.seconds)
 
-    def first_and_last(self):
-        """The seconds and low of both ends, as arrays (2,)."""
+    def first_and_last(self) -> tuple[FloatArray, FloatArray]:
+        """`seconds` and `low` of the first and the last record, as arrays (2,)."""
         low = np.zeros(len(self.seconds)) if self.low is None else self.low
         return self.seconds[[0, -1]], low[[0, -1]]
 
-    def pieces(self):
-        """The records as AttitudeHistory pieces."""
+    def pieces(self) -> Iterator[AttitudeHistory]:
+        """The records in order, as histories of at most PIECE epochs."""
         for start in range(0, len(self), PIECE):
             part = slice(start, start + PIECE)
             if self._history is not None:
@@ -72,14 +129,20 @@ class Records:
                 yield self.motion.at(self.seconds[part], low)
 
 
-def segments(source, t=None):
-    """The `Records` of what a writer was given.
+def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
+    """The segments, as `Records`, of what a writer was given.
 
     Parameters
     ----------
     source : AttitudeHistory, AttitudeTable, Records, a list of them (several segments), or with `t`
         anything that has ``.at(t)``
-    t : epochs, as of ``.at(t)``
+    t : epochs, optional
+        Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
+
+    Raises
+    ------
+    AttitudeError
+        For other types, epochs that are not a row (N,), and as `Records`.
     """
     if isinstance(source, Records):
         return [source]
@@ -99,9 +162,7 @@ def segments(source, t=None):
 
 def _of_history(history):
     if len(history.shape) != 1:
-        raise AttitudeError(
-            f"the epochs have shape {history.shape}; a file wants a row of them, (N,)."
-        )
+        raise AttitudeError(f"the epochs have shape {history.shape}; give a row of epochs, (N,).")
     return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
 
 
@@ -109,5 +170,5 @@ def _of_motion(motion, t):
     motion = motion_of(motion, "source")
     seconds, low = epochs.seconds_since(motion.epoch, t)
     if seconds.ndim != 1:
-        raise AttitudeError(f"t has shape {seconds.shape}; a file wants a row of epochs, (N,).")
+        raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
     return Records(motion, motion.epoch, seconds, low)

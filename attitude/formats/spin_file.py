@@ -1,4 +1,4 @@
-"""Spin files: a body and its state of rotation in TOML, which is the whole of its free motion.
+"""Spin files: a body and its state of rotation in TOML, which determine its free motion.
 
 ::
 
@@ -27,15 +27,18 @@
 at the top ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================
 
-A number is plain, and then in SI units and radians, or text with a unit.  A list is written
+A number is plain, in SI units and radians, or text with a unit.  A list is written
 ``[1.0, 2.0, 3.0]``, ``"1, 2, 3 deg/day"`` or ``["1 deg/day", "2 deg/day", "0.5 rpm"]``.  An epoch
-that text to the nanosecond does not hold is written as two doubles,
+that differs from its date to the nanosecond is written as two doubles,
 ``"820497600.0 + 1.5e-12 s TDB since J2000"``.
 """
+
+from __future__ import annotations
 
 import os
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -49,32 +52,39 @@ from attitude.spin import Spin
 from attitude.textfiles import toml
 from attitude.textfiles.atomic_write import written_whole
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from attitude.annotations import FilePath
+
 
 @dataclass(frozen=True, eq=False)
 class SpinFile(Immutable):
-    """What a spin file holds.
+    """The content of a spin file.
 
     Attributes
     ----------
     body : Body
     spin : Spin
     name, source, note : str or None
+        Name of the body, source of the numbers, remarks.
     motion : FreeRotation
     """
 
     body: Body
     spin: Spin
-    name: str = None
-    source: str = None
-    note: str = None
+    name: str | None = None
+    source: str | None = None
+    note: str | None = None
 
     @cached_property
-    def motion(self):
+    def motion(self) -> FreeRotation:
+        """The free rotation of the body from its spin."""
         return FreeRotation(self.body, self.spin)
 
 
-def read(path):
-    """The body and spin of a file.
+def read(path: FilePath) -> SpinFile:
+    """The body and spin in a spin file.
 
     Parameters
     ----------
@@ -87,16 +97,16 @@ def read(path):
     Raises
     ------
     AttitudeError
-        For a file that cannot be read or is not TOML, for keys that are missing, unknown or one
-        too many, for values of a wrong type, shape or unit, and for all that `Body` and `Spin`
-        refuse; each begins with the name of the file.
+        For a file that cannot be read or is not TOML, for missing, unknown or surplus keys, for
+        values of a wrong type, shape or unit, and as `Body` and `Spin`; each message begins with
+        the name of the file.
     """
     path = os.fspath(path)
     return parse(toml.read(path, "spin file"), path)
 
 
-def parse(text, origin="text"):
-    '''The body and spin of a spin file's text; `origin` begins every error message.
+def parse(text: str, origin: str = "text") -> SpinFile:
+    '''The body and spin in the text of a spin file; `origin` begins every error message.
 
     >>> parse("""
     ... body.moments = [10, 20, 26]
@@ -115,43 +125,66 @@ def parse(text, origin="text"):
         raise AttitudeError(f"{origin}: {err}") from err
 
 
-def of_sections(content, **labels):
-    """The `SpinFile` of the sections [body] and [spin] of a parsed text, and its labels."""
-    return SpinFile(*spin_sections.body_and_spin(content), **labels)
+def of_sections(content: Mapping[str, Any], **labels: str | None) -> SpinFile:
+    """The `SpinFile` of the sections [body] and [spin] of a parsed text.
+
+    `labels` are its name, source and note.  AttitudeError as `read`.
+    """
+    body, spin = spin_sections.body_and_spin(content)
+    return SpinFile(body, spin, **labels)
 
 
-def write(path, motion, *, name=None, source=None, note=None):
-    """Write the body and spin of a motion, exactly: what is read back has the same bits.
+def write(
+    path: FilePath,
+    motion: FreeRotation | SpinFile,
+    *,
+    name: str | None = None,
+    source: str | None = None,
+    note: str | None = None,
+) -> None:
+    """Write the body and spin of a motion exactly: `read` gives the same bits.
 
     Parameters
     ----------
     path : str or path
         Appears whole or not at all.
-    motion : FreeRotation, or a SpinFile
-        Anything with a body and a spin; names, source and note of a SpinFile are kept.
+    motion : FreeRotation or SpinFile
+        Name, source and note of a SpinFile are kept unless others are given.
     name, source, note : str, optional
+
+    Raises
+    ------
+    AttitudeError
+        For another type of motion, labels that are not text in UTF-8, or a file that cannot be
+        written.
     """
     content = text(motion, name=name, source=source, note=note)
     try:
         content.encode()
     except UnicodeEncodeError as err:
         raise AttitudeError(
-            f"name, source or note holds {content[err.start]!r}, which is no character of UTF-8; "
-            "leave it out."
+            f"name, source or note holds {content[err.start]!r}, which UTF-8 cannot encode; leave "
+            "it out."
         ) from err
     with written_whole(path, "spin file") as file:
         file.write(content)
 
 
-def text(motion, *, name=None, source=None, note=None):
-    """The text of a spin file; see `write`."""
+def text(
+    motion: FreeRotation | SpinFile,
+    *,
+    name: str | None = None,
+    source: str | None = None,
+    note: str | None = None,
+) -> str:
+    """The text of a spin file; see `write` for the parameters."""
     if not isinstance(motion, (FreeRotation, SpinFile)):
         raise AttitudeError(
-            f"motion is {motion!r}; a spin file holds a FreeRotation, or what read() returned."
+            f"motion is {motion!r}; a spin file holds a FreeRotation. Give one, or a SpinFile."
         )
     body, spin = motion.body, motion.spin
     labels = {"name": name, "source": source, "note": note}
-    lines = []
+    lines: list[str] = []
     for key, label in labels.items():
         if label is None and isinstance(motion, SpinFile):
             label = getattr(motion, key)

@@ -1,9 +1,12 @@
-"""The sections [body] and [spin] of a spin file: which keys say a body and a state, and how.
+"""The sections [body] and [spin] of spin files and mission files, as a Body and a Spin.
 
-See `spin_file` for the keys; sections of the same kind stand in mission files.
+See `spin_file` for the keys.
 """
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING, Any
 
 from attitude import epochs, validation
 from attitude.body import Body
@@ -12,7 +15,10 @@ from attitude.spin import Spin
 from attitude.textfiles import quantities
 from attitude.textfiles.toml import listed, refuse_unknown
 
-# The ways to give a body or an attitude: what leads each, what it needs, what may go with it.
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+# Alternatives for a body and an attitude: leading key -> further keys needed, keys allowed.
 _BODIES = {
     "moments": ((), ("mass", "relative", "center_of_mass")),
     "tensor": ((), ("mass", "relative", "center_of_mass")),
@@ -33,8 +39,15 @@ _EXAMPLES = {
 }
 
 
-def body_and_spin(content):
-    """The Body and the Spin of the sections of a parsed text."""
+def body_and_spin(content: Mapping[str, Any]) -> tuple[Body, Spin]:
+    """The Body and the Spin of the sections [body] and [spin] of a parsed text.
+
+    Raises
+    ------
+    AttitudeError
+        For missing, unknown or surplus keys, values of a wrong type, shape or unit, and as `Body`
+        and `Spin`.
+    """
     body = _body(_section(content, "body"))
     return body, _spin(_section(content, "spin"))
 
@@ -91,14 +104,17 @@ def _section(content, name):
 
 
 def _way(section, ways, common, name):
-    """Which of several ways to say the same a section takes; no key may be unknown or surplus."""
+    """The leading key of the alternative that a section uses.
+
+    AttitudeError for none or several, and for unknown, missing and surplus keys.
+    """
     known = [*common]
     for way, (needed, optional) in ways.items():
         known += [way, *needed, *optional]
     refuse_unknown(section, known, f"[{name}]")
     taken = [way for way in ways if way in section]
     if not taken:
-        # Half of a pair was given: say what the other half is.
+        # Half of a pair was given: the message names the other half.
         for way, (needed, _) in ways.items():
             if any(key in section for key in needed):
                 raise AttitudeError(_lacking(name, way))
@@ -125,7 +141,7 @@ def _spelled(ways):
 
 def _epoch(value):
     if not isinstance(value, str):
-        # TOML's own dates end at the microsecond, and what follows is lost without a word.
+        # TOML's own dates end at the microsecond; the parser drops further digits silently.
         raise AttitudeError(
             f"[spin] epoch is {value!s} without quotes; write it as text, like "
             '"2026-01-01T00:00:00".'
@@ -145,7 +161,7 @@ def _numbers(section, where, key, shape, unit):
 
 
 def _converted(value, name, unit):
-    """Text and lists of it as nested lists of floats in the unit."""
+    """A number, a text or nested lists of them as floats in the unit."""
     if isinstance(value, str):
         return quantities.in_unit(value, name, unit).tolist()
     if isinstance(value, list):

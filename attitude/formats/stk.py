@@ -1,17 +1,21 @@
 """STK attitude files (.a): quaternions with and without rates, matrices, Euler angles.
 
-Quaternions lead from the reference axes to the body, vector part first, which in numbers is ours,
-body to the axes, scalar last.  Rates are deg/s over the body axes; Euler angles are deg, in the
-order of the sequence, as in `representations.from_euler`; matrices are v_body = A v_axes, row by
-row.  ScenarioEpoch is UTC and records count seconds of TAI from it, in one double: written from a
-whole second of UTC, they are good to 1e-11 s for spans of a day.
+STK's quaternions turn the reference axes into those of the body, vector part first; they have the
+numbers of the quaternion body to axes of this package, scalar last.  Rates are deg/s over the body
+axes; Euler angles are deg, in the order of the sequence, as in `representations.from_euler`;
+matrices are v_body = A v_axes, row by row.  ScenarioEpoch is UTC, and the times of records are
+seconds of TAI since then, in one double: from a whole second of UTC, they are accurate to 1e-11 s
+for spans of a day.
 
-"J2000" is the mean equator and equinox of J2000, "ICRF" the ICRF, "Fixed" ITRF, "VVLH" those of an
+"J2000" is the mean equator and equinox of J2000, "ICRF" the ICRF, "Fixed" ITRF, "VVLH" axes of an
 orbit.  A file without InterpolationOrder is interpolated with order 1, as STK does.
 """
 
+from __future__ import annotations
+
 import datetime
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +32,12 @@ from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import NoNumber, numbers, opened
+
+if TYPE_CHECKING:
+    from attitude.annotations import Epochs, FilePath
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.formats.sources import AttitudeSource
+    from attitude.paths.path import Path
 
 # Section -> CCSDS attitude type of its columns, and whether the scalar stands first.
 _SECTIONS = {
@@ -54,13 +64,19 @@ _DATE = re.compile(r"(\d{1,2}) ([A-Za-z]{3}) (\d{4}) (\d{2}:\d{2}:\d{2})(\.\d*)?
 _BATCH = 16384
 
 
-def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None):
-    """A file as an AttitudeTable; see `aem.read` for the arguments and errors."""
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+) -> AttitudeTable:
+    """An STK attitude file as an AttitudeTable; see `aem.read` for parameters and errors."""
     known_tolerance(tolerance)
     with opened(path) as lines:
         _read_banner(lines)
         keywords, where, section = _read_keywords(lines)
-        reader = _Reader(lines, keywords, where, section)
+        reader = _StkReader(lines, keywords, where, section)
         return reader.table(tolerance, frame, orbit)
 
 
@@ -102,7 +118,9 @@ def _read_keywords(lines):
     raise lines.fault("the file ends before its data; is it cut off?")
 
 
-class _Reader:
+class _StkReader:
+    """Reads the records behind the keywords of a file."""
+
     def __init__(self, lines, keywords, where, section):
         self._lines, self._keywords, self._where = lines, keywords, where
         self._kind, self._scalar_first = _SECTIONS[section]
@@ -160,7 +178,7 @@ class _Reader:
             raise lines.fault(str(err)) from err
 
     def _read_rows(self, rows):
-        """Whether END Attitude was there."""
+        """Add the records up to END Attitude; False if the file ends before it."""
         lines, tokens, places = self._lines, [], []
         for line in lines:
             parts = line.split()
@@ -211,7 +229,7 @@ class _Reader:
         return np.concatenate([forms.to_xyzw(wxyz), values[:, 9:]], axis=1)
 
     def _scenario_epoch(self):
-        """TAI in two doubles."""
+        """TAI seconds since J2000 in two doubles."""
         lines, text = self._lines, self._keywords.get("ScenarioEpoch", "")
         found = _DATE.fullmatch(" ".join(text.split()))
         line = self._where.get("ScenarioEpoch")
@@ -249,18 +267,18 @@ class _Reader:
 
 
 def write(
-    path,
-    source,
+    path: FilePath,
+    source: AttitudeSource,
     *,
-    t=None,
-    section=None,
-    frame="ICRF",
-    sequence="ZXZ",
-    center="Earth",
-    order=None,
-    orbit=None,
-):
-    """Write attitudes as an STK file.
+    t: Epochs | None = None,
+    section: str | None = None,
+    frame: str = "ICRF",
+    sequence: str = "ZXZ",
+    center: str = "Earth",
+    order: int | None = None,
+    orbit: Path | None = None,
+) -> None:
+    """Write attitudes as an STK attitude file.
 
     Parameters
     ----------
@@ -271,15 +289,27 @@ def write(
         "AttitudeTimeQuatScalarFirst" and "AttitudeTimeEulerAngles".
     frame : str
         "ICRF", "J2000" (EME2000), "Fixed", "TEMEOfDate" or "VVLH" (with orbit=).
+    sequence : str
+        Axes of Euler angles.
+    center : str
+        CentralBody.
     order : int, optional
-        InterpolationOrder, that of a table or else 7 by default, less where records are few.
+        InterpolationOrder: by default that of a table or 7, less if there are few records.
+    orbit : Path, optional
+        Path of the body about its center, for VVLH.
+
+    Raises
+    ------
+    AttitudeError
+        For several segments, an unknown section, frame, sequence or order, and a file that cannot
+        be written.
     """
     part = sources.only_segment(source, t, "an STK file")
     section = section or (
         "AttitudeTimeQuatAngVels" if part.has_rates else "AttitudeTimeQuaternions"
     )
-    kind, scalar_first = _SECTIONS.get(section, (None, None))
-    if kind is None or kind.startswith("DCM"):
+    kind, scalar_first = _SECTIONS.get(section, ("", False))
+    if not kind or kind.startswith("DCM"):
         written = [name for name in _SECTIONS if "DCM" not in name]
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(written)}.")
     found = axes.named(_AXES.get(frame.lower(), frame))
@@ -329,8 +359,10 @@ def _name_in_stk(found, given):
 
 
 def _whole_second(part):
-    """The whole second of UTC at or before the first record, as STK writes it; and what turns a
-    piece of history into seconds of TAI from it."""
+    """ScenarioEpoch as text, and a function: history -> seconds of TAI since ScenarioEpoch.
+
+    ScenarioEpoch is the whole second of UTC at or before the first record.
+    """
     seconds, low = part.first_and_last()
     hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]

@@ -1,18 +1,21 @@
-"""Tables for the rest of the world: astropy QTable, ECSV, FITS, CSV, parquet.
+"""Tables of attitudes: astropy QTable, ECSV, FITS, CSV, parquet.
 
-Columns and meta data of a QTable, of ECSV and FITS: ``time`` (TDB, as two Julian dates: 5e-12 s),
-``wxyz`` (body to ICRF, scalar first), ``angular_velocity`` (rad/s over the body axes).
+A QTable, ECSV and FITS have the columns ``time`` (TDB, as two Julian dates: 5e-12 s), ``wxyz``
+(body to ICRF, scalar first) and ``angular_velocity`` (rad/s over the body axes).
 CSV has ``utc`` (12 decimals), ``tdb_seconds`` since the first row, ``w, x, y, z`` and
-``omega_x, omega_y, omega_z``; parquet has ``tdb_jd1, tdb_jd2`` instead of the first two.  All
-numbers are written so that reading gives the same doubles.
+``omega_x, omega_y, omega_z``; parquet has ``tdb_jd1, tdb_jd2`` instead of the first two.  Numbers
+are written such that reading gives the same doubles.
 
-Reading takes these, and tables with similar columns: any Time column or ``jd1`` and ``jd2`` or
-``utc`` for the epochs, either spelling of the others.
+Similar tables are read too: with any Time column, ``jd1`` and ``jd2`` (TDB) or ``utc`` for the
+epochs, and either form of the other columns.
 """
+
+from __future__ import annotations
 
 import io
 import os
 import warnings
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,28 +24,54 @@ from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import csv_rows, sources
+from attitude.formats import csv_rows, parquet, sources
 from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds.attitude_types import Convention
+from attitude.formats.ccsds.axes import named
 from attitude.formats.csv_rows import ATTITUDE, RATES
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
 from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import NoNumber, numbers, opened, whole
 
-KINDS = {".ecsv": "ecsv", ".fits": "fits", ".fit": "fits", ".csv": "csv", ".parquet": "parquet"}
+if TYPE_CHECKING:
+    from astropy.table import QTable, Table
+
+    from attitude.annotations import Epochs, FilePath
+    from attitude.formats.sources import AttitudeSource
+
+KINDS: dict[str, str] = {
+    ".ecsv": "ecsv",
+    ".fits": "fits",
+    ".fit": "fits",
+    ".csv": "csv",
+    ".parquet": "parquet",
+}
 _BATCH = 16384
 
 
-def qtable(source, *, t=None, rates=True):
+def qtable(source: AttitudeSource, *, t: Epochs | None = None, rates: bool = True) -> QTable:
     """An astropy QTable of a history, a table or a motion with epochs.
 
-    Several segments become one after the other; ``segment`` in the meta data holds the numbers of
-    their first rows.
+    Segments follow each other; ``segment`` in the meta data holds the numbers of their first rows.
+
+    Parameters
+    ----------
+    source, t
+        As of `aem.write`.
+    rates : bool
+        False leaves angular velocities out.
+
+    Raises
+    ------
+    AttitudeError
+        As `sources.segments`.
     """
     from astropy.table import vstack
 
     parts = sources.segments(source, t)
     with_rates = rates and all(part.has_rates for part in parts)
-    tables, first = [], []
+    tables: list[QTable] = []
+    first: list[int] = []
     for part in parts:
         first.append(sum(map(len, tables)))
         tables.extend(piece.table(rates=with_rates) for piece in part.pieces())
@@ -59,10 +88,23 @@ def qtable(source, *, t=None, rates=True):
     return table
 
 
-def from_table(table, origin="the table", *, tolerance=TOLERANCE):
-    """An AttitudeTable of an astropy table; see the top of the file for its columns.
+def from_table(
+    table: Table, origin: str = "the table", *, tolerance: float = TOLERANCE
+) -> AttitudeTable:
+    """An AttitudeTable from an astropy table; see the module's docstring for the columns.
 
-    `tolerance` is how far from 1 the length of a quaternion may be, as of `aem.read`.
+    Parameters
+    ----------
+    table : astropy Table or QTable
+    origin : str
+        Name of the table in error messages.
+    tolerance : float
+        Largest deviation from 1 of the length of a quaternion.
+
+    Raises
+    ------
+    AttitudeError
+        For missing columns, and values of a wrong type, shape or unit.
     """
     known_tolerance(tolerance)
     time = _times(table, origin)
@@ -80,22 +122,26 @@ def from_table(table, origin="the table", *, tolerance=TOLERANCE):
     return _segmented(time, wxyz, rates, starts, method, degree, meta, origin)
 
 
-def read(path, *, tolerance=TOLERANCE):
-    """A file of any of these kinds as an AttitudeTable; its ending tells the kind.
+def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
+    """An ECSV, FITS, CSV or parquet file, recognized by its ending, as an AttitudeTable.
 
-    `tolerance` is how far from 1 the length of a quaternion may be, as of `aem.read`.
+    Parameters
+    ----------
+    path : str or path
+    tolerance : float
+        Largest deviation from 1 of the length of a quaternion.
 
     Raises
     ------
     AttitudeError
-        With the file, and for CSV the line, for what is wrong.
+        For an unknown ending and for broken files; it names the file, and the line of a CSV.
     """
     kind = kind_of(path)
     known_tolerance(tolerance)
     if kind == "csv":
         return _read_csv(path, tolerance)
     if kind == "parquet":
-        return _read_parquet(path, tolerance)
+        return from_table(parquet.read(path), os.fspath(path), tolerance=tolerance)
     origin = os.fspath(path)
     try:
         table = (_of_ecsv if kind == "ecsv" else _of_fits)(path)
@@ -103,7 +149,7 @@ def read(path, *, tolerance=TOLERANCE):
         raise
     except OSError as err:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
-    except Exception as err:  # what astropy raises for broken files is of any kind
+    except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:200] or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
     return from_table(table, origin, tolerance=tolerance)
@@ -121,25 +167,47 @@ def _of_ecsv(path):
 def _of_fits(path):
     from astropy.table import QTable
 
-    # Opened here, because astropy leaves a broken file open.
+    # astropy leaves a broken file open if it has opened it.
     with open(path, "rb") as file, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return QTable.read(file, format="fits", astropy_native=True)
 
 
-def write(path, source, *, t=None, rates=True):
-    """Write a file of any of these kinds; its ending tells the kind.
+def write(
+    path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, rates: bool = True
+) -> None:
+    """Write attitudes as ECSV, FITS, CSV or parquet, by the ending of the file.
 
     CSV and parquet are written piece by piece; ECSV and FITS are made in memory by astropy.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    source, t
+        As of `aem.write`; CSV holds one segment.
+    rates : bool
+        False leaves angular velocities out.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown ending, several segments in CSV, a file that cannot be written, and as
+        `sources.segments`.
     """
     kind = kind_of(path)
     if kind == "csv":
         _write_csv(path, source, t, rates)
     elif kind == "parquet":
-        _write_parquet(path, source, t, rates)
+        parts = sources.segments(source, t)
+        starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
+        meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
+        rates = rates and all(part.has_rates for part in parts)
+        parquet.write(path, parts, rates=rates, meta=meta)
     else:
         table = qtable(source, t=t, rates=rates)
-        # astropy does not see that a disk is full: it writes into memory.
+        # astropy does not notice a full disk, so it writes into memory.
+        content: Any
         if kind == "ecsv":
             content = io.StringIO()
             table.write(content, format="ascii.ecsv", serialize_method="jd1_jd2")
@@ -153,8 +221,14 @@ def write(path, source, *, t=None, rates=True):
             file.write(content.getvalue())
 
 
-def kind_of(path):
-    """The kind of a file by its ending."""
+def kind_of(path: FilePath) -> str:
+    """The kind of a file by its ending: "ecsv", "fits", "csv" or "parquet".
+
+    Raises
+    ------
+    AttitudeError
+        For another ending.
+    """
     ending = os.path.splitext(os.fspath(path))[1].lower()
     if ending not in KINDS:
         raise AttitudeError(
@@ -178,8 +252,8 @@ def _times(table, origin):
             given = table[name]
             break
     else:
-        pairs = [("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")]
-        found = [pair for pair in pairs if set(pair) <= set(table.colnames)]
+        dates = [("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")]
+        found = [pair for pair in dates if set(pair) <= set(table.colnames)]
         if found:
             jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in found[0])
             return time_scales.seconds_from_jd(jd1, jd2)
@@ -208,7 +282,7 @@ def _columns(table, name, names, origin, unit):
         return validation.real(given, name, shape=(len(table), len(names)), unit=unit)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
-    except (ValueError, TypeError) as err:  # astropy, of units that are none
+    except (ValueError, TypeError) as err:  # from astropy, for unknown units
         reason = " ".join(str(err).split())[:200]
         raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from err
 
@@ -267,15 +341,13 @@ def _write_csv(path, source, t, rates):
 
 
 def _read_csv(path, tolerance):
-    from attitude.formats.ccsds.axes import named
-
     with opened(path) as lines:
         names = _csv_names(lines)
         kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
-        wanted = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
-        places = [names.index(name) for name in wanted]
+        columns = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
+        places = [names.index(name) for name in columns]
         where = names.index("utc")
-        rows = Rows("utc", len(wanted))
+        rows = Rows("utc", len(columns))
         batch, at = [], []
         for line in lines:
             if not line.strip():
@@ -288,16 +360,14 @@ def _read_csv(path, tolerance):
             batch.extend(parts)
             at.append(lines.number)
             if len(at) == _BATCH:
-                _take_csv(rows, batch, at, where, places, wanted, lines)
+                _take_csv(rows, batch, at, where, places, columns, lines)
                 batch, at = [], []
-        _take_csv(rows, batch, at, where, places, wanted, lines)
+        _take_csv(rows, batch, at, where, places, columns, lines)
         if not rows.count:
             raise lines.fault("the file has no rows.")
-        from attitude.formats.ccsds.attitude_types import Convention
-
         how = Convention(scalar_first=True, in_radians=True)
-        told = {"tolerance": tolerance, "meta": {"format": "CSV"}}
-        return rows.table(kind, how, named("ICRF"), lines.fault, **told)
+        meta = {"format": "CSV"}
+        return rows.table(kind, how, named("ICRF"), lines.fault, tolerance=tolerance, meta=meta)
 
 
 def _csv_names(lines):
@@ -316,7 +386,7 @@ def _csv_names(lines):
     raise lines.fault("the file is empty.")
 
 
-def _take_csv(rows, batch, at, where, places, wanted, lines):
+def _take_csv(rows, batch, at, where, places, columns, lines):
     if not at:
         return
     step = len(batch) // len(at)
@@ -324,72 +394,6 @@ def _take_csv(rows, batch, at, where, places, wanted, lines):
         values = numbers(batch, step, places)
     except NoNumber as err:
         raise lines.fault(
-            f"{wanted[err.column]} is {err.shown}, which is no number.", at[err.line]
+            f"{columns[err.column]} is {err.shown}, which is no number.", at[err.line]
         ) from err
     rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
-
-
-# parquet ------------------------------------------------------------------------------------------
-
-
-def _pyarrow():
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as err:
-        raise AttitudeError(
-            "parquet files need pyarrow, which is not installed: pip install pyarrow."
-        ) from err
-    return pyarrow
-
-
-def _write_parquet(path, source, t, rates):
-    import json
-
-    pyarrow = _pyarrow()
-    parts = sources.segments(source, t)
-    rates = rates and all(part.has_rates for part in parts)
-    names = ["tdb_jd1", "tdb_jd2", *ATTITUDE, *(RATES if rates else ())]
-    starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
-    said = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
-    schema = pyarrow.schema(
-        [(name, pyarrow.float64()) for name in names],
-        metadata={"attitude": json.dumps(said), "wxyz": "body to ICRF, scalar first"},
-    )
-    with (
-        written_whole(path, "the table", binary=True) as file,
-        pyarrow.parquet.ParquetWriter(file, schema) as writer,
-    ):
-        for part in parts:
-            for history in part.pieces():
-                low = 0.0 if history.low is None else history.low
-                time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
-                columns = [*time_scales.jd_from_seconds(*time), *history.wxyz.T]
-                if rates:
-                    columns += [*history.angular_velocity.T]
-                arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
-                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
-
-
-def _read_parquet(path, tolerance):
-    import json
-
-    pyarrow = _pyarrow()
-    origin = os.fspath(path)
-    try:
-        table = pyarrow.parquet.read_table(origin)
-        said = json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
-    except OSError as err:
-        reason = " ".join(str(err).split())[:200]
-        raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
-    except (pyarrow.ArrowException, ValueError, TypeError) as err:
-        reason = " ".join(str(err).split())[:200]
-        raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
-    from astropy.table import Table
-
-    try:
-        columns = {name: table[name].to_numpy() for name in table.column_names}
-        found = Table(columns, meta=said if isinstance(said, dict) else {})
-    except (ValueError, TypeError, pyarrow.ArrowException) as err:
-        raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
-    return from_table(found, origin, tolerance=tolerance)

@@ -1,8 +1,9 @@
-"""Torque-free rotation in closed form, and what follows from it.
+"""Torque-free rotation in closed form.
 
 free_rotation    `FreeRotation`
 polhode          Poinsot's curves of the angular velocity in the body and in space
-predictability   how long errors of the input leave the attitude known
+predictability   time until errors of the input reach a tolerance of the attitude
+rate_bounds      upper bounds of the derivatives of a body-fixed direction
 description      the motion as text: `print(motion)`
 """
 

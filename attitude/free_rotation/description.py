@@ -1,17 +1,27 @@
-"""A motion in words and figures: what `print(motion)` and the command `describe` show."""
+"""A motion as text: the output of `print(motion)` and of the command `describe`."""
+
+from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from attitude import frames
 from attitude.regime import Mode
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.body import Body
+    from attitude.free_rotation.free_rotation import FreeRotation
+
+    Rows: TypeAlias = list[tuple[str, str]]
+
 _DAY = 86400.0
-# 1 - m below which a body is seen to dwell near its middle axis, and to turn over.
+# 1 - m below which the times near the middle axis and of turning over are printed.
 _NEAR_SEPARATRIX = 1e-2
 _TUMBLING = (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC)
-# What would hold after changes in the last places of the input, and what follows from it.
+# Modes within the rounding of the input, and their consequences.
 _NEARLY = {
     Mode.SPHERICAL: "three equal moments",
     Mode.PRINCIPAL_AXIS: "rotation about a principal axis",
@@ -20,8 +30,8 @@ _NEARLY = {
 }
 
 
-def description(motion):
-    """What there is to say about a motion, as text of several lines.
+def description(motion: FreeRotation) -> str:
+    """The properties of a motion as text of several lines.
 
     Parameters
     ----------
@@ -45,12 +55,12 @@ def description(motion):
     return "\n".join([phrase[0].upper() + phrase[1:], *lines])
 
 
-def _body(body):
+def _body(body: Body) -> str:
     unit = "(relative)" if body.relative else "kg m2"
     return "principal moments " + ", ".join(f"{each:.9g}" for each in body.moments) + f" {unit}"
 
 
-def _rates(motion):
+def _rates(motion: FreeRotation) -> Rows:
     rate = np.degrees(np.linalg.norm(motion.spin.angular_velocity))
     if motion.mode is Mode.AT_REST:
         return []
@@ -66,7 +76,7 @@ def _rates(motion):
     return [*rows, *_periods(motion), *_ranges(motion)]
 
 
-def _periods(motion):
+def _periods(motion: FreeRotation) -> Rows:
     axis = motion.circulates_about
     other = "short" if axis == "long" else "long"
     name = "axis of symmetry" if motion.mode is Mode.SYMMETRIC else f"{axis} axis"
@@ -81,7 +91,7 @@ def _periods(motion):
     return rows
 
 
-def _ranges(motion):
+def _ranges(motion: FreeRotation) -> Rows:
     regime, axis = motion.regime, motion.circulates_about
     low, high = np.degrees(regime.nutation("L" if axis == "long" else "S"))
     if motion.mode is Mode.SYMMETRIC:
@@ -102,12 +112,13 @@ def _ranges(motion):
     return rows
 
 
-def _rate(degrees):
+def _rate(degrees: float) -> str:
+    """A rate in deg/s, or in deg/d if it is below 0.1 deg/s."""
     return f"{degrees:.6g} deg/s" if degrees >= 0.1 else f"{degrees * _DAY:.6g} deg/d"
 
 
-def period(seconds):
-    """A period in seconds, and in hours and days where it is at least a tenth of them.
+def period(seconds: float) -> str:
+    """A period in seconds, and in hours and days if it is at least 0.1 of them.
 
     >>> period(86400.0), period(60.0)
     ('86400 s = 24 h = 1 d', '60 s')
@@ -118,22 +129,23 @@ def period(seconds):
     return " = ".join(f"{x:.9g} {unit}" for x, unit in units if unit == "s" or x >= 0.1)
 
 
-def _about_middle(motion):
+def _about_middle(motion: FreeRotation) -> bool:
+    """Whether a uniform rotation is about the middle axis."""
     rates = motion.body.rates_about_principal_axes(motion.spin.angular_velocity)[:, 0]
     moment = motion.body.moments[np.argmax(np.abs(rates))]
-    return motion.body.moments.min() < moment < motion.body.moments.max()
+    return bool(motion.body.moments.min() < moment < motion.body.moments.max())
 
 
-def _near(motion):
-    """What holds within rounding and is not said by the mode itself."""
-    said = {
+def _near(motion: FreeRotation) -> list[Mode]:
+    """The modes within rounding that the mode of the motion does not imply."""
+    implied: dict[Mode, tuple[Mode, ...]] = {
         Mode.SPHERICAL: (Mode.SYMMETRIC, Mode.SEPARATRIX),
         Mode.PRINCIPAL_AXIS: (Mode.SEPARATRIX,),
-    }.get(motion.mode, ())
-    return [mode for mode in motion.within_rounding if mode not in said]
+    }
+    return [mode for mode in motion.within_rounding if mode not in implied.get(motion.mode, ())]
 
 
-def _momentum(motion):
+def _momentum(motion: FreeRotation) -> Rows:
     relative = motion.body.relative
     momentum = motion.momentum
     largest = np.max(np.abs(momentum))
@@ -154,7 +166,7 @@ def _momentum(motion):
     ]
 
 
-def _angles(vector):
+def _angles(vector: FloatArray) -> tuple[float, float]:
     """Longitude in [0, 360) and latitude of a vector, degrees."""
     x, y, z = vector / np.max(np.abs(vector))
     longitude = math.degrees(math.atan2(y, x))
@@ -163,7 +175,7 @@ def _angles(vector):
     return longitude, math.degrees(math.atan2(z, math.hypot(x, y)))
 
 
-def _separatrix(motion):
+def _separatrix(motion: FreeRotation) -> str:
     distance = motion.separatrix_distance
     if distance == 0.0:
         return "0: on the separatrix"

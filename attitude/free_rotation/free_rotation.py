@@ -1,8 +1,11 @@
-"""The free rotation of a body from its state at an epoch, exact at any other."""
+"""The free rotation of a body: attitudes at any epoch from the state at one epoch."""
+
+from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +19,16 @@ from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
 
-# "Within rounding": what changes of some units in the last place of the input can reach.
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import Epochs, FloatArray, Real, Reals
+    from attitude.epochs.instants import Instant
+    from attitude.motion import RateBounds
+    from attitude.published.published import Published
+    from attitude.regime import Regime
+
+# Relative change that counts as rounding of the input: 16 units in the last place.
 _ROUNDING = 16.0 * np.finfo(float).eps
 
 
@@ -32,21 +44,26 @@ class FreeRotation(Motion):
     Attributes
     ----------
     mode : Mode
-        Exact statement about the doubles given; see also `within_rounding`.
+        Of the exact doubles given; see also `within_rounding`.
     period_psi, period_phi : float
-        Seconds: of the rotation about the axis that the momentum circulates about (the long axis
-        in long-axis mode, the short one in short-axis mode), and the mean period in which that
-        axis goes about the momentum.  Limits, or inf, in the other modes.
+        s; of the rotation about the axis about which the momentum circulates (the long axis in
+        long-axis mode, the short one in short-axis mode), and the mean period of that axis about
+        the momentum.  Limits, or inf, in the other modes.
     momentum : (3,) array
         In ICRF, kg m2/s (in the body's unit of inertia if that is relative).
     energy : float
-        J (likewise).
+        J (in the body's unit of inertia if that is relative).
+
+    Raises
+    ------
+    AttitudeError
+        For objects of other classes; from `at`, for epochs more than 5e16 turns away.
 
     Notes
     -----
     Attitudes err by at most 4e-15 rad for the exact doubles given, at any epoch within 1e15 turns
-    (5e-14 rad at 5e16, beyond which epochs are refused): van Zon & Schofield (2006), in the form
-    of docs/derivation.md.  What limits a prediction is the input.
+    (5e-14 rad at 5e16 turns): van Zon & Schofield (2006), in the form of docs/derivation.md.
+    Errors of the input limit a prediction, see `predictable_time`.
 
     >>> motion = FreeRotation(
     ...     Body(moments=(10, 20, 26)),
@@ -58,15 +75,17 @@ class FreeRotation(Motion):
     (4,)
     """
 
+    # Without field(), dataclass takes None, the class attribute of Motion, as the default.
     body: Body = field()
     spin: Spin = field()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
             raise AttitudeError(
                 "FreeRotation takes a Body and a Spin, as in FreeRotation(body, spin); given were "
                 f"{type(self.body).__name__} and {type(self.spin).__name__}."
             )
+        self._constants: Any
         body, spin = self.body, self.spin
         constants = propagation.constants_of(
             body.moments_as_pairs[None],
@@ -77,66 +96,88 @@ class FreeRotation(Motion):
         )
         self._set("_constants", frozen(constants))
 
-    def __reduce__(self):
-        # The constants are made anew: what is in them may change between versions.
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The constants are computed anew: their record may change between versions.
         return FreeRotation, (self.body, self.spin)
 
     @property
-    def epoch(self):
+    def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
-    def rate_bounds(self, seconds):
-        """`RateBounds` of a body axis, the same at all epochs."""
+    def rate_bounds(self, seconds: float) -> RateBounds:
+        """`RateBounds` of a body-fixed direction, the same at all epochs."""
         return rate_bounds.of_free_rotation(self.body, self.spin.angular_velocity)
 
-    def angular_acceleration_at(self, seconds, low=None, *, angular_velocity=None):
-        """Euler's equations: (..., 3) rad/s2 in body axes, at TDB seconds since the epoch."""
+    def angular_acceleration_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2 in body axes, at TDB seconds since the epoch.
+
+        By Euler's equations from `angular_velocity` (..., 3), rad/s in body axes at these epochs,
+        which is computed if it is not given.
+        """
         if angular_velocity is None:
             angular_velocity = self.angular_velocity_at(seconds, low)
         return self.angular_acceleration_from(angular_velocity)
 
-    def angular_acceleration_from(self, angular_velocity):
-        """Euler's equations: (..., 3) rad/s2 in body axes, from angular velocities there."""
+    def angular_acceleration_from(self, angular_velocity: FloatArray) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2, of angular velocities (..., 3), rad/s.
+
+        Both over the body axes: Euler's equations.
+        """
         axes, moments = self.body.principal_axes, self.body.moments
         w = np.moveaxis(angular_velocity @ axes, -1, 0)
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             if moments[i] > 0.0:
                 rate[i] = (moments[j] - moments[k]) / moments[i] * w[j] * w[k]
-        return np.moveaxis(rate, 0, -1) @ axes.T
+        accelerations: FloatArray = np.moveaxis(rate, 0, -1) @ axes.T
+        return accelerations
 
     @property
-    def mode(self):
+    def mode(self) -> Mode:
+        """The `Mode` of the exact doubles given; see also `within_rounding`."""
         return Mode(int(self._constants["mode"][0]))
 
     @property
-    def period_psi(self):
+    def period_psi(self) -> float:
+        """Period in s of the rotation about the axis about which the momentum circulates."""
         return _period(self._constants["psi_rate"][0])
 
     @property
-    def period_phi(self):
+    def period_phi(self) -> float:
+        """Mean period in s of the axis of `period_psi` about the momentum."""
         return _period(self._constants["phi_rate"][0])
 
     @cached_property
-    def regime(self):
+    def regime(self) -> Regime:
         """The `Regime` of the motion: E/E0, periods in both conventions, ranges, times."""
         return regime_of(self.body.moments_as_pairs[None], self._constants)
 
-    def published(self, convention, frame=None):
-        """The motion as observers print it: mode, periods, pole, angles at the epoch.
+    def published(self, convention: str, frame: str | None = None) -> Published:
+        """The motion in the form of papers: mode, periods, pole, angles at the epoch.
 
         Parameters
         ----------
         convention : "L" or "S"
             Whether phi is the angle of the long or of the short axis about the momentum.
         frame : str, optional
-            Of the pole; that of the spin unless given.
+            Of the pole; by default the frame of the spin.
 
         Returns
         -------
         Published
             ``Spin.from_periods(body, **published.keywords())`` makes the same spin.
+
+        Raises
+        ------
+        AttitudeError
+            For a body at rest, and an unknown convention or frame.
         """
         frame = self.spin.frame if frame is None else frames.known(frame)
         wxyz = quaternion.multiply(
@@ -152,11 +193,12 @@ class FreeRotation(Motion):
             frame=frame,
         )
 
-    def angles(self, t, convention, frame=None):
+    def angles(self, t: Epochs, convention: str, frame: str | None = None) -> FloatArray:
         """Euler angles (S, 3) about the momentum at epochs t: phi, theta, psi, in rad.
 
-        3-1-3, of the axes in either labelling, as in `published`: phi from the meridian of growing
-        colatitude of the pole in `frame` (that of the spin unless given); phi, psi in [0, 2 pi).
+        3-1-3 angles of the axes of a convention, as in `published`: phi counts from the direction
+        of growing colatitude at the pole in `frame` (by default that of the spin); phi and psi in
+        [0, 2 pi).
         """
         frame = self.spin.frame if frame is None else frame
         wxyz = quaternion.multiply(
@@ -167,22 +209,28 @@ class FreeRotation(Motion):
         momentum = quaternion.rotate(quaternion.conjugate(wxyz), momentum)
         return np.stack(conventions.angles_of(wxyz, momentum)[1:], axis=-1)
 
-    def polhode(self, points=361):
-        """The path of the angular velocity in the body (points, 3), rad/s, over one P_psi.
+    def polhode(self, points: int = 361) -> FloatArray:
+        """The path (points, 3) of the angular velocity in body axes, rad/s, over one P_psi.
 
-        Closed in the modes that circulate; see attitude.free_rotation.polhode.
+        A closed curve where the momentum circulates; see attitude.free_rotation.polhode.
         """
         return polhode.polhode(self._constants[0], self.body.principal_axes, points)
 
-    def herpolhode(self, t):
-        """The path (S, 2) of the angular velocity on the invariable plane, rad/s, at epochs t.
+    def herpolhode(self, t: Epochs) -> FloatArray:
+        """The path (S, 2) of the angular velocity in the invariable plane, rad/s, at epochs t.
 
-        About the foot of the momentum, towards the axes of attitude.free_rotation.polhode.plane.
+        Its origin is on the momentum, its axes are those of attitude.free_rotation.polhode.plane.
         """
         return polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
 
-    def predictable_time(self, *, moments_error=0.0, rates_error=0.0, tolerance=0.1):
-        """Seconds for which the attitude is known to a tolerance, given errors of the input.
+    def predictable_time(
+        self,
+        *,
+        moments_error: Reals = 0.0,
+        rates_error: Reals = 0.0,
+        tolerance: Real = 0.1,
+    ) -> float:
+        """Seconds until errors of the input reach a tolerance of the attitude.
 
         Parameters
         ----------
@@ -194,7 +242,10 @@ class FreeRotation(Motion):
         tolerance : float or Quantity
             rad.
 
-        See attitude.free_rotation.predictability.
+        Returns
+        -------
+        float
+            s; see `attitude.free_rotation.predictability.predictable_time`.
         """
         return predictability.predictable_time(
             self.body.moments_as_pairs,
@@ -207,21 +258,23 @@ class FreeRotation(Motion):
     smooth = True
 
     @cached_property
-    def momentum(self):
+    def momentum(self) -> FloatArray:
+        """Angular momentum (3,) in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
         in_body = self.body.tensor @ self.spin.angular_velocity
         return frozen(quaternion.rotate(self.spin.wxyz_icrf, in_body))
 
     @cached_property
-    def energy(self):
+    def energy(self) -> float:
+        """Kinetic energy in J, or in rad2/s2 times the relative unit of inertia."""
         rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
         return float(0.5 * np.sum(self.body.moments * rates**2))
 
     @property
-    def circulates_about(self):
-        """ "long" or "short": the axis that the momentum circulates about; None if it does not.
+    def circulates_about(self) -> str | None:
+        """ "long" or "short": the axis about which the momentum circulates; None for neither.
 
-        Also told for symmetric bodies and for rotation about an extreme axis, the limit of a
-        vanishing wobble.
+        For symmetric bodies and for rotation about an extreme axis it is the axis of the limit of
+        a vanishing nutation.
         """
         axis = int(self._constants["circulates"][0])
         if axis < 0 or self.mode is Mode.SEPARATRIX:
@@ -231,10 +284,10 @@ class FreeRotation(Motion):
         return "long" if moments[axis] <= others.min() else "short"
 
     @cached_property
-    def separatrix_distance(self):
+    def separatrix_distance(self) -> float:
         """1 - 2 E I2 / L^2 for the middle moment I2: 0 on the separatrix, negative in LAM.
 
-        Formed without cancellation, so that it has all its digits also where it is 1e-16.
+        Computed without cancellation: all its digits are significant, even at 1e-16.  NaN at rest.
         """
         rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
         moments = self.body.moments
@@ -252,11 +305,11 @@ class FreeRotation(Motion):
         return float(np.sum((moments - middle) / moments.max() * squares) / total)
 
     @cached_property
-    def within_rounding(self):
-        """Modes that do not hold exactly, but would after changes in the last places of the input.
+    def within_rounding(self) -> tuple[Mode, ...]:
+        """Modes other than `mode` that rounding of the input by a few last places could produce.
 
-        A tuple of `Mode`.  A turned symmetric tensor is never exactly symmetric, and a rate
-        converted from degrees is rarely exactly on the separatrix.
+        A rotated tensor of a symmetric body is hardly ever exactly symmetric, and a rate converted
+        from degrees hardly ever exactly on the separatrix.
         """
         found = []
         moments = np.sort(self.body.moments)
@@ -273,15 +326,17 @@ class FreeRotation(Motion):
             found.append(Mode.SYMMETRIC)
         return tuple(mode for mode in found if mode is not self.mode)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<FreeRotation: {self.mode.name}, from {self.spin.epoch.utc_iso} UTC>"
 
-    def __str__(self):
+    def __str__(self) -> str:
         from attitude.free_rotation.description import description
 
         return description(self)
 
-    def _evaluate(self, seconds, low, order):
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
         shape = seconds.shape
         t = np.ascontiguousarray(seconds).reshape(1, -1)
         t_low = None if low is None else np.ascontiguousarray(low).reshape(1, -1)
@@ -289,12 +344,13 @@ class FreeRotation(Motion):
         omega = np.empty((1, 3, t.size)) if order else None
         propagation.evaluate(self._constants, t, t_low, wxyz, omega)
         found = [wxyz[0].T.reshape(*shape, 4)]
-        if order:
+        if omega is not None:
             found.append(omega[0].T.reshape(*shape, 3))
         if order > 1:
             found.append(self.angular_acceleration_from(found[1]))
         return found
 
 
-def _period(rate):
+def _period(rate: float) -> float:
+    """The period in s of a rate in turns per second."""
     return math.inf if rate == 0.0 else float(abs(1.0 / rate))

@@ -1,5 +1,9 @@
 """Poinsot's curves in closed form: the path of the angular velocity in the body and in space."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from attitude import quaternion, validation
@@ -7,8 +11,11 @@ from attitude.errors import AttitudeError
 from attitude.published import conventions
 from attitude.solution import codes
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
-def polhode(constants, principal_axes, points=361):
+
+def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> FloatArray:
     """One circuit of the angular velocity in body axes.
 
     Parameters
@@ -21,19 +28,24 @@ def polhode(constants, principal_axes, points=361):
     Returns
     -------
     (points, 3) array
-        rad/s, in the order of time, evenly spaced in the amplitude am(u).  Closed where the
-        momentum circulates; from end to end of the path, on the separatrix, which takes for ever;
-        the same point again and again for a uniform rotation.
+        rad/s, in the order of time, evenly spaced in the amplitude am(u).  A closed curve where
+        the momentum circulates; the path from end to end on the separatrix, which takes an
+        infinite time; the same point everywhere for a uniform rotation.
+
+    Raises
+    ------
+    AttitudeError
+        For a number of points that is not whole or below 2.
 
     Notes
     -----
     w1 = a1 cos am, w2 = -a2 sin am, w3 = a3 sqrt(cos^2 am + (1-m) sin^2 am) over the axes in
     Jacobi order: van Zon & Schofield (2006), eqs. 3.36-3.41.
     """
-    count = validation.number(points, "points")
-    if count != int(count) or count < 2:
+    given = validation.number(points, "points")
+    if given != int(given) or given < 2:
         raise AttitudeError(f"points is {points!r}; give a whole number of at least 2.")
-    count = int(count)
+    count = int(given)
     if constants["form"] == codes.UNIFORM:
         w = np.ldexp(constants["omega"][:, 0], int(constants["tempo"]))
         return np.tile(principal_axes @ w, (count, 1))
@@ -56,22 +68,32 @@ def polhode(constants, principal_axes, points=361):
     signs[1] = signs[0] * signs[2] * (1.0 if even else -1.0)
     over_principal = np.empty((3, count))
     over_principal[[first, second, third]] = signs[:, None] * inner
-    return (principal_axes @ over_principal).T
+    curve: FloatArray = (principal_axes @ over_principal).T
+    return curve
 
 
-def plane(momentum):
-    """Unit axes (2, 3) of the invariable plane: of growing colatitude, and of growing longitude."""
+def plane(momentum: FloatArray) -> FloatArray:
+    """Unit axes (2, 3) of the invariable plane: of growing colatitude, and of growing longitude.
+
+    In the inertial frame of the momentum (3,).
+    """
     x, y, z = momentum / np.max(np.abs(momentum))
     pole = np.array([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
     return quaternion.matrix(conventions.pole_wxyz(pole)).T[:2]
 
 
-def herpolhode(momentum, angular_velocity):
-    """Angular velocities (..., 3) on the invariable plane (..., 2), rad/s.
+def herpolhode(momentum: FloatArray, angular_velocity: FloatArray) -> FloatArray:
+    """Components (..., 2) in the invariable plane of angular velocities (..., 3), rad/s.
 
-    From the foot of the momentum; both in one inertial frame.  The component along the momentum,
-    2 E / L, is constant.
+    Over the axes of `plane`; momentum (3,) and angular velocities in one inertial frame.  The
+    component along the momentum, 2 E / L, is constant.
+
+    Raises
+    ------
+    AttitudeError
+        For a momentum of zero.
     """
     if not np.any(momentum):
         raise AttitudeError("the body is at rest; without momentum there is no invariable plane.")
-    return angular_velocity @ plane(momentum).T
+    components: FloatArray = angular_velocity @ plane(momentum).T
+    return components

@@ -9,16 +9,24 @@ w1' = k1 w2 w3 with |k| <= 1 (no moment exceeds the sum of the others) give the 
 |w'|^2 <= sum k_i^2 w_j^2 w_k^2, also <= |w|^4 / 3, and |w''| <= sqrt(2) |w'| |w|.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude.motion import RateBounds
 from attitude.regime import regimes
 
-# Closed forms are widened by their rounding.
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.body import Body
+
+# Factor that covers the rounding of the closed forms.
 _ROUNDED = 1.0 + 1e-12
 
 
-def of_free_rotation(body, omega):
+def of_free_rotation(body: Body, omega: FloatArray) -> RateBounds:
     """`RateBounds` of a free rotation from its angular velocity (3,), rad/s in body axes."""
     moments = np.asarray(body.moments)
     rates = body.rates_about_principal_axes(np.array(omega))[:, 0]
@@ -28,8 +36,8 @@ def of_free_rotation(body, omega):
     return RateBounds(w, rate + w * w, np.sqrt(2.0) * rate * w + 3.0 * rate * w + w**3)
 
 
-def _acceleration(moments, rates, w):
-    """A bound of |w'|: the sharper of that from the greatest components and |w|^2 / sqrt 3."""
+def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
+    """A bound of |w'|: the lower of that from the greatest components and |w|^2 / sqrt 3."""
     some = moments > 0.0
     if not w > 0.0:
         return 0.0

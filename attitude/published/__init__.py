@@ -1,10 +1,10 @@
-"""Spin states as papers print them: periods, pole and angles, in either convention, and back.
+"""Convert spin states from and to the form of papers: periods, pole and angles.
 
-published            `from_periods` and its kin, `published`: states to and from published numbers
+published            `published`, and `from_periods`, `from_energy` ...: the reverse conversions
 conventions          the axes of the L and S conventions and their Euler angles
 dynamic_inertia      L^2/2E and the moments that published periods and ratios admit
 regular_precession   the limit of a symmetric body
-uncertainty          `spread`: which states rounded published numbers admit
+uncertainty          `spread`: how errors of published numbers propagate to periods and angles
 """
 
 from attitude.published.published import (

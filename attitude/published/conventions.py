@@ -1,4 +1,4 @@
-"""The two ways in which papers name the axes of a tumbling body, and the angles that go with each.
+"""The two conventions in which papers label the axes of a tumbling body, and their Euler angles.
 
 With A <= B <= C the principal moments:
 
@@ -14,11 +14,15 @@ convention  body axes x, y, z        phi, theta, psi (3-1-3) about the angular m
 for a momentum towards longitude lambda and latitude beta of the frame.  The momentum in the
 labelled axes is then L (sin theta sin psi, sin theta cos psi, cos theta).
 
-The axes of A and of C point as the body's own principal axes do; that of B makes them right-handed.
-Body(moments=(A, B, C)) is therefore labelled "S" as it stands, and Body(moments=(B, C, A)) "L".
+The axes of A and of C have the directions of the body's own principal axes; that of B makes them
+right-handed.  The body axes of Body(moments=(A, B, C)) are therefore the labelled axes of "S", and
+those of Body(moments=(B, C, A)) the labelled axes of "L".
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,18 +30,24 @@ from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.regime import known_convention
 
-# Angles are published in [0, 360) or (-180, 180]; what exceeds a turn was meant in degrees.
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, IntArray, Real, Reals
+    from attitude.body import Body
+
+# Angles are published in [0, 360) or (-180, 180]; a number above a turn was meant in degrees.
 _TURN = 2.0 * math.pi * (1.0 + 1e-12)
 
 
-def order(body):
-    """Indices (3,) of the body's principal moments, ascending; equal ones as they are."""
+def order(body: Body) -> IntArray:
+    """Indices (3,) of the body's principal moments in ascending order; equal ones keep theirs."""
     pairs = body.moments_as_pairs
     return np.lexsort((pairs[:, 1], pairs[:, 0]))
 
 
-def moments(body, convention):
-    """The principal moments (3,) about the labelled axes x, y, z.
+def moments(body: Body, convention: str) -> FloatArray:
+    """The principal moments (3,) about the labelled axes x, y, z, kg m2.
 
     >>> from attitude import Body
     >>> moments(Body(moments=(26, 10, 20)), "L")
@@ -47,7 +57,7 @@ def moments(body, convention):
     return np.array([b, c, a] if known_convention(convention) == "L" else [a, b, c])
 
 
-def axes(body, convention):
+def axes(body: Body, convention: str) -> FloatArray:
     """The labelled axes as columns (3, 3) of components in body axes.
 
     >>> from attitude import Body
@@ -63,31 +73,33 @@ def axes(body, convention):
     return np.column_stack(chosen)
 
 
-def axes_wxyz(body, convention):
-    """The labelled axes as the unit quaternion (4,) from them to body axes."""
+def axes_wxyz(body: Body, convention: str) -> FloatArray:
+    """The unit quaternion (4,) from the labelled axes to body axes, scalar first."""
     return quaternion.from_matrix(axes(body, convention))
 
 
-def pole_wxyz(pole):
-    """Rz(lambda) Ry(90 deg - beta) as quaternions (..., 4), of poles (..., 2)."""
+def pole_wxyz(pole: ArrayLike) -> FloatArray:
+    """Rz(lambda) Ry(90 deg - beta) as quaternions (..., 4), of poles (..., 2) in rad."""
     longitude, latitude = np.moveaxis(np.asarray(pole), -1, 0)
     turn = _about(2, longitude)
     return quaternion.multiply(turn, _about(1, 0.5 * math.pi - latitude))
 
 
-def euler_wxyz(phi, theta, psi):
-    """Rz(phi) Rx(theta) Rz(psi) as quaternions (..., 4)."""
+def euler_wxyz(phi: ArrayLike, theta: ArrayLike, psi: ArrayLike) -> FloatArray:
+    """Rz(phi) Rx(theta) Rz(psi) as quaternions (..., 4), of angles (...) in rad."""
     turn = quaternion.multiply(_about(2, phi), _about(0, theta))
     return quaternion.multiply(turn, _about(2, psi))
 
 
-def momentum_direction(theta, psi):
-    """Unit momentum (3,) in labelled axes."""
+def momentum_direction(theta: float, psi: float) -> FloatArray:
+    """The unit vector (3,) of the momentum in labelled axes; theta, psi in rad."""
     sine = math.sin(theta)
     return np.array([sine * math.sin(psi), sine * math.cos(psi), math.cos(theta)])
 
 
-def angles_of(wxyz, momentum):
+def angles_of(
+    wxyz: FloatArray, momentum: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Pole and Euler angles of attitudes.
 
     Parameters
@@ -104,8 +116,8 @@ def angles_of(wxyz, momentum):
 
     Notes
     -----
-    theta and psi are those of the momentum, phi what then reproduces the attitude: where theta is
-    small only phi + psi is determined, and the sum of these two is good to the last place.
+    theta and psi follow from the momentum, phi from the attitude that remains: where theta is
+    small only phi + psi is determined, and the sum of the two is exact to the last place.
     """
     direction = momentum / np.max(np.abs(momentum), axis=-1, keepdims=True)
     x, y, z = np.moveaxis(direction, -1, 0)
@@ -118,8 +130,10 @@ def angles_of(wxyz, momentum):
     return pole, _positive(phi), theta, _positive(psi)
 
 
-def known_pole(pole, name="pole"):
-    """Longitude and latitude (2,) in rad, checked."""
+def known_pole(pole: Reals, name: str = "pole") -> FloatArray:
+    """Longitude and latitude (2,) in rad; AttitudeError beyond a turn or 90 degrees."""
+    longitude: float
+    latitude: float
     if isinstance(pole, (list, tuple)) and len(pole) == 2:
         longitude = validation.number(pole[0], f"{name} longitude", unit="rad")
         latitude = validation.number(pole[1], f"{name} latitude", unit="rad")
@@ -130,25 +144,26 @@ def known_pole(pole, name="pole"):
     return np.array([longitude, latitude])
 
 
-def known_angle(value, name):
-    """One angle in rad, at most a turn."""
-    value = validation.number(value, name, unit="rad")
-    _check(value, name, _TURN, "-360 and 360 deg")
-    return value
+def known_angle(value: Real, name: str) -> float:
+    """One angle in rad; AttitudeError beyond a turn."""
+    angle = validation.number(value, name, unit="rad")
+    _check(angle, name, _TURN, "-360 and 360 deg")
+    return angle
 
 
-def known_tilt(value, name):
-    """One angle in rad between 0 and 180 degrees."""
-    value = validation.number(value, name, unit="rad")
-    if not 0.0 <= value <= math.pi * (1.0 + 1e-12):
+def known_tilt(value: Real, name: str) -> float:
+    """One angle in rad; AttitudeError outside of 0 to 180 degrees."""
+    angle = validation.number(value, name, unit="rad")
+    if not 0.0 <= angle <= math.pi * (1.0 + 1e-12):
         raise AttitudeError(
-            f"{name} is {value:.9g} rad ({math.degrees(value):.6g} deg); it must lie between 0 and "
+            f"{name} is {angle:.9g} rad ({math.degrees(angle):.6g} deg); it must lie between 0 and "
             '180 deg. Plain numbers are radians: give degrees as a Quantity or as "65.9 deg".'
         )
-    return value
+    return angle
 
 
-def _check(value, name, limit, spelled):
+def _check(value: float, name: str, limit: float, spelled: str) -> None:
+    """AttitudeError for an angle whose magnitude exceeds a limit."""
     if abs(value) > limit:
         raise AttitudeError(
             f"{name} is {value:.9g} rad ({math.degrees(value):.6g} deg); it must lie between "
@@ -158,6 +173,7 @@ def _check(value, name, limit, spelled):
 
 
 def _about(axis, angle):
+    """The rotation by angles (...) about a coordinate axis, as quaternions (..., 4)."""
     turn = np.zeros((*np.shape(angle), 4))
     turn[..., 0], turn[..., 1 + axis] = np.cos(0.5 * angle), np.sin(0.5 * angle)
     return turn

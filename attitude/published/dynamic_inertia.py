@@ -1,12 +1,15 @@
-"""Where L^2/2E lies: from two periods, or from the energy, in a mode and a labelling.
+"""The dynamic inertia D = L^2/2E from two periods, or from the energy, in a mode and a convention.
 
-A place is the pair (y, 1 - y), both with all their digits: D lies the part y of the way from the
-middle moment, which is the separatrix, to the moment of the axis about which the momentum
-circulates.  P_psi / P_phi falls all the way, from infinity to a limit, so that there is one place
-or none.
+D is given by its position, the pair (y, 1 - y), both to full precision: y is 0 at the middle
+moment, which is the separatrix, and 1 at the moment of the axis about which the momentum
+circulates.  P_psi / P_phi decreases with y, from infinity to a limit, so that there is one
+position or none.
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +17,14 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.regime import Mode, known_convention
 
-_MODES = {
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, Real
+
+_MODES: dict[str | Mode, str] = {
     "LAM": "LAM",
     "SAM": "SAM",
     Mode.LONG_AXIS: "LAM",
@@ -23,25 +33,25 @@ _MODES = {
 _ROUNDING = 1e-14
 
 
-def known_mode(mode):
-    """ "LAM" or "SAM"."""
+def known_mode(mode: str | Mode | None) -> str:
+    """The mode as "LAM" or "SAM"; AttitudeError for any other mode or text."""
     given = mode.upper() if isinstance(mode, str) else mode
     if given in _MODES:
         return _MODES[given]
     raise AttitudeError(
         f'mode is {mode!r}; give "LAM" (long-axis mode) or "SAM" (short-axis mode), or Mode.'
-        "LONG_AXIS or Mode.SHORT_AXIS. The same two periods belong to other states in the other "
-        "mode, so that it must be given."
+        "LONG_AXIS or Mode.SHORT_AXIS. The mode is required: in the other mode the same two "
+        "periods belong to another state."
     )
 
 
-def possible(moments, P_psi, P_phi):
-    """Which combinations of mode and convention have a motion with these periods.
+def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, str]]:
+    """The combinations of mode and convention in which a motion has these periods.
 
     Parameters
     ----------
     moments : (3,) array_like
-        Principal moments, ascending; ratios will do.
+        Principal moments, ascending; of any unit, or relative.
     P_psi, P_phi : float
         In one unit.
 
@@ -62,17 +72,18 @@ def possible(moments, P_psi, P_phi):
     return found
 
 
-def longest_P_phi(moments, mode, convention, P_psi):
-    """The greatest mean P_phi that goes with a P_psi: that of a vanishing wobble.
+def longest_P_phi(moments: ArrayLike, mode: str | Mode, convention: str, P_psi: float) -> float:
+    """The longest mean P_phi of motions with a given P_psi, in the unit of P_psi.
 
-    Any shorter one is possible, ever nearer to the separatrix.
+    It is the limit of rotation about the axis; every shorter P_phi is possible, the shorter the
+    nearer to the separatrix.
     """
     turns, _ = cycle(moments, known_mode(mode), (1.0, 0.0))
     return P_psi / (turns + (known_convention(convention) == "S"))
 
 
-def moments_from_ratios(A_over_C, B_over_C):
-    """Relative moments (A, B, C = 1) from published ratios, checked.
+def moments_from_ratios(A_over_C: Real, B_over_C: Real) -> FloatArray:
+    """Relative moments (A, B, C = 1) from published ratios; AttitudeError if no body has them.
 
     >>> moments_from_ratios(0.61, 0.965)
     array([0.61 , 0.965, 1.   ])
@@ -92,12 +103,13 @@ def moments_from_ratios(A_over_C, B_over_C):
 
 
 def _exists(moments, mode):
+    """Whether bodies with these moments, ascending, have motions in a mode."""
     a, b, c = moments
     return a > 0.0 and (b > a if mode == "LAM" else c > b)
 
 
-def refuse_missing_mode(moments, mode):
-    """Raise if a body with these moments (3,), ascending, has no such mode."""
+def refuse_missing_mode(moments: FloatArray, mode: str) -> None:
+    """AttitudeError if a body with these moments (3,), ascending, has no motion in the mode."""
     if not _exists(moments, mode):
         listed = ", ".join(f"{each:.9g}" for each in moments)
         why = "the least is zero" if moments[0] == 0.0 else (
@@ -109,7 +121,8 @@ def refuse_missing_mode(moments, mode):
         )
 
 
-def _solved(moments, mode, ratio):
+def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
+    """Position (y, 1 - y) and P_psi for a momentum of 1, of a P_psi / P_phi_L; NaN for none."""
     from attitude.solution.place_of_d import positions_all
 
     out = np.empty((1, 3))
@@ -118,8 +131,11 @@ def _solved(moments, mode, ratio):
     return out[0]
 
 
-def cycle(moments, mode, position):
-    """Turns of phi of the long axis in one P_psi, and that period for a momentum of 1."""
+def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
+    """P_psi / P_phi_L of a position (y, 1 - y), and P_psi for a momentum of 1.
+
+    Moments (3,), ascending; mode "LAM" or "SAM".
+    """
     from attitude.solution.place_of_d import cycles_all
 
     out = np.empty((1, 2))
@@ -128,8 +144,10 @@ def cycle(moments, mode, position):
     return out[0]
 
 
-def from_periods(moments, mode, convention, P_psi, P_phi):
-    """The place (y, 1 - y) that two periods belong to, and P_psi for a momentum of 1.
+def from_periods(
+    moments: FloatArray, mode: str, convention: str, P_psi: float, P_phi: float
+) -> FloatArray:
+    """The position (y, 1 - y) of two periods, and P_psi for a momentum of 1.
 
     Parameters
     ----------
@@ -143,7 +161,8 @@ def from_periods(moments, mode, convention, P_psi, P_phi):
     Raises
     ------
     AttitudeError
-        If there is none: the range of P_phi, and the combinations that would have a motion.
+        If no motion has them; the text has the range of P_phi, and the combinations of mode and
+        convention in which a motion exists.
     """
     ratio = P_psi / P_phi - (convention == "S")
     found = _solved(moments, mode, ratio)
@@ -153,7 +172,7 @@ def from_periods(moments, mode, convention, P_psi, P_phi):
     if P_phi <= longest:
         raise AttitudeError(
             f"P_psi is {P_psi / P_phi:.6g} times P_phi; such a motion is nearer to the separatrix "
-            "than numbers can tell. Give rates instead."
+            "than double precision resolves. Give rates instead."
         )
     others = possible(moments, P_psi, P_phi)
     listed = ", ".join(f"{each} with {labels}" for each, labels in others)
@@ -161,27 +180,29 @@ def from_periods(moments, mode, convention, P_psi, P_phi):
         f"P_phi is {P_phi:.9g} s and P_psi is {P_psi:.9g} s; with these moments in {mode}, "
         f'convention "{convention}", P_phi can be {longest:.9g} s at the most for this P_psi. '
         + (
-            f"These combinations would have a motion: {listed}."
+            f"A motion with these periods exists in: {listed}."
             if others
-            else "No other mode or convention has a motion with these periods either: check the "
-            "moments."
+            else "No other mode or convention has a motion with these periods: check the moments."
         )
     )
 
 
-def from_energy(moments, energy_ratio, mode=None):
-    """Mode and place (y, 1 - y) for E/E0 = 2 E C / L^2; moments ascending.
+def from_energy(
+    moments: FloatArray, energy_ratio: Real, mode: str | Mode | None = None
+) -> tuple[str, tuple[float, float]]:
+    """Mode and position (y, 1 - y) for E/E0 = 2 E C / L^2; moments (3,), ascending.
 
     Raises
     ------
     AttitudeError
-        For an energy that no motion has, or that contradicts the mode: what would be possible.
+        For an energy that no motion has, or none in the given mode; the text has the range that is
+        possible.
     """
     a, b, c = moments
     ratio = validation.number(energy_ratio, "energy_ratio")
     if a == 0.0 or a == c:
         raise AttitudeError(
-            "the energy does not tell the motion of a sphere or of a rod; give rates instead."
+            "the energy does not determine the motion of a sphere or of a rod; give rates instead."
         )
     if not 1.0 <= ratio <= c / a * (1.0 + _ROUNDING):
         raise AttitudeError(
@@ -195,7 +216,7 @@ def from_energy(moments, energy_ratio, mode=None):
             f"mode is {known_mode(mode)}, but energy_ratio {ratio:.9g} belongs to {found}: with "
             f"these moments {known_mode(mode)} has {low:.9g} to {high:.9g}."
         )
-    # C - D = C (ratio - 1) / ratio and so on, none by subtracting D
+    # C - D = C (ratio - 1) / ratio and so on: no difference is formed by subtracting D.
     if b * ratio < c:
         rest = c * (ratio - 1.0) / (ratio * (c - b))
         return "SAM", ((c - b * ratio) / (ratio * (c - b)), rest)

@@ -1,7 +1,7 @@
-"""Spin states as papers print them, from and to attitude and angular velocity.
+"""Convert spin states in the form of papers to attitude and angular velocity, and back.
 
 Observers publish the direction of the momentum (the pole), two periods, ratios of the moments and
-angles at an epoch.  Their meaning depends on the labelling of the axes (`published.conventions`)
+angles at an epoch.  Their meaning depends on the labels of the axes (`published.conventions`)
 and on the mode; neither follows from the numbers, so both must be given.
 
 With the momentum L and the energy E, D = L^2/2E:
@@ -10,12 +10,15 @@ With the momentum L and the energy E, D = L^2/2E:
     1/P_phi_S = 1/P_phi_L + 1/P_psi                          in both modes
     sin^2 theta = (1/D - 1/Iz) / (sin^2 psi/Ix + cos^2 psi/Iy - 1/Iz)
 
-P_psi / P_phi falls all the way from the separatrix to rotation about the axis, so that mode and
-convention leave one D, or none.
+P_psi / P_phi decreases from the separatrix to rotation about the axis, so that in a mode and a
+convention one D, or none, has two given periods.
 """
+
+from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,16 +28,24 @@ from attitude.immutable import Immutable, frozen
 from attitude.published import conventions, dynamic_inertia
 from attitude.regime import Mode, known_convention, regimes
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import FloatArray, Real, Reals
+    from attitude.body import Body
+    from attitude.epochs.instants import Instant
+    from attitude.regime import Regime
+
 _BRANCHES = ("acute", "obtuse")
-# Where psi librates its ends are met within rounding.
+# Rounding of cos^2 theta at the ends of a libration of psi, relative to its terms.
 _ROUNDING = 1e-14
-# A state whose doubles miss the period asked for by more than this is no answer.
+# Relative error of the period of the state found, above which the state is refused.
 _LOST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Published(Immutable):
-    """A spin state in the form of a paper's table; made by ``motion.published(convention=)``.
+    """A spin state in the form of a paper's table; made by ``motion.published(convention)``.
 
     Attributes
     ----------
@@ -56,30 +67,30 @@ class Published(Immutable):
         A/C and B/C.
     """
 
-    mode: str
+    mode: str | None
     convention: str
     P_psi: float
     P_phi: float
-    pole: np.ndarray
+    pole: FloatArray
     phi0: float
     theta0: float
     psi0: float
-    epoch: object
+    epoch: Instant
     frame: str
     energy_ratio: float
-    moment_ratios: np.ndarray
+    moment_ratios: FloatArray
 
     @property
-    def theta_branch(self):
-        """ "acute" or "obtuse": which side of 90 degrees theta0 is on."""
+    def theta_branch(self) -> str:
+        """ "acute" for theta0 up to 90 degrees, else "obtuse"."""
         return "acute" if self.theta0 <= 0.5 * math.pi else "obtuse"
 
-    def keywords(self):
-        """What ``Spin.from_periods(body, **keywords)`` takes to make the same spin."""
+    def keywords(self) -> dict[str, Any]:
+        """The keywords with which ``Spin.from_periods(body, **keywords)`` makes the same spin."""
         names = ("mode", "convention", "P_psi", "P_phi", "pole", "phi0", "psi0", "theta_branch")
         return {name: getattr(self, name) for name in (*names, "epoch", "frame")}
 
-    def __str__(self):
+    def __str__(self) -> str:
         degrees = np.degrees([*self.pole, self.phi0, self.theta0, self.psi0])
         return (
             f"{self.mode or 'neither mode'}, convention {self.convention}, {self.frame}, "
@@ -93,13 +104,35 @@ class Published(Immutable):
         )
 
 
-def published(body, regime, wxyz, angular_velocity, *, convention, epoch, frame):
-    """The published set of a state; `wxyz` (4,) from body axes to the frame.
+def published(
+    body: Body,
+    regime: Regime,
+    wxyz: FloatArray,
+    angular_velocity: FloatArray,
+    *,
+    convention: str,
+    epoch: Instant,
+    frame: str,
+) -> Published:
+    """The published form of a state; see `FreeRotation.published`.
+
+    Parameters
+    ----------
+    body : Body
+    regime : Regime
+        Of this state.
+    wxyz : (4,) array
+        Body axes to the frame.
+    angular_velocity : (3,) array
+        rad/s, body axes.
+    convention : "L" or "S"
+    epoch : Instant
+    frame : str
 
     Raises
     ------
     AttitudeError
-        For a body at rest, which has no momentum to point anywhere.
+        For a body at rest, which has no direction of the momentum.
     """
     convention = known_convention(convention)
     if regime.mode is Mode.AT_REST:
@@ -128,7 +161,18 @@ def published(body, regime, wxyz, angular_velocity, *, convention, epoch, frame)
     )
 
 
-def from_periods(body, *, mode, convention, P_psi, P_phi, pole, phi0, psi0, theta_branch=None):
+def from_periods(
+    body: Body,
+    *,
+    mode: str | Mode | None,
+    convention: str | None,
+    P_psi: Real | None,
+    P_phi: Real | None,
+    pole: Reals,
+    phi0: Real,
+    psi0: Real | None,
+    theta_branch: str | None = None,
+) -> tuple[FloatArray, FloatArray]:
     """Attitude and angular velocity from two periods; see `Spin.from_periods`.
 
     Returns
@@ -148,10 +192,19 @@ def from_periods(body, *, mode, convention, P_psi, P_phi, pole, phi0, psi0, thet
 
 
 def from_energy(
-    body, *, energy_ratio, convention, pole, phi0, psi0, P_psi=None, P_phi=None, mode=None,
-    theta_branch=None,
-):  # fmt: skip
-    """Attitude and angular velocity from E/E0 and one period; see `Spin.from_energy`."""
+    body: Body,
+    *,
+    energy_ratio: Real,
+    convention: str,
+    pole: Reals,
+    phi0: Real,
+    psi0: Real,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
+    mode: str | Mode | None = None,
+    theta_branch: str | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Attitude (4,) and angular velocity (3,) from E/E0 and one period; see `Spin.from_energy`."""
     convention = known_convention(convention)
     if (P_psi is None) == (P_phi is None):
         raise AttitudeError("give one of P_psi and P_phi; the other follows from the energy.")
@@ -166,12 +219,20 @@ def from_energy(
 
 
 def from_pole(
-    body, *, convention, pole, phi0, theta0=None, psi0=None, P_psi=None, P_phi=None,
-    angular_velocity=None,
-):  # fmt: skip
-    """Attitude and angular velocity from the pole; see `Spin.from_pole`."""
+    body: Body,
+    *,
+    convention: str,
+    pole: Reals,
+    phi0: Real,
+    theta0: Real | None = None,
+    psi0: Real | None = None,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
+    angular_velocity: Reals | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Attitude (4,) and angular velocity (3,) from the pole; see `Spin.from_pole`."""
     convention = known_convention(convention)
-    phi0 = conventions.known_angle(phi0, "phi0")
+    phi = conventions.known_angle(phi0, "phi0")
     axes = conventions.axes(body, convention)
     moments = conventions.moments(body, convention)
     if angular_velocity is not None:
@@ -184,11 +245,11 @@ def from_pole(
             raise AttitudeError("angular_velocity is zero; a body at rest has no pole.")
         x, y, z = axes.T @ (body.tensor @ (rate / np.max(np.abs(rate))))
         theta, psi = math.atan2(math.hypot(x, y), z), math.atan2(x, y)
-        return _attitude(body, convention, pole, (phi0, theta, psi)), rate
+        return _attitude(body, convention, pole, (phi, theta, psi)), rate
     if theta0 is None or psi0 is None or (P_psi is None) == (P_phi is None):
         raise AttitudeError(
-            "a pole with phi0 wants either angular_velocity, or theta0 and psi0 with one of P_psi "
-            "and P_phi."
+            "a pole and phi0 do not determine the state; give either angular_velocity, or theta0 "
+            "and psi0 with one of P_psi and P_phi."
         )
     theta, psi = conventions.known_tilt(theta0, "theta0"), conventions.known_angle(psi0, "psi0")
     if np.any(moments == 0.0):
@@ -196,19 +257,21 @@ def from_pole(
     rates = conventions.momentum_direction(theta, psi) * (moments.max() / moments)
     found = regimes(moments, rates)
     period = found.P_psi if P_psi is not None else found.P_phi(convention)
-    name, wanted = ("P_psi", P_psi) if P_psi is not None else ("P_phi", P_phi)
-    wanted = validation.positive(wanted, name, unit="s")
+    name, given = ("P_psi", P_psi) if P_psi is not None else ("P_phi", P_phi)
+    seconds = validation.positive(given, name, unit="s")
     if not math.isfinite(period):
         raise AttitudeError(
             f"with theta0 and psi0 the state is {found.mode.phrase}, where {name} is infinite; "
             "give the other period."
         )
-    rate = axes @ (rates * (period / wanted))
-    return _attitude(body, convention, pole, (phi0, theta, psi)), rate
+    rate = axes @ (rates * (period / seconds))
+    return _attitude(body, convention, pole, (phi, theta, psi)), rate
 
 
-def from_angles(body, *, convention, angles, angular_velocity):
-    """Attitude and angular velocity from labelled axes; see `Spin.from_angles`."""
+def from_angles(
+    body: Body, *, convention: str, angles: Reals, angular_velocity: Reals
+) -> tuple[FloatArray, FloatArray]:
+    """Attitude (4,) and angular velocity (3,) from labelled axes; see `Spin.from_angles`."""
     phi, theta, psi = validation.real(angles, "angles", shape=(3,), unit="rad")
     conventions.known_angle(phi, "the first angle")
     conventions.known_tilt(theta, "the second angle")
@@ -219,29 +282,43 @@ def from_angles(body, *, convention, angles, angular_velocity):
     return wxyz, conventions.axes(body, convention) @ rate
 
 
-def relaxed(body, *, P, pole, phi0):
-    """Attitude and angular velocity of rotation about the short axis; see `Spin.from_periods`.
+def relaxed(
+    body: Body | None, *, P: Real, pole: Reals, phi0: Real
+) -> tuple[FloatArray, FloatArray]:
+    """Attitude (4,) and angular velocity (3,) of a relaxed rotator; see `Spin.from_periods`.
 
-    Without a body about its z axis, as DAMIT has it: R = Rz(lambda) Ry(90 deg - beta) Rz(phi0).
+    About the short axis of the body, or with body=None about its z axis, as in DAMIT:
+    R = Rz(lambda) Ry(90 deg - beta) Rz(phi0).
     """
     rate = 2.0 * math.pi / validation.positive(P, "P", unit="s")
-    phi0 = conventions.known_angle(phi0, "phi0")
+    phi = conventions.known_angle(phi0, "phi0")
     if body is None:
         wxyz = conventions.pole_wxyz(conventions.known_pole(pole))
-        wxyz = quaternion.multiply(wxyz, conventions.euler_wxyz(phi0, 0.0, 0.0))
+        wxyz = quaternion.multiply(wxyz, conventions.euler_wxyz(phi, 0.0, 0.0))
         return wxyz, np.array([0.0, 0.0, rate])
     return (
-        _attitude(body, "S", pole, (phi0, 0.0, 0.0)),
+        _attitude(body, "S", pole, (phi, 0.0, 0.0)),
         conventions.axes(body, "S")[:, 2] * rate,
     )
 
 
-def _ascending(body):
+def _ascending(body: Body) -> FloatArray:
+    """The principal moments in ascending order."""
     return body.moments[conventions.order(body)]
 
 
-def _state(body, mode, convention, position, momentum, pole, phi0, psi0, theta_branch):
-    """From where D lies (its part of the way from the separatrix, and the rest) and |L|."""
+def _state(
+    body: Body,
+    mode: str,
+    convention: str,
+    position: Sequence[float],
+    momentum: float,
+    pole: Reals,
+    phi0: Real,
+    psi0: Real,
+    theta_branch: str | None,
+) -> tuple[FloatArray, FloatArray]:
+    """Attitude and rates from the position (y, 1 - y) of D and |L|; see `dynamic_inertia`."""
     phi, psi = conventions.known_angle(phi0, "phi0"), conventions.known_angle(psi0, "psi0")
     theta = _theta(_ascending(body), mode, convention, position, psi, theta_branch)
     moments = conventions.moments(body, convention)
@@ -250,14 +327,17 @@ def _state(body, mode, convention, position, momentum, pole, phi0, psi0, theta_b
     turns, unit_period = dynamic_inertia.cycle(_ascending(body), mode, position)
     if not abs(found.P_psi * momentum / unit_period - 1.0) <= _LOST:
         raise AttitudeError(
-            f"the motion asked for is so near to the separatrix (P_psi is {turns:.4g} times "
-            "P_phi_L) that rates in double precision cannot hold it. Give rates instead."
+            f"the motion is so near to the separatrix (P_psi is {turns:.4g} times P_phi_L) that "
+            "rates in double precision do not determine its period. Give rates instead."
         )
     attitude = _attitude(body, convention, pole, (phi, theta, psi))
     return attitude, conventions.axes(body, convention) @ rates
 
 
-def _attitude(body, convention, pole, angles):
+def _attitude(
+    body: Body, convention: str, pole: Reals, angles: tuple[float, float, float]
+) -> FloatArray:
+    """Body axes to the frame, from the pole and phi, theta, psi of the labelled axes."""
     turn = quaternion.multiply(
         conventions.pole_wxyz(conventions.known_pole(pole)), conventions.euler_wxyz(*angles)
     )
@@ -265,7 +345,7 @@ def _attitude(body, convention, pole, angles):
 
 
 def _theta(moments, mode, convention, position, psi, branch):
-    """theta from psi: sine and cosine squared as sums of terms of one sign, where it circulates."""
+    """theta from psi; where psi circulates, sin^2 and cos^2 are sums of terms of one sign."""
     (a, b, c), (y, rest) = moments, position
     if mode == "LAM":
         bd = (b - a) * y
@@ -290,6 +370,7 @@ def _theta(moments, mode, convention, position, psi, branch):
 
 
 def _known_branch(branch, librates, mode, convention):
+    """ "acute" or "obtuse"; None is "acute" where psi circulates."""
     if branch in _BRANCHES:
         return branch
     if branch is None and not librates:
@@ -303,6 +384,7 @@ def _known_branch(branch, librates, mode, convention):
 
 
 def _beyond(psi, convention, moments, differences):
+    """The error text for a psi0 outside of its libration."""
     (a, b, c), (bd, da, cd) = moments, differences
     if convention == "L":
         largest, center, mode = math.atan2(math.sqrt(cd / c), math.sqrt(-bd / b)), (0, 180), "SAM"

@@ -1,6 +1,8 @@
-"""What follows from published numbers that have errors."""
+"""Propagate errors of published numbers to periods, angles and energy."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +15,10 @@ from attitude.published.dynamic_inertia import (
     refuse_missing_mode,
 )
 from attitude.regime import known_convention, regimes
+
+if TYPE_CHECKING:
+    from attitude.annotations import Reals
+    from attitude.regime import Mode
 
 _RESULTS = (
     "energy_ratio",
@@ -28,21 +34,30 @@ _RESULTS = (
 
 
 class Uncertain(NamedTuple):
-    """A value, and by how much it may be smaller and greater."""
+    """A value and its errors downward and upward, both positive, in the unit of the value."""
 
     value: float
     minus: float
     plus: float
 
 
-def spread(*, A_over_C, B_over_C, mode, convention, P_psi, P_phi):
-    """The spread of E/E0, periods and angles that errors of the published numbers leave.
+def spread(
+    *,
+    A_over_C: Reals,
+    B_over_C: Reals,
+    mode: str | Mode,
+    convention: str,
+    P_psi: Reals,
+    P_phi: Reals,
+) -> dict[str, Uncertain]:
+    """Errors of E/E0, periods and angles that follow from errors of the published numbers.
 
     Parameters
     ----------
     A_over_C, B_over_C : float, (value, error) or (value, minus, plus)
         Ratios of the moments A <= B <= C; signs of the errors do not matter.
-    P_psi, P_phi : likewise, s or Quantities
+    P_psi, P_phi : float, (value, error) or (value, minus, plus)
+        s or Quantities.
     mode, convention
         As in `Spin.from_periods`.
 
@@ -51,22 +66,22 @@ def spread(*, A_over_C, B_over_C, mode, convention, P_psi, P_phi):
     dict of str to Uncertain
         energy_ratio (2EC/L^2), dynamic_inertia (over C), P_psi, P_phi_L, P_phi_S (s), theta_least,
         theta_greatest (rad; the range of the nutation angle of the convention's axis), libration
-        (rad), spin_rate_along (2E/L, rad/s).  Each input is moved to either end of its error, the
-        others staying; what that moves a result by is added in quadrature, downward and upward
-        apart.  An end beyond what a body or the mode allows is moved to the last place that is
-        possible.
+        (rad), spin_rate_along (2E/L, rad/s).  One input at a time is moved to either end of its
+        error; the changes of a result are added in quadrature, downward and upward separately.
+        An end at which no body or no motion of the mode exists is replaced by the farthest
+        possible value.
 
     Raises
     ------
     AttitudeError
-        Where the values themselves belong to no motion.
+        If no motion has the values themselves.
 
     >>> found = spread(A_over_C=(0.61, -0.08, 0.11), B_over_C=(0.965, -0.015, 0.009),
     ...     mode="SAM", convention="S", P_psi="263 h", P_phi="27.38 h")
     >>> "{:.4f} -{:.4f} +{:.4f}".format(*found["energy_ratio"])
     '1.0236 -0.0253 +0.0217'
     """
-    mode, convention = known_mode(mode), known_convention(convention)
+    known, convention = known_mode(mode), known_convention(convention)
     inputs = np.array(
         [
             _with_errors(A_over_C, "A_over_C", None),
@@ -77,16 +92,16 @@ def spread(*, A_over_C, B_over_C, mode, convention, P_psi, P_phi):
     )
     values = inputs[:, 0]
     moments = moments_from_ratios(*values[:2])
-    refuse_missing_mode(moments, mode)
+    refuse_missing_mode(moments, known)
     ends = [values]
     for k in range(4):
         for sign, error in ((-1.0, inputs[k, 1]), (1.0, inputs[k, 2])):
             step = np.zeros(4)
             step[k] = sign * error
-            ends.append(_possible_end(values, step, mode, convention))
-    found = _results(np.array(ends), mode, convention)
+            ends.append(_possible_end(values, step, known, convention))
+    found = _results(np.array(ends), known, convention)
     if np.isnan(found[0]).any():
-        from_periods(moments, mode, convention, *values[2:])  # raises the sentence
+        from_periods(moments, known, convention, *values[2:])  # raises the error with its text
     change = found[1:] - found[0]
     minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
     plus = np.sqrt(np.sum(np.maximum(change, 0.0) ** 2, axis=0))
@@ -97,7 +112,7 @@ def spread(*, A_over_C, B_over_C, mode, convention, P_psi, P_phi):
 
 
 def _possible_end(values, step, mode, convention):
-    """values + step, or as far that way as there are motions (bisected)."""
+    """values + step, or the farthest point in that direction that has a motion, by bisection."""
     if not np.any(step) or not np.isnan(_results((values + step)[None], mode, convention)).any():
         return values + step
     low, high = 0.0, 1.0
@@ -109,24 +124,24 @@ def _possible_end(values, step, mode, convention):
 
 
 def _results(sets, mode, convention):
-    """(N, 9) of sets (N, 4); NaN where there is no motion."""
+    """The results (N, 9) of inputs (N, 4); NaN where no motion exists."""
     from attitude.solution.place_of_d import positions_all
 
     a, b, P_psi, P_phi = sets.T
     fine = (a > 0.0) & (a <= b) & (b <= 1.0) & (a + b >= 1.0) & (P_psi > 0.0) & (P_phi > 0.0)
     out = np.full((len(sets), len(_RESULTS)), np.nan)
-    places = np.full((len(sets), 3), np.nan)
+    positions = np.full((len(sets), 3), np.nan)
     moments = np.column_stack([a, b, np.ones(len(sets))])
     long_axis = np.full(len(sets), mode == "LAM")
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = P_psi / P_phi - (convention == "S")
-    part = places[fine]
+    part = positions[fine]
     positions_all(moments[fine], long_axis[fine], ratios[fine], part)
-    places[fine] = part
-    fine &= ~np.isnan(places[:, 0])
+    positions[fine] = part
+    fine &= ~np.isnan(positions[:, 0])
     if not np.any(fine):
         return out
-    moments, (y, rest, unit_period) = moments[fine], places[fine].T
+    moments, (y, rest, unit_period) = moments[fine], positions[fine].T
     rates = _rates(moments, mode, y, rest) * (unit_period / P_psi[fine])[:, None]
     regime = regimes(moments, rates)
     theta = regime.nutation(convention)
@@ -146,7 +161,7 @@ def _results(sets, mode, convention):
 
 
 def _rates(moments, mode, y, rest):
-    """The angular velocity for L = 1 where the momentum crosses the plane of A and C."""
+    """The angular velocity (N, 3) for L = 1 where the momentum crosses the plane of A and C."""
     a, b, c = moments.T
     if mode == "LAM":
         below, above = (b - a) * rest, (c - b) + (b - a) * y
@@ -158,7 +173,8 @@ def _rates(moments, mode, y, rest):
     return np.column_stack([along_a / (size * a), np.zeros(len(a)), along_c / (size * c)])
 
 
-def _with_errors(value, name, unit):
+def _with_errors(value: Reals, name: str, unit: str | None) -> tuple[float, float, float]:
+    """A value and its errors downward and upward, both positive."""
     given = validation.real(value, name, unit=unit)
     if given.shape == ():
         return float(given), 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Attitudes on a chain of free arcs: each epoch with the constants of the arc that it falls on."""
+"""Attitudes on a chain of free arcs: each epoch with the constants of its arc."""
 
 import math
 
@@ -16,7 +16,8 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
 
     Given
         constants  (N,) records (solution.record), one of each arc
-        starts     (N, 2) when the arcs start, pairs of seconds, ascending; the first reaches back
+        starts     (N, 2) starts of the arcs, pairs of seconds, ascending; the first arc also holds
+                   all epochs before its start
         t, t_low   (T,) pairs of seconds
     Filled
         wxyz       (1, 4, T)
@@ -28,19 +29,19 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
     local, local_low = np.empty((1, count)), np.empty((1, count))
     begin = 0
     while begin < count:
-        arc = _arc(starts, t[begin], t_low[begin], arc)
+        arc = _arc_of(starts, t[begin], t_low[begin], arc)
         first, first_low = starts[arc, 0], starts[arc, 1]
-        # as many as follow on the same arc: there the kernels run at their full speed
+        # all epochs that follow on the same arc: the kernels are fast on long rows
         end = begin
-        while end < count and (end == begin or _within(starts, arc, t[end], t_low[end])):
+        while end < count and (end == begin or _is_on(starts, arc, t[end], t_low[end])):
             high, low = two_sum(t[end], -first)
             if abs(high) < math.inf:
                 high, low = two_sum(high, low + (t_low[end] - first_low))
-            else:  # NaN stays NaN, and what is infinite is beyond reach whatever its low part
+            else:  # NaN stays NaN; an infinite epoch is beyond reach for any low part
                 low = 0.0
             local[0, end], local_low[0, end] = high, low
             end += 1
-        failed = _on_one(
+        failed = _evaluate_arc(
             constants[arc : arc + 1],
             local[:, begin:end],
             local_low[:, begin:end],
@@ -48,7 +49,7 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
             None if rates is None else rates[:, :, begin:end],
         )
         if failed:
-            while not abs(local[0, begin]) > reach(constants[arc]):  # NaN is not
+            while not abs(local[0, begin]) > reach(constants[arc]):  # false for NaN
                 begin += 1
             return begin
         begin = end
@@ -56,8 +57,8 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
 
 
 @subroutine
-def _on_one(c, t, t_low, wxyz, rates):
-    """Fill what one arc has; whether any epoch is beyond its reach."""
+def _evaluate_arc(c, t, t_low, wxyz, rates):
+    """Fill the epochs of one arc; whether any of them is beyond its reach."""
     form = c[0].form
     if form == codes.TRIGONOMETRIC:
         return trigonometric(c, t, t_low, wxyz, rates) >= 0
@@ -67,14 +68,14 @@ def _on_one(c, t, t_low, wxyz, rates):
 
 
 @subroutine
-def _arc(starts, t, low, guess):
-    """The number of the arc of an epoch; NaN falls on the first."""
-    if _within(starts, guess, t, low):
+def _arc_of(starts, t, low, guess):
+    """The number of the arc of an epoch, by bisection; the first for NaN."""
+    if _is_on(starts, guess, t, low):
         return guess
     least, most = 0, len(starts)
     while most - least > 1:
         middle = (least + most) // 2
-        if _from(starts, middle, t, low):
+        if _has_started(starts, middle, t, low):
             least = middle
         else:
             most = middle
@@ -82,13 +83,14 @@ def _arc(starts, t, low, guess):
 
 
 @subroutine
-def _within(starts, arc, t, low):
-    return (arc == 0 or _from(starts, arc, t, low)) and not (
-        arc + 1 < len(starts) and _from(starts, arc + 1, t, low)
+def _is_on(starts, arc, t, low):
+    """Whether an epoch is on an arc."""
+    return (arc == 0 or _has_started(starts, arc, t, low)) and not (
+        arc + 1 < len(starts) and _has_started(starts, arc + 1, t, low)
     )
 
 
 @subroutine
-def _from(starts, arc, t, low):
-    """Whether an epoch is not before the start of an arc."""
+def _has_started(starts, arc, t, low):
+    """Whether an arc starts at or before an epoch."""
     return t > starts[arc, 0] or (t == starts[arc, 0] and low >= starts[arc, 1])

@@ -1,11 +1,14 @@
-"""First stage: is this a body, does it tumble at all, and on which side of the separatrix?
+"""First stage: refuse what is not physical, find uniform rotations, and D2 of what tumbles.
 
-The numbers are scaled by powers of two, so that no unit can overflow or lose digits, and D2, the
-one invariant that is a true difference, is formed exactly where its terms cancel.  Symbols are
-those of van Zon & Schofield (2006), section 3.
+The state is scaled by powers of two, so that no unit overflows or loses digits.  D2, the one
+invariant that is a difference of positive terms, is computed exactly where they cancel; its sign is
+the side of the separatrix.  Symbols are those of van Zon & Schofield (2006), section 3.
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,12 +27,15 @@ from attitude.solution.twofloat import (
     sub,
 )
 
-# Below this fraction of the largest component, a rate would vanish in the squares anyway.
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# The square of a rate below this fraction of the largest component would underflow.
 _NO_RATE = 2.0**-400
 _LARGEST_RATIO = 1e45
-# What a sum or a product of measured moments may miss the triangle inequality by.
+# Rounded moments may violate the triangle inequality by this fraction.
 _ROUNDING = 1e-14
-# D2 that keeps less than this of the sum of its terms is formed again, exactly.
+# D2 below this fraction of the sum of its terms is computed again, exactly.
 _CANCELLED = 0.0625
 # Parts of D2: two moments of 2, a difference of 4, a squared rate of 4, a product of 8.
 _MOST_PARTS = 2 * 2 * 4 * 4 * 8
@@ -47,7 +53,7 @@ def classify_all(moments, wxyz, omega, constants):
         constants  (B,) fault, mode (as far as it does not depend on D2), form, the scaled state,
                    its ascending order, and D2 to the rounding of its terms
     Returned
-        how many have a fault, rotate uniformly, and want D2 formed exactly
+        how many have a fault, rotate uniformly, and need D2 computed exactly
     """
     faults = uniform = cancelled = 0
     for b in range(len(constants)):
@@ -64,14 +70,15 @@ def classify_all(moments, wxyz, omega, constants):
     return faults, uniform, cancelled
 
 
-def refine_all(constants):
-    """D2 of the states whose terms cancel, exactly: products as expansions, rounded once."""
-    # Room made in compiled code would cost another tenth of a second of compilation.
+def refine_all(constants: NDArray[Any]) -> None:
+    """Fill D2 of those of B states (solution.record) whose terms cancel, rounded once."""
+    # An array allocated in compiled code would cost another tenth of a second of compilation.
     _refine_all(constants, np.empty(_MOST_PARTS))
 
 
 @entry_point
 def _refine_all(constants, expansion):
+    """`refine_all`, with the memory of an expansion of _MOST_PARTS."""
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.cancelled == 1:
@@ -80,6 +87,7 @@ def _refine_all(constants, expansion):
 
 @subroutine
 def _fault(moments, wxyz, omega):
+    """The code of what is not physical in a state, or codes.FINE."""
     least, most, total = moments[0, 0], 0.0, 0.0
     for k in range(3):
         moment = moments[k, 0]
@@ -113,6 +121,7 @@ def _fault(moments, wxyz, omega):
 
 @subroutine
 def _scale(moments, omega, c):
+    """The state times powers of two, the largest moment and rate being in [1/2, 1)."""
     most = fastest = 0.0
     for k in range(3):
         most, fastest = larger(most, moments[k, 0]), larger(fastest, abs(omega[k, 0]))
@@ -128,11 +137,11 @@ def _scale(moments, omega, c):
 
 @subroutine
 def _rotates_uniformly(c):
-    """Whether every product (Ij - Ik) wj wk of Euler's equations vanishes, by its factors."""
+    """Whether every product (Ij - Ik) wj wk of Euler's equations has a factor 0; fill the mode."""
     moments, omega = c.moments, c.omega
     equal = still = 0
     for k in range(3):
-        j = k - 1  # of -1, 0, 1: the axis before it
+        j = k - 1  # -1, 0, 1: the axis before it
         if same(pair(moments[k]), pair(moments[j])):
             equal += 1
         elif omega[k, 0] != 0.0 and omega[j, 0] != 0.0:
@@ -151,11 +160,11 @@ def _rotates_uniformly(c):
 
 @subroutine
 def _order(c):
-    """Ascending order and D2 = L^2 - 2 E I2 for the middle moment I2; whether its terms cancel.
+    """Fill the ascending order and D2 = L^2 - 2 E I2, I2 the middle moment; whether D2 cancels.
 
     D2 is positive where the momentum circulates about the axis of greatest inertia.
     """
-    # Replaced in the next stage where the other form serves better.
+    # The next stage replaces it where the other form converges faster.
     c.form = codes.TRIGONOMETRIC
     p, q, r = 0, 1, 2
     moments, omega, order, gaps = c.moments, c.omega, c.order, c.gaps
@@ -182,7 +191,7 @@ def _order(c):
 @subroutine
 def _exact_middle_invariant(c, total):
     """d (d - b) wd^2 + a (a - b) wa^2, every product exact: 16 parts if the inputs are doubles."""
-    count = np.int64(0)  # as a literal it would be a type, and compiled for, of its own
+    count = np.int64(0)  # numba gives a literal its own type, and compiles callees for it too
     middle = c.moments[c.order[1]]
     for k in (2, 0):
         moment, rate = c.moments[c.order[k]], c.omega[c.order[k]]

@@ -1,6 +1,7 @@
 """Third stage: coefficients of the series that the kernels evaluate at each phase.
 
-One door for each form of the solution, so that a first propagation compiles the one it wants.
+One entry point for each form of the solution, so that a first propagation compiles only the form
+it needs.
 """
 
 import math
@@ -36,7 +37,7 @@ COS_ODD = np.array(
 
 @entry_point
 def trigonometric_all(constants):
-    """Series of alpha and beta, and q_int(0), of those of B motions that have this form."""
+    """Fill the series of alpha and beta, and q_int(0), of the trigonometric ones of B motions."""
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
@@ -46,7 +47,7 @@ def trigonometric_all(constants):
 
 @entry_point
 def hyperbolic_all(constants):
-    """The same of those whose form is hyperbolic."""
+    """Fill the series of alpha and beta, and q_int(0), of the hyperbolic ones of B motions."""
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
@@ -56,8 +57,10 @@ def hyperbolic_all(constants):
 
 @subroutine
 def _trigonometric_series(c, alpha, beta):
-    """Nome Q.  With X = exp(-2 delta), P = Q exp(2 delta): every term is a product of numbers at
-    most 1, so that nothing overflows for a symmetric body, where delta is infinite and Q is 0.
+    """Theta functions of nome Q, written with X = exp(-2 delta) and P = Q exp(2 delta).
+
+    Every term is then a product of numbers of at most 1, and nothing overflows for a symmetric
+    body, whose delta is infinite and whose Q is 0.
     """
     if c.stretch < math.inf:
         double_delta = 0.5 * math.pi * c.stretch * c.fraction
@@ -104,7 +107,7 @@ def _trigonometric_series(c, alpha, beta):
 
 @subroutine
 def _hyperbolic_series(c, alpha):
-    """After the modular transformation: nome Q', 0 on the exact separatrix."""
+    """Theta functions after the modular transformation: nome Q', 0 on the exact separatrix."""
     d = 0.25 * math.pi * c.fraction
     c.nome = nome = math.exp(-math.pi / c.stretch)
     sign = weight = step = 1.0
@@ -123,32 +126,34 @@ def _hyperbolic_series(c, alpha):
 
 @subroutine
 def _trigonometric_start(c):
-    """q_int(0), by the very series that give q_int(t) later."""
+    """q_int(0), from the series that give q_int(t), so that both round alike."""
     s, lo, _ = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, 1.0)
     sine, cosine = sincos(s, lo)
     alpha, beta = (four(c.alpha[0]), four(c.alpha[1])), (four(c.beta[0]), four(c.beta[1]))
-    _keep(trigonometric_pair(alpha, beta, sine, cosine), c.internal)
+    _store(trigonometric_pair(alpha, beta, sine, cosine), c.internal)
 
 
 @subroutine
 def _hyperbolic_start(c):
+    """q_int(0), as in `_trigonometric_start`."""
     s, lo, half_turns = phase(0.0, 0.0, c.nutation0[0], c.nutation0[1], 0.0, 0.0, c.winds)
     dx = s + lo
     arguments = hyperbolic_arguments(dx, c.decay, c.nome)
     alpha = four(c.alpha[0]), four(c.alpha[1])
     pair = hyperbolic_pair(alpha, c.beta[0, 0], dx, half_turns, arguments)
     sine, cosine = sincos(-c.tilt * dx, 0.0)
-    _keep(turned(pair, sine, cosine), c.internal)
+    _store(turned(pair, sine, cosine), c.internal)
 
 
 @subroutine
-def _keep(pair, internal):
+def _store(pair, internal):
+    """The pair (alpha, beta) as a quaternion w, x, y, z."""
     internal[0], internal[3], internal[1], internal[2] = pair
 
 
 @entry_point
 def trigonometric_rates_all(constants):
-    """The series of cn, sn and dn, times the amplitudes, of those of B motions of this form."""
+    """Fill the series of the angular velocity of the trigonometric ones of B motions."""
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
@@ -157,7 +162,7 @@ def trigonometric_rates_all(constants):
 
 @entry_point
 def hyperbolic_rates_all(constants):
-    """The same of those whose form is hyperbolic."""
+    """Fill the series of the angular velocity of the hyperbolic ones of B motions."""
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
@@ -166,7 +171,10 @@ def hyperbolic_rates_all(constants):
 
 @subroutine
 def _trigonometric_rates(q, c, rates):
-    """cn, sn, dn as theta quotients; theta1 and theta2 without their factor 2 q^(1/4)."""
+    """Amplitudes times cn, sn, dn as theta quotients, nome q.
+
+    theta1 and theta2 are without their factor 2 q^(1/4).
+    """
     theta2 = theta3 = theta4 = 0.0
     sign = even = odd = step = 1.0
     for n in range(5):
@@ -191,7 +199,7 @@ def _trigonometric_rates(q, c, rates):
 
 @subroutine
 def _hyperbolic_rates(nome, c):
-    """The same after the modular transformation, nome Q'^2."""
+    """Amplitudes times cn, sn, dn after the modular transformation, nome Q'^2."""
     q = nome * nome
     qq = q * q
     theta2 = 1.0 + qq + qq * qq * qq

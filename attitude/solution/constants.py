@@ -1,8 +1,8 @@
 """Second stage: from the ordered state to rates and phases.
 
-Everything here is free of cancellation: differences of moments are formed from the inputs and the
-invariants are sums of terms of one sign.  Symbols are those of van Zon & Schofield (2006), section
-3; the equation numbers are theirs.
+Nothing here cancels: differences of moments are computed from the inputs, and the invariants are
+sums of terms of one sign.  Symbols and equation numbers are those of van Zon & Schofield (2006),
+section 3.
 """
 
 import math
@@ -32,9 +32,10 @@ from attitude.solution.twofloat import (
 
 @entry_point
 def solve_all(constants):
-    """Rates and phases of those of B motions that tumble.
+    """Fill the rates and phases of those of B motions that tumble.
 
-    Returned is how many of them have the hyperbolic form.
+    Returned
+        how many of them have the hyperbolic form
     """
     hyperbolic = 0
     for b in range(len(constants)):
@@ -71,7 +72,7 @@ def jacobi(c):
 
 @subroutine
 def _solve(c):
-    """Rates and phases of the internal motion; pairs throughout."""
+    """Fill the rates and phases of the internal motion, computed in pairs."""
     first, second, minus1, minus3 = four(c.jacobi)
     third = 3 - first - second
     moments, omega, gaps = c.moments, c.omega, c.gaps
@@ -128,20 +129,21 @@ def _solve(c):
             bracket = add(ONE, mul(div(d13, i1), sub(quotient, periodic)))
             precession = div(mul(momentum, bracket), mul(i3, TWO_PI))
         _choose_form(precession, div(speed, scale(quarter, 4.0)), turns, minus_n[0], c)
-    # The momentum runs the other way round where the second rate is positive.
+    # The momentum circulates in the other sense where the second rate is positive.
     if w2[0] > 0.0:
         put(c.nutation0, neg(pair(c.nutation0)))
 
 
 @subroutine
 def _store_rate(field, rate, tempo):
+    """A pair, unscaled by 2^tempo, into a field of the record."""
     field[0] = math.ldexp(rate[0], tempo)
     field[1] = math.ldexp(rate[1], tempo)
 
 
 @subroutine
 def _choose_form(precession, nutation, turns, minus_n, c):
-    """Rates and phases, in turns, and which series serves them: T = 2 K'/K decides."""
+    """Fill the rates and phases, in turns, and the form: trigonometric for T = 2 K'/K >= 1."""
     precession = scale(precession, 0.5)
     # alpha turns at (phi' + psi')/2, beta at (phi' - psi')/2; psi' is that of the nutation
     c.psi_rate = math.ldexp(nutation[0], c.tempo)
@@ -165,7 +167,7 @@ def _choose_form(precession, nutation, turns, minus_n, c):
 
 @subroutine
 def _on_separatrix(turns, speed, tangent, minus_n, c):
-    """2E = L^2/I2 exactly: y = (wp t + eps)/2 runs once from end to end, and never returns."""
+    """Fill rates and phases for 2E = L^2/I2 exactly: y = (wp t + eps)/2 does not return."""
     c.form = codes.HYPERBOLIC
     c.phi_rate = math.ldexp(turns[0], c.tempo)
     _store_rate(c.precession, scale(turns, 0.5), c.tempo)

@@ -1,4 +1,4 @@
-"""Elliptic integrals by the arithmetic-geometric mean, in pairs where time multiplies them.
+"""Elliptic integrals by the arithmetic-geometric mean, in pairs where time multiplies the result.
 
 Bulirsch, Numer. Math. 13, 305 (1969) for cel; DLMF 19.8(ii) for the descending Landen
 transformation.
@@ -41,15 +41,15 @@ def complete_and_phase(kc, p, a, cosine, sine):
     Returned
         cel(kc, p, a, 1) / K    (a = 1: Pi(n|m)/K; a = 0: its part without the constant term)
         K(m)
-        F(amplitude | m) / (4 K), in turns: only this quotient is ever needed, and the doubling
-        of the amplitude gives it with an arctangent whose error the last division makes small
+        F(amplitude | m) / (4 K), in turns: each step doubles the amplitude, and the last division
+        makes the error of the arctangent small
     """
     e = kc
     em = ONE
     root = sqrt(p)
     p = root
     b = div(ONE, root)
-    quadrant = np.int64(0)  # as a literal it would be a type, and compiled for, of its own
+    quadrant = np.int64(0)  # numba gives a literal its own type, and compiles callees for it too
     halvings = 1.0
     c, s = cosine, sine
     for _ in range(_MOST_STEPS):
@@ -76,7 +76,7 @@ def complete_and_phase(kc, p, a, cosine, sine):
 
 @subroutine
 def _doubled(quadrant, ratio, c, s):
-    """One descending Landen step of an amplitude, kept as cosine, sine and quadrant.
+    """One descending Landen step of an amplitude, represented by cosine, sine and quadrant.
 
     tan(phi' - phi) = (b/a) tan phi on the same branch: both angles lie in one quadrant, so the
     sum lies in the half plane that starts at twice that quadrant.
@@ -102,6 +102,7 @@ def _turns(quadrant, c, s, halvings):
 
 @subroutine
 def _turned_back(quadrant, c, s):
+    """Cosine and sine of an angle less its whole quadrants."""
     side = quadrant & 3
     if side == 0:
         return c, s

@@ -1,13 +1,12 @@
-"""Exact free rotation from one state to another, state and answer in two doubles.
+"""Exact free rotation from one state to another, both states in pairs of doubles.
 
-A chain of arcs carries the end of each into the start of the next: what one double of angular
-velocity leaves out grows with the time spent on all later arcs (2e-11 rad after a thousand), so
-that ends are wanted to more digits than attitudes are read with.
+On a chain of arcs the end of each is the start of the next, and the rounding of its angular
+velocity to one double would grow with the time on all later arcs (2e-11 rad after a thousand).
 
 Over whole nutation periods the body rates return and the body has turned about its momentum by a
-known phase (docs/derivation.md: both rates are in two doubles).  What is left, half a period at
-the most, is covered by the pieces of `solution.step`, here in pairs and with more terms, so that
-the cost has a bound whatever the time.
+known phase (docs/derivation.md: both rates are pairs).  The rest, half a period at most, is covered
+by the pieces of `solution.step`, here in pairs and with more terms, so that the cost is bounded for
+any time.
 """
 
 import math
@@ -85,7 +84,7 @@ def flow(c, moments, t, q, w):
     p, o, i = np.zeros((4, 2)), np.zeros((3, 2)), np.zeros((3, 2))
     p[0, 0] = 1.0
     for k in range(3):
-        # Not row to row: numba would compile the text of an error of shapes, for a second and more.
+        # Not row to row: numba would compile the message of a shape error, for more than a second.
         put(i[k], pair(moments[order[k]]))
         put(o[k], scale(pair(w[order[k]]), sign))
     if c.winds != 0.0:
@@ -99,8 +98,8 @@ def flow(c, moments, t, q, w):
             _turn(p, m1, m2, m3, mul(precession, div((whole, 0.0), rate)))
         _pieces(i, div(sub(turns, (whole, 0.0)), rate), p, o)
     else:
-        # The exact separatrix runs into the middle axis and stays: after this long the rest of
-        # the way is below one part in 1e17.
+        # On the exact separatrix the momentum approaches the middle axis: after this time the
+        # angle between them is below 1e-17 of that at the start.
         most = _LONGEST_APPROACH / (2.0 * abs(c.nutation[0]))
         near = (math.copysign(most, t[0]), 0.0) if abs(t[0]) > most else t
         _pieces(i, near, p, o)
@@ -116,7 +115,7 @@ def flow(c, moments, t, q, w):
 
 @subroutine
 def _ascending(moments):
-    """Axes by ascending moment, and -1 where that order is left-handed: all are then reversed."""
+    """Axes by ascending moment, and the factor -1 of all of them if that order is left-handed."""
     a, b, d = 0, 1, 2
     sign = 1.0
     if less(pair(moments[b]), pair(moments[a])):
@@ -130,6 +129,7 @@ def _ascending(moments):
 
 @subroutine
 def _momentum(i, w):
+    """The three components of the angular momentum, pairs."""
     return (
         mul(pair(i[0]), pair(w[0])),
         mul(pair(i[1]), pair(w[1])),
@@ -139,9 +139,9 @@ def _momentum(i, w):
 
 @subroutine
 def _pieces(i, t, q, w):
-    """Move the state in pieces; the moments ascending."""
+    """Move a state, over axes of ascending moment, for t seconds in pieces."""
     i1, i2, i3 = pair(i[0]), pair(i[1]), pair(i[2])
-    # A rod does not spin about itself, and k1 belongs to that rate alone.
+    # A rod has no rate about itself, and k1 is the factor of that rate alone.
     k1 = div(sub(i2, i3), i1) if i1[0] > 0.0 else ZERO
     k2, k3 = div(sub(i3, i1), i2), div(sub(i1, i2), i3)
     g1, g2, g3 = neg(mul(k2, k3)), mul(k1, k3), neg(mul(k1, k2))
@@ -169,7 +169,7 @@ def _pieces(i, t, q, w):
         weights = l1, l2, l3, f1, f2, f3, dot
         chi = (0.0, 0.0)
         n1 = n2 = n3 = d = ONE
-        # the points from both ends, and the end itself last: what is found there is used below
+        # the points from both ends, and last the end itself, whose values are used after the loop
         for point in range(2 * len(_GAUSS) + 1):
             x, weight = ONE, ZERO
             if point < 2 * len(_GAUSS):
@@ -198,7 +198,7 @@ def _pieces(i, t, q, w):
 
 @subroutine
 def _series(e1, e3, a):
-    """S = sum a_n t^(2n+1) from S'' = -(e1 + e3) S + 2 e1 e3 S^3."""
+    """Coefficients of S = sum a_n t^(2n+1), from S'' = -(e1 + e3) S + 2 e1 e3 S^3."""
     s, p = neg(add(e1, e3)), scale(mul(e1, e3), 2.0)
     squares = np.zeros((_TERMS, 2))
     put(a[0], ONE)
@@ -218,7 +218,7 @@ def _series(e1, e3, a):
 
 @subroutine
 def _numerators(x, a, state):
-    """d (w(x) - w) and d, x seconds into the piece; see solution.step."""
+    """d (w(x) - w) and d at x seconds from the start of a piece; see solution.step."""
     w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
     xx = square(x)
     s = pair(a[_TERMS - 1])
@@ -239,7 +239,7 @@ def _numerators(x, a, state):
 
 @subroutine
 def _turning(numerators, weights):
-    """chi' there."""
+    """chi' of solution.step, from the numerators at one time."""
     l1, l2, l3, f1, f2, f3, dot = weights
     n1, n2, n3, d = numerators
     n1, n2, n3 = mul(l1, n1), mul(l2, n2), mul(l3, n3)
@@ -250,7 +250,7 @@ def _turning(numerators, weights):
 
 @subroutine
 def _turn(q, x, y, z, turns):
-    """q times (cosine; sine of 2 pi turns, along a vector of any length)."""
+    """q becomes q times (cosine; sine along a vector of any length) of 2 pi turns."""
     size = sqrt(add(add(square(x), square(y)), square(z)))
     if size[0] == 0.0:
         return
@@ -271,7 +271,7 @@ def multiply(q, s, x, y, z):
 
 @subroutine
 def _cosine_and_sine(turns):
-    """Of 2 pi turns, in pairs: quarters removed, then the power series."""
+    """Cosine and sine, pairs, of 2 pi turns: quarters removed, then the power series."""
     turns = sub(turns, (rint(turns[0]), 0.0))
     quarters = rint(4.0 * turns[0])
     angle = mul(TWO_PI, sub(turns, (0.25 * quarters, 0.0)))

@@ -1,11 +1,14 @@
-"""Last stage: from the internal axes of the solution to the axes that were given.
+"""Last stage: from the internal axes of the solution to the given body axes.
 
-q(t) = q(0) b q_int(0)* q_int(t) b*, where b carries internal to given body axes: one constant
-quaternion on each side, multiplied out to one matrix that the kernels apply.
+q(t) = q(0) b q_int(0)* q_int(t) b*, where b rotates internal to given body axes: one constant
+quaternion on each side of q_int(t), multiplied out to one matrix that the kernels apply.
 """
+
+from __future__ import annotations
 
 import math
 from itertools import product as combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +17,11 @@ from attitude.compilation.instructions import larger
 from attitude.solution import codes
 from attitude.solution.series import four
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
-def _signed_permutations():
+
+def _signed_permutations() -> tuple[FloatArray, FloatArray]:
     """Proper signed permutations as matrices and unit quaternions, [first, second, sign 1, sign 3].
 
     Column k of the matrix is the principal axis that becomes internal axis k: `first`, `second`
@@ -50,11 +56,13 @@ _UNIT = np.eye(4)
 
 @entry_point
 def attach_all(wxyz, principal, constants):
-    """The frame of those of B motions that tumble, and the axes of their angular velocity.
+    """Fill the frame and the axes of those of B motions that tumble.
 
     Given
         wxyz       (B, 4) body to inertial at the epoch, of any length
         principal  (1 or B, 4) principal axes to given body axes
+    Filled
+        constants  (B,) frame and axes (solution.record)
     """
     for b in range(len(constants)):
         c = constants[b]
@@ -65,7 +73,7 @@ def attach_all(wxyz, principal, constants):
 
 @subroutine
 def unit(q):
-    """A quaternion of any length as a unit quaternion."""
+    """A quaternion (4) of any nonzero length as a unit quaternion."""
     size = larger(larger(abs(q[0]), abs(q[1])), larger(abs(q[2]), abs(q[3])))
     w, x, y, z = q[0] / size, q[1] / size, q[2] / size, q[3] / size
     size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
@@ -85,7 +93,7 @@ def product(p, q):
 
 @subroutine
 def turned_by(q, v):
-    """The vector q v q*; v itself, bit for bit, when q is 1."""
+    """The vector q v q* (3) of a unit quaternion; v itself, bit for bit, when q is 1."""
     a, b, c = v
     d = 2.0 * (q[2] * c - q[3] * b)
     e = 2.0 * (q[3] * a - q[1] * c)
@@ -99,7 +107,7 @@ def turned_by(q, v):
 
 @subroutine
 def _axes(principal, c):
-    """The quaternion from internal to given body axes; its matrix is kept for the rates."""
+    """The quaternion from internal to given body axes; fill its matrix, which the rates need."""
     first, second, minus1, minus3 = four(c.jacobi)
     internal, axes = _MATRICES[first, second, minus1, minus3], c.axes
     for k in range(3):
@@ -111,6 +119,7 @@ def _axes(principal, c):
 
 @subroutine
 def _attach(start, body, internal, frame):
+    """Fill the matrix of q_int(t) -> q(t), column by column."""
     back = (internal[0], -internal[1], -internal[2], -internal[3])
     left = product(product(start, body), back)
     right = (body[0], -body[1], -body[2], -body[3])

@@ -1,4 +1,4 @@
-"""Where two free arcs meet: momentum added to a state, a body exchanged for another; in pairs."""
+"""Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles."""
 
 import math
 
@@ -50,7 +50,7 @@ def strike(moments, axes, q, w, in_body, in_space):
         in_body   (3,) kg m2/s over the body axes
         in_space  (3, 2) kg m2/s over the inertial axes, pairs
     Changed
-        w         (3, 2) rad/s over the principal axes; infinite where there is no inertia
+        w         (3, 2) rad/s over the principal axes; infinite about an axis without inertia
     """
     total = _to_body(q, in_space)
     for k in range(3):
@@ -68,7 +68,15 @@ def strike(moments, axes, q, w, in_body, in_space):
 
 @entry_point
 def exchange(moments, axes, new_moments, new_axes, w):
-    """The same angular momentum in a body with other moments and axes: w over the new ones."""
+    """Give a body other moments and axes at the same angular momentum.
+
+    Given
+        moments, axes          as in `strike`
+        new_moments, new_axes  of the body afterwards
+    Changed
+        w    (3, 2) rad/s over the principal axes, afterwards the new ones; infinite about an axis
+             without inertia
+    """
     momentum = np.zeros((3, 2))
     for k in range(3):
         total = ZERO
@@ -88,10 +96,10 @@ def exchange(moments, axes, new_moments, new_axes, w):
 
 @subroutine
 def _quaternion(m, near):
-    """Of a rotation matrix (3, 3, 2), pairs, where its rounded quaternion (4,) is known.
+    """The quaternion (4, 2) of a rotation matrix (3, 3, 2), pairs, near a rounded one (4,).
 
     4 s s^T, s being the unit quaternion, is linear in the matrix (see solution.given_axes); times a
-    quaternion that is near to s it is along s, without the choice of a largest entry.
+    quaternion near s it is along s, so that no largest entry has to be chosen.
     """
     xx, yy, zz = pair(m[0, 0]), pair(m[1, 1]), pair(m[2, 2])
     a = sub(pair(m[2, 1]), pair(m[1, 2]))
@@ -119,6 +127,7 @@ def _quaternion(m, near):
 
 @subroutine
 def _to_unit_length(q):
+    """q (4, 2) becomes q over its length."""
     size = ZERO
     for k in range(4):
         size = add(size, square(pair(q[k])))
@@ -129,7 +138,7 @@ def _to_unit_length(q):
 
 @subroutine
 def _to_body(q, v):
-    """q* v q, both in pairs."""
+    """The vector q* v q (3, 2), all in pairs."""
     s, x, y, z = pair(q[0]), neg(pair(q[1])), neg(pair(q[2])), neg(pair(q[3]))
     a, b, c = pair(v[0]), pair(v[1]), pair(v[2])
     d, e, f = (

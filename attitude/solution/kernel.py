@@ -1,17 +1,17 @@
 """The loops over bodies and epochs, one for each form of the solution.
 
 Given
-    constants  (B,) records (solution.record); those of another form are passed over
+    constants  (B,) records (solution.record); those of another form are skipped
     t          (1 or B, T) seconds since the epoch of the state
-    t_low      the same shape, what is added to t; or None
+    t_low      None, or the lower half of the seconds, in the same shape
 Filled
     wxyz       (B, 4, T) body to inertial
     rates      (B, 3, T) rad/s over the given body axes, or None
 Returned
-    -1, or a body that was asked for an epoch beyond its reach; it and those after it are not filled
+    -1, or the first body with an epoch beyond its reach; it and those after it are not filled
 
-Each copies what it needs from the record into locals (reading it inside the loop costs four times
-the arithmetic) and writes component by component into rows: then it vectorises.
+Each loop copies the fields it needs from the record into locals (reading them inside the loop costs
+four times the arithmetic) and writes component by component into rows, so that LLVM vectorises it.
 """
 
 import math
@@ -38,14 +38,15 @@ _SLOWEST = LONGEST / _FARTHEST
 
 @subroutine
 def reach(c):
-    """The farthest epoch, s, at which two doubles resolve the phases; infinity never is."""
+    """The largest |t|, s, at which two doubles resolve the phases; always finite."""
     fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
     return LONGEST / fastest if fastest > _SLOWEST else _FARTHEST
 
 
 @subroutine
 def _any_beyond(t, most):
-    # No early exit: as a reduction this vectorises and costs less than reading t once more.
+    """Whether any |t| exceeds `most`."""
+    # No early exit: this reduction is vectorised and costs less than reading t once more.
     found = 0
     for i in range(len(t)):
         found |= abs(t[i]) > most
@@ -54,23 +55,27 @@ def _any_beyond(t, most):
 
 @subroutine
 def _five(row):
+    """The first five entries of a row as a tuple."""
     return row[0], row[1], row[2], row[3], row[4]
 
 
 @subroutine
 def _frame(c):
+    """The matrix from internal pair to attitude, as rows."""
     f = c.frame
     return four(f[0]), four(f[1]), four(f[2]), four(f[3])
 
 
 @subroutine
 def _rate_series(c):
+    """The four series of the angular velocity."""
     r = c.rates
     return _five(r[0]), _five(r[1]), _five(r[2]), _five(r[3])
 
 
 @subroutine
 def _axes(c):
+    """The matrix from internal to given body axes, as rows."""
     a = c.axes
     return (
         (a[0, 0], a[0, 1], a[0, 2]),
@@ -81,6 +86,7 @@ def _axes(c):
 
 @subroutine
 def _store_attitude(frame, pair, wxyz, i):
+    """The unit quaternion of an internal pair, over the given axes, into column i."""
     ar, ai, br, bi = pair
     norm = fma(ar, ar, ai * ai) + fma(br, br, bi * bi)
     scale = 1.0 / math.sqrt(norm)
@@ -91,12 +97,14 @@ def _store_attitude(frame, pair, wxyz, i):
 
 @subroutine
 def _store_rates(axes, w, rates, i):
+    """Rates over the internal axes, turned to the given axes, into column i."""
     for k in range(3):
         rates[k, i] = fma(axes[k][0], w[0], fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
 @inlined_entry_point
 def uniform(constants, t, t_low, wxyz, rates):
+    """Evaluate the motions of constant angular velocity; arguments as in the module docstring."""
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0
         if c.form != codes.UNIFORM:
@@ -114,7 +122,7 @@ def uniform(constants, t, t_low, wxyz, rates):
             for j in range(4):
                 q[j, i] = fma(start[j], cosine, turn[j] * sine)
             if rates is not None:
-                # The sine is NaN where the epoch is.
+                # The sine is NaN if the epoch is: then so is the rate.
                 for j in range(3):
                     rates[b, j, i] = fma(0.0, sine, omega[j])
     return -1
@@ -122,6 +130,7 @@ def uniform(constants, t, t_low, wxyz, rates):
 
 @inlined_entry_point
 def trigonometric(constants, t, t_low, wxyz, rates):
+    """Evaluate the trigonometric form; arguments as in the module docstring."""
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0
         if c.form != codes.TRIGONOMETRIC:
@@ -152,6 +161,7 @@ def trigonometric(constants, t, t_low, wxyz, rates):
 
 @inlined_entry_point
 def hyperbolic(constants, t, t_low, wxyz, rates):
+    """Evaluate the hyperbolic form; arguments as in the module docstring."""
     for b in range(len(constants)):
         c, k = constants[b], b if len(t) > 1 else 0
         if c.form != codes.HYPERBOLIC:

@@ -1,26 +1,26 @@
 """Splitting integrators: torques between exact free motions, step after step.
 
-A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients in units
-of the step; `attitude.splitting.schemes` holds them.  A kick changes the angular velocity at a
-fixed attitude and epoch by the torque N there; with a coefficient g it also adds g h^3 times the
-torque of the potential -N . I^-1 N (the commutator of torque, free motion and torque again): twice
-the slope of N . y over turns of the body, y = I^-1 N being held, for which each torque has a
-function of y.
+A step is b0 kick, a1 free motion, b1 kick, ..., an free motion, bn kick, the coefficients (of
+`attitude.splitting.schemes`) in units of the step.  A kick changes the angular velocity at a fixed
+attitude and epoch by the torque N there; with a coefficient g it also adds g h^3 times the torque
+of the potential -N . I^-1 N (the commutator of torque, free motion and torque): twice the slope of
+N . y over turns of the body at constant y = I^-1 N, for which each torque has a function of y.
 
-Torques are called by address, so that one compiled loop serves all of them, also those that a
-user wrote.  Each is a C function
+Torques are called by address, so that one compiled loop serves all of them, also those that users
+write.  Each is a C function
 
     void torque(double t, double *wxyz, double *omega, double *given, double *parameters,
                 double *out)
 
 of seconds since the epoch, the attitude body to inertial, the angular velocity over the body axes,
-what was sampled for it at that epoch (a position, say) and its parameters; it fills the torque
-over the body axes.
+the samples for that epoch (such as a position) and its parameters; it fills the torque over the
+body axes.
 
-The loops hand addresses to what they call, never an array (`compilation.pointers`).
+The loops pass addresses to the functions they call, never arrays (`compilation.pointers`).
 """
 
 import math
+from typing import Final
 
 from attitude.compilation.decorators import entry_point, force_inlined, subroutine
 from attitude.compilation.pointers import call, number, put, put_three, scratch, whole
@@ -28,29 +28,30 @@ from attitude.solution import march_layout as layout
 from attitude.solution.given_axes import product, turned_by
 from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
 
-_NOTHING = 0.0, 0.0, 0.0
-# (rad/s)^2; fourth powers of the rate are finite below.
+_ZERO = 0.0, 0.0, 0.0
+# (rad/s)^2; below it, fourth powers of the rate are finite.
 _FASTEST = 1e150
 # Kinds of torques, as in attitude.torques.torque.
-BY_RATE, SLIP = 1, 2
+BY_RATE: Final = 1  # depends on the angular velocity
+SLIP: Final = 2  # turns the body under its momentum
 
 
 @entry_point
 def march(c, scheme, models, state, start, h, steps, given, kept, every):
-    """Take some steps.
+    """Take `steps` steps.
 
     Given
         c        (20,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
         start    s since the epoch; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next
-        every    states are kept after each so many steps
+        every    a state is kept after each `every` steps
     Changed
         state    (14,) as in solution.step, over the principal axes in ascending order
     Filled
         kept     (steps // every, 14)
     Returned
-        what went wrong (or FINE), the seconds at which, and for a step that is too long the turn
+        FINE, BAD_TORQUE or TOO_LONG; the seconds at which; and for TOO_LONG the angle turned
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
@@ -70,17 +71,20 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
 
 @entry_point
 def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
-    """States between steps: whole steps from those that were kept, then a part of one.
+    """States between steps: from kept states by whole steps, then a part of one.
 
     Given
         c, scheme, models, h   as in `march`
         states   (S, 14), starts (S,) s
-        place    (T,) which of these each epoch follows, ascending; steps (T,) whole ones from
-                 there, ascending for each place; parts (T,) s after those, less than a step
+        place    (T,) number of the state before each epoch, ascending
+        steps    (T,) whole steps from there, ascending for each place
+        parts    (T,) s after those, less than a step
         given    (S, most n + 1, columns) samples at the kicks of whole steps
-        within   (T, n + 1, columns) and of the parts
+        within   (T, n + 1, columns) samples at the kicks of the parts
     Filled
         out      (T, 7) wxyz and angular velocity
+    Returned
+        as `march`
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
@@ -93,7 +97,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         if place[i] != at:
             at, done = place[i], 0
             now = loaded(states[at])
-        # whole steps, then a part of one from a state that is kept: one loop, compiled once
+        # whole steps, then a part of one from the state after them: one call, compiled once
         t = starts[at] + done * h
         last = done == steps[i]
         if last:
@@ -120,7 +124,16 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
 
 @entry_point
 def accelerations(c, models, states, times, given, out):
-    """Rates of change of the angular velocity, at states (T, 14) and times (T,): out (T, 3)."""
+    """Angular accelerations at some states.
+
+    Given
+        c, models, given   as in `march`, a row of `given` for each state
+        states   (T, 14), times (T,) s
+    Filled
+        out      (T, 3) rad/s2 over the principal axes
+    Returned
+        as `march`
+    """
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
     work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
@@ -139,7 +152,7 @@ def accelerations(c, models, states, times, given, out):
 
 @subroutine
 def _body(c):
-    """The numbers of `march`, read once."""
+    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle."""
     return (
         (c[layout.MOMENTS], c[layout.MOMENTS + 1], c[layout.MOMENTS + 2]),
         (c[layout.INVERSES], c[layout.INVERSES + 1], c[layout.INVERSES + 2]),
@@ -155,7 +168,7 @@ def _body(c):
 
 @subroutine
 def _torques(models):
-    """The address of `models`, how many, whether one depends on the rates, whether one slips."""
+    """The address of `models`, their number, whether one is BY_RATE, whether one is SLIP."""
     rates = slips = False
     for model in range(len(models)):
         rates = rates or models[model, layout.KIND] == BY_RATE
@@ -165,10 +178,10 @@ def _torques(models):
 
 @force_inlined
 def _step(body, plan, torques, state, t, h, first, row, work, held):
-    """The state after one step, and as in `march`.
+    """The state after one step, and what `march` returns.
 
-    held         whether this step begins where the one before ended, whose last torque work has
-    plan         the address of the scheme, and how many free motions it has
+    held         whether `work` has the torque at the start, left by the step that ended there
+    plan         the address of the scheme, and the number of its free motions
     first, row   address of the samples of the first kick, and bytes to those of the next
     work         address of the scratch memory of the torques: `march_layout`
     """
@@ -213,7 +226,7 @@ def _coefficient(plan, row, j):
 
 @force_inlined
 def _kick(body, torques, state, t, h, cubed, samples, work, held):
-    """The state after torques for h seconds at a fixed attitude, and whether they are numbers."""
+    """The state after h seconds of torques at a fixed attitude, and whether they are finite."""
     _, _, rates, slips = torques
     fine = True
     if slips:
@@ -236,7 +249,7 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
 
 @subroutine
 def _gradient(body, torques, state, t, cubed, samples, work):
-    """The kick by the force gradient, after that by TORQUE in work, which stays."""
+    """The state after the kick by the force gradient of TORQUE, which is kept."""
     n1, n2, n3 = _three(work, layout.TORQUE)
     a, b, d = _accelerations(body, work)
     for k in range(3):
@@ -244,7 +257,7 @@ def _gradient(body, torques, state, t, cubed, samples, work):
         put(work, layout.INPUT_OMEGA + k, row[0] * a + row[1] * b + row[2] * d)
     x = y = z = 0.0
     for model in range(torques[1]):
-        a, b, d = _call(torques, model, layout.SLOPE, t, samples, work)
+        a, b, d = _call_torque(torques, model, layout.SLOPE, t, samples, work)
         x, y, z = x + a, y + b, z + d
     put_three(work, layout.TORQUE, 2.0 * x, 2.0 * y, 2.0 * z)
     fine = _finite(work, layout.TORQUE)
@@ -255,7 +268,7 @@ def _gradient(body, torques, state, t, cubed, samples, work):
 
 @subroutine
 def _set_input(body, state, work, d1, d2, d3):
-    """Store INPUT: the attitude, and the angular velocity plus d, over the body axes."""
+    """Fill INPUT: attitude and angular velocity (plus d) over the body axes."""
     s, matrix = body[2], body[3]
     q, w, _, _ = state
     a, b, c, d = product(q, (s[0], -s[1], -s[2], -s[3]))
@@ -274,8 +287,8 @@ def _entry(torques, model, column):
 
 
 @subroutine
-def _call(torques, model, function, t, samples, work):
-    """The three numbers that FUNCTION or SLOPE of one torque returns for INPUT; in RETURNED too."""
+def _call_torque(torques, model, function, t, samples, work):
+    """Call the function in a column of a torque's row of `models`: its result, from RETURNED."""
     given = samples + layout.ENTRY_BYTES * _entry(torques, model, layout.COLUMN)
     parameters = _entry(torques, model, layout.PARAMETERS)
     wxyz, omega = work + layout.INPUT_WXYZ_BYTES, work + layout.INPUT_OMEGA_BYTES
@@ -286,11 +299,11 @@ def _call(torques, model, function, t, samples, work):
 
 @subroutine
 def _torque(torques, t, samples, work):
-    """Store the sum of the torques in TORQUE; False if it is not finite."""
+    """Fill TORQUE with the sum of the torques; whether it is finite."""
     x = y = z = 0.0
     for model in range(torques[1]):
         if _entry(torques, model, layout.KIND) != SLIP:
-            a, b, c = _call(torques, model, layout.FUNCTION, t, samples, work)
+            a, b, c = _call_torque(torques, model, layout.FUNCTION, t, samples, work)
             x, y, z = x + a, y + b, z + c
     put_three(work, layout.TORQUE, x, y, z)
     return _finite(work, layout.TORQUE)
@@ -304,13 +317,14 @@ def _three(address, k):
 
 @subroutine
 def _finite(address, k):
+    """Whether the doubles k, k + 1, k + 2 at an address are finite."""
     x, y, z = _three(address, k)
     return abs(x) + abs(y) + abs(z) < math.inf
 
 
 @subroutine
 def _accelerations(body, work):
-    """TORQUE in work as rates of change over the principal axes."""
+    """TORQUE as rates of change of the angular velocity over the principal axes."""
     inverse, m = body[1], body[3]
     a, b, c = _three(work, layout.TORQUE)
     return (
@@ -322,13 +336,14 @@ def _accelerations(body, work):
 
 @subroutine
 def _apply(body, state, h, work):
+    """The state after h seconds of TORQUE at a fixed attitude."""
     d1, d2, d3 = _accelerations(body, work)
-    return kicked(state, (h * d1, h * d2, h * d3), _NOTHING)
+    return kicked(state, (h * d1, h * d2, h * d3), _ZERO)
 
 
 @subroutine
 def _by_runge_kutta(body, torques, state, t, h, samples, work):
-    """A torque that depends on the angular velocity: fourth order at the fixed attitude."""
+    """The state after h seconds of torques that depend on the angular velocity, fourth order."""
     x = y = z = 0.0
     a = b = c = 0.0
     for stage in range(4):
@@ -339,12 +354,12 @@ def _by_runge_kutta(body, torques, state, t, h, samples, work):
             return state, False
         a, b, c = _accelerations(body, work)
         x, y, z = x + weight * a, y + weight * b, z + weight * c
-    return kicked(state, (x, y, z), _NOTHING), True
+    return kicked(state, (x, y, z), _ZERO), True
 
 
 @subroutine
 def _slip(body, torques, state, t, h, samples, work):
-    """The body turns under its own momentum, which stays fixed in space; midpoint rule."""
+    """The state after h seconds of the turn of the body at constant momentum; midpoint rule."""
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
     for model in range(torques[1]):
@@ -355,7 +370,7 @@ def _slip(body, torques, state, t, h, samples, work):
             turn = (1.0, 0.0, 0.0, 0.0)
             for stage in range(2):
                 _set_input(body, state, work, dx, dy, dz)
-                v = turned_by(back, _call(torques, model, layout.FUNCTION, t, samples, work))
+                v = turned_by(back, _call_torque(torques, model, layout.FUNCTION, t, samples, work))
                 if not _finite(work, layout.RETURNED):
                     return state, False
                 turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
@@ -365,7 +380,7 @@ def _slip(body, torques, state, t, h, samples, work):
             a, b, c, d = product(q, turn)
             change = a - q[0], b - q[1], c - q[2], d - q[3]
             state = turned(state, change, 0.0, (0.0, 0.0, 0.0, 0.0))
-            state = kicked(state, (dx, dy, dz), _NOTHING)
+            state = kicked(state, (dx, dy, dz), _ZERO)
     return state, True
 
 

@@ -1,9 +1,13 @@
-"""The doors of the solution: constants of many bodies, attitudes of many bodies.
+"""Entry points of the solution: compute the constants of B motions, evaluate them at epochs.
 
 All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
-compiled by itself and only when a state wants it: nested in one function they would be optimised
-anew at every level, for seconds.
+compiled separately and only when a state needs it: nested in one function, they would be optimised
+again at every level, for seconds.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 from attitude.solution import codes, kernel
 from attitude.solution.classify import classify_all, refine_all
@@ -17,20 +21,36 @@ from attitude.solution.constants import solve_all
 from attitude.solution.given_axes import attach_all
 from attitude.solution.uniform import uniform_all
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def prepare_all(moments, wxyz, omega, principal, constants, differences=None, rates=True):
-    """Constants of B motions.
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+
+def prepare_all(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    constants: NDArray[Any],
+    differences: FloatArray | None = None,
+    rates: bool = True,
+) -> int:
+    """Fill the constants of B motions.
 
     Given
         moments    (B, 3, 2) principal moments, pairs
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
-        differences  of one motion, what is known better than from the pairs; or None: B - A,
-                   C - B and D2 as solution.principal has them, (3, 2)
-        rates      whether angular velocities will be asked for
+        differences  (3, 2) B - A, C - B and D2 of a single motion, pairs, where solution.principal
+                   has them to more digits than follow from the pairs above; or None
+        rates      whether the series of the angular velocity are filled too
     Filled
-        constants  (B,) of solution.record.CONSTANTS, zeros at first; fault tells what is wrong
+        constants  (B,) of solution.record.CONSTANTS, zeros at first; `fault` is the code of what
+                   is not physical
     Returned
         how many have a fault
     """
@@ -56,10 +76,17 @@ def prepare_all(moments, wxyz, omega, principal, constants, differences=None, ra
     return faults
 
 
-def evaluate_all(constants, t, t_low, wxyz, rates):
-    """Attitudes, and angular velocities unless rates is None, of B motions: see `kernel`.
+def evaluate_all(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+) -> int:
+    """Fill attitudes, and angular velocities unless rates is None, of B motions: see `kernel`.
 
-    Returned is -1, or a body that was asked for an epoch beyond its reach; then not all are filled.
+    Returned
+        -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
     for form in set(constants["form"].tolist()):
         body = OF_FORM[form](constants, t, t_low, wxyz, rates)
@@ -68,7 +95,7 @@ def evaluate_all(constants, t, t_low, wxyz, rates):
     return -1
 
 
-OF_FORM = {
+OF_FORM: dict[int, Callable[..., int]] = {
     codes.UNIFORM: kernel.uniform,
     codes.TRIGONOMETRIC: kernel.trigonometric,
     codes.HYPERBOLIC: kernel.hyperbolic,

@@ -1,16 +1,17 @@
 """Phases in turns: linear in time without loss, and their sine and cosine.
 
-Everything that grows with time is a phase f t + x0.  Kept in turns, its whole part is removed
-exactly; kept in two doubles, what is left is right to 1e-16 of a turn up to 1e15 turns, and to
-1e-14 of a turn at LONGEST.
+Everything that grows with time is a phase f t + x0.  In turns, its whole part is removed exactly;
+in two doubles, its fraction has an error of 1e-16 of a turn up to 1e15 turns, and 1e-14 at LONGEST.
 """
+
+from typing import Final
 
 from attitude.compilation.decorators import subroutine
 from attitude.compilation.instructions import as_bits, fma, from_bits, rint
 from attitude.solution.twofloat import two_sum
 
-# Beyond, two doubles leave less of the fraction than is worth an answer.
-LONGEST = 5e16
+# In turns.  Later epochs are refused: two doubles leave too few digits of the fraction.
+LONGEST: Final = 5e16
 
 # Least-maximum polynomials on an eighth of a turn: sin 2 pi r = r (2 pi + z S(z)) and
 # cos 2 pi r = 1 + z C(z), z = r^2; largest errors with these coefficients 7e-18 and 1.7e-17.
@@ -50,7 +51,7 @@ _TO_LOW_BITS = 6755399441055744.0
 def phase(rate_hi, rate_lo, start_hi, start_lo, t, t_low, winds):
     """rate (t + t_low) + start less its whole turns, as (hi, lo), and a number of their parity.
 
-    With winds = 0 nothing is taken out (a phase that does not return: the exact separatrix).
+    With winds = 0 no turns are removed: the phase of the exact separatrix does not return.
     """
     p = rate_hi * t
     e = fma(rate_hi, t, -p)
@@ -60,7 +61,7 @@ def phase(rate_hi, rate_lo, start_hi, start_lo, t, t_low, winds):
     # e reaches half an ulp of p, so it is renormalised before lo is treated as small.
     s, lo = two_sum(s - more, e + fma(rate_lo, t, rate_hi * t_low))
     last = winds * rint(s)
-    # The count itself can be too large for a double, what it leaves of an even number is not.
+    # The count can be too large for a double; its difference from an even number is not.
     parity = fma(-2.0, rint(0.5 * turns), turns) + (more + last)
     return s - last, lo + (se + start_lo), parity
 
@@ -87,8 +88,8 @@ def sincos(s, lo):
     # first order in lo
     small = _SIN_1 * lo
     sine, cosine = fma(cosine, small, sine), fma(-sine, small, cosine)
-    # Odd quarter turns swap the two, and bit 1 of the count is the sign: all without a branch,
-    # so that a loop over epochs vectorises.
+    # Odd quarter turns swap the two, and bit 1 of the count is the sign.  Without branches a loop
+    # over epochs is vectorised.
     count = as_bits(quarters + _TO_LOW_BITS)
     odd = (count & 1) == 1
     x = cosine if odd else sine

@@ -1,4 +1,4 @@
-"""Where the dynamic inertia D = L^2/2E lies for given periods, between the separatrix and an axis.
+"""The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis.
 
 Symbols: A <= B <= C the moments.
 """
@@ -15,7 +15,7 @@ _NEAREST, _FARTHEST = -690.0, 40.0
 
 @subroutine
 def _position(z):
-    """y and 1 - y, both with all digits."""
+    """y and 1 - y of z, both with all digits."""
     if z < 0.0:
         e = math.exp(z)
         return e / (1.0 + e), 1.0 / (1.0 + e)
@@ -27,8 +27,8 @@ def _position(z):
 def cycle(a, b, c, long_axis, y, rest):
     """Turns of phi of the long axis in one period of psi, and that period for L = 1.
 
-    D lies the part y of the way from B to A (long-axis mode) or to C (short-axis mode), rest = 1-y.
-    Every difference is a sum of terms of one sign.
+    D is B + y (A - B) in long-axis mode, B + y (C - B) in short-axis mode; rest = 1 - y.  Every
+    difference is a sum of terms of one sign.
 
         <dphi_L/dt> = (L/C) [1 + nu (C-A)/A R_J(0,1-m,1,1+nu) / (3 R_F(0,1-m,1))]
 
@@ -54,10 +54,10 @@ def cycle(a, b, c, long_axis, y, rest):
 
 @entry_point
 def positions_all(moments, long_axis, ratios, out):
-    """Where D lies for given P_psi / P_phi of the long axis: y, 1 - y and P_psi for L = 1.
+    """Fill y, 1 - y and P_psi for L = 1 of given P_psi / P_phi of the long axis.
 
     The ratio falls from infinity on the separatrix to its limit for rotation about the axis, so
-    that there is one D at the most.
+    that there is at most one D.
 
     Given
         moments (N, 3) ascending; long_axis (N,) booleans; ratios (N,)
@@ -74,7 +74,7 @@ def positions_all(moments, long_axis, ratios, out):
         y, rest = _position(low)
         nearest = cycle(a, b, c, long_axis[n], y, rest)[0]
         farthest, period = cycle(a, b, c, long_axis[n], 1.0, 0.0)
-        # Published limits come rounded: within some last places the ratio is its limit.
+        # Published ratios are rounded: one within 1e-14 of the limit counts as the limit.
         if not (ratios[n] < nearest and ratios[n] >= farthest * (1.0 - 1e-14)):
             continue
         if ratios[n] <= farthest:

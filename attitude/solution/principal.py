@@ -1,68 +1,87 @@
-"""Principal axes of a full inertia tensor, to the last bit that a long prediction can want.
+"""Principal axes of a full inertia tensor, to 115 digits.
 
 Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
-axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits would
-not do.  The doubles of a tensor are whole numbers over a power of two, so Jacobi's rotations (Golub
-& Van Loan, Matrix Computations, section 8.5) run here in whole numbers, with 115 digits kept; a
-body is diagonalised once, in a quarter of a millisecond.
+axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
+suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations (Golub &
+Van Loan, Matrix Computations, section 8.5) run here in integers; a body is diagonalised once, in a
+quarter of a millisecond.
 """
 
+from __future__ import annotations
+
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-# Numbers are n / 2**_BITS; results are rounded to _KEPT bits, so that equal moments come out equal.
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from attitude.annotations import FloatArray
+
+# Numbers are n / 2**_BITS; results are rounded to _KEPT bits: equal moments are then equal numbers.
 _BITS = 448
 _KEPT = 384
 _HALF = 1 << (_BITS - 1)
 _ONE = 1 << _BITS
 # Off-diagonal elements below this change no bit that is kept.
-_NOTHING = 1 << (_BITS - _KEPT - 40)
+_NEGLIGIBLE = 1 << (_BITS - _KEPT - 40)
 _SWEEPS = 30
 
 
 class PrincipalAxes(NamedTuple):
-    """Eigenvalues and eigenvectors of one symmetric tensor, numbers over 2**448."""
+    """Eigenvalues and eigenvectors of one symmetric tensor, integers over 2**448.
 
-    exponent: int  # of the power of two that the moments were divided by
-    values: tuple  # the moments, ascending
-    columns: tuple  # of a right-handed matrix, unit vectors, the first two largest upwards
+    Attributes
+    ----------
+    exponent : int
+        The moments are divided by 2**exponent.
+    values : tuple of int
+        The moments, ascending.
+    columns : tuple of tuples of int
+        Unit vectors over the body axes, the columns of a right-handed matrix; the largest
+        component of each is positive, except where that would make the third left-handed.
+    """
+
+    exponent: int
+    values: tuple[int, ...]
+    columns: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(cls, tensor):
-        """Those of a tensor (3, 3) whose doubles are taken as exact."""
+    def of(cls, tensor: FloatArray) -> PrincipalAxes:
+        """The principal axes of a tensor (3, 3) whose doubles are taken as exact."""
         exponent = _exponent_of(tensor.ravel())
-        a = [[_whole(float(x), exponent) for x in row] for row in tensor]
+        a = [[_as_integer(float(x), exponent) for x in row] for row in tensor]
         v = [[_ONE if i == j else 0 for j in range(3)] for i in range(3)]
         _diagonalise(a, v)
-        values = [_kept(a[k][k]) for k in range(3)]
+        values = [_rounded(a[k][k]) for k in range(3)]
         order = sorted(range(3), key=values.__getitem__)
-        columns = _right_handed([[_kept(row[k]) for row in v] for k in order])
+        columns = _right_handed([[_rounded(row[k]) for row in v] for k in order])
         return cls(exponent, tuple(values[k] for k in order), columns)
 
-    def moments(self):
-        """(3, 2) pairs of doubles (hi, lo)."""
+    def moments(self) -> FloatArray:
+        """Principal moments (3, 2), ascending, pairs of doubles in the unit of the tensor."""
         return np.array([_pair(n, self.exponent) for n in self.values])
 
-    def axes(self):
-        """(3, 3, 2) pairs of doubles, the unit vectors being columns."""
+    def axes(self) -> FloatArray:
+        """The matrix (3, 3, 2), pairs of doubles, from principal to body axes: unit columns."""
         pairs = np.array([[_pair(x, 0) for x in column] for column in self.columns])
         return np.ascontiguousarray(np.swapaxes(pairs, 0, 1))
 
-    def rates(self, omega):
+    def rates(self, omega: FloatArray) -> FloatArray:
         """Components (3, 2), pairs of doubles, over the principal axes of a vector (3,)."""
         exponent = _exponent_of(omega)
         return np.array([_pair(n, exponent) for n in self._components(omega, exponent)])
 
-    def differences(self, omega):
-        """What of the moments A <= B <= C and of a rotation only differences tell.
+    def differences(self, omega: FloatArray) -> FloatArray:
+        """Differences that the pairs of `moments` and `rates` have to fewer digits.
 
         Returns
         -------
         (3, 2) array
-            Pairs: B - A, C - B and D2 = L^2 - 2 E B at the angular velocity omega (3,), moments
-            and rates over those powers of two that bring the largest of each into [1/2, 1).
+            Pairs: B - A, C - B and D2 = L^2 - 2 E B for moments A <= B <= C at the angular velocity
+            omega (3,), moments and rates divided by the powers of two that bring the largest of
+            each into [1/2, 1).
         """
         least, middle, greatest = self.values
         x, y, z = (abs(n) for n in self._components(omega, _exponent_of(omega)))
@@ -78,24 +97,25 @@ class PrincipalAxes(NamedTuple):
             ]
         )
 
-    def _components(self, omega, exponent):
-        w = [_whole(float(x), exponent) for x in omega]
-        return [_kept(sum(map(_times, column, w))) for column in self.columns]
+    def _components(self, omega: FloatArray, exponent: int) -> list[int]:
+        """Components of a vector, over 2**exponent, over the principal axes."""
+        w = [_as_integer(float(x), exponent) for x in omega]
+        return [_rounded(sum(map(_times, column, w))) for column in self.columns]
 
 
-def _diagonalise(a, v):
+def _diagonalise(a: list[list[int]], v: list[list[int]]) -> None:
     """Turn the columns of v until a, in these axes, is diagonal."""
     for _ in range(_SWEEPS):
         busy = False
         for p, q in ((0, 1), (0, 2), (1, 2)):
-            if abs(a[p][q]) > _NOTHING:
+            if abs(a[p][q]) > _NEGLIGIBLE:
                 _rotate(a, v, p, q)
                 busy = True
         if not busy:
             return
 
 
-def _rotate(a, v, p, q):
+def _rotate(a: list[list[int]], v: list[list[int]], p: int, q: int) -> None:
     """Turn axes p and q so that a[p][q] vanishes."""
     off = a[p][q]
     ratio = ((a[q][q] - a[p][p]) << (_BITS - 1)) // off
@@ -118,8 +138,8 @@ def _rotate(a, v, p, q):
         row[q] = _times(sine, x) + _times(cosine, y)
 
 
-def _right_handed(columns):
-    """Eigenvectors with their largest components positive, save where the third cannot be."""
+def _right_handed(columns: list[list[int]]) -> tuple[tuple[int, ...], ...]:
+    """Eigenvectors with positive largest components, the third reversed if left-handed."""
     for column in columns:
         if max(column, key=abs) < 0:
             column[:] = [-x for x in column]
@@ -129,28 +149,31 @@ def _right_handed(columns):
     return tuple(map(tuple, columns))
 
 
-def _exponent_of(values):
+def _exponent_of(values: Iterable[float]) -> int:
+    """The exponent of 2 that brings the largest magnitude into [1/2, 1)."""
     return math.frexp(max(abs(float(x)) for x in values))[1]
 
 
-def _whole(x, exponent):
-    """x / 2**exponent as a whole number over 2**_BITS."""
+def _as_integer(x: float, exponent: int) -> int:
+    """x / 2**exponent as an integer over 2**_BITS."""
     part, power = math.frexp(x)
     shift = power - exponent + _BITS - 53
     whole = int(part * 2.0**53)
     return whole << shift if shift >= 0 else (whole + (1 << (-shift - 1))) >> -shift
 
 
-def _times(a, b):
+def _times(a: int, b: int) -> int:
+    """The product, rounded to 2**-_BITS."""
     return (a * b + _HALF) >> _BITS
 
 
-def _kept(n):
+def _rounded(n: int) -> int:
+    """n rounded to _KEPT bits after the binary point."""
     spare = _BITS - _KEPT
     return ((n + (1 << (spare - 1))) >> spare) << spare
 
 
-def _pair(n, exponent):
+def _pair(n: int, exponent: int) -> tuple[float, float]:
     """n / 2**_BITS times 2**exponent as the sum of two doubles."""
     high = float(n)
     low = float(n - int(high))

@@ -1,4 +1,4 @@
-"""What one body's motion is reduced to: a record of plain numbers that the kernels read.
+"""The constants of one motion: a record of numbers.
 
 The stages of `solution.motion` fill it, `solution.kernel` reads it.  Rates are in turns per second,
 phases in turns, pairs are (hi, lo).
@@ -6,12 +6,12 @@ phases in turns, pairs are (hi, lo).
 
 import numpy as np
 
-CONSTANTS = np.dtype(
+CONSTANTS: np.dtype[np.void] = np.dtype(
     [
-        ("fault", "i8"),  # codes.FINE, or why there is no motion
+        ("fault", "i8"),  # codes.FINE, or what is not physical
         ("mode", "i8"),  # codes.AT_REST .. codes.SHORT_AXIS
         ("form", "i8"),  # codes.UNIFORM, TRIGONOMETRIC or HYPERBOLIC
-        ("circulates", "i8"),  # which given moment belongs to the internal third axis; -1: none
+        ("circulates", "i8"),  # number of the moment of the internal third axis; -1: none
         # the state, scaled by powers of two; pairs
         ("moments", "f8", (3, 2)),
         ("omega", "f8", (3, 2)),
@@ -19,15 +19,15 @@ CONSTANTS = np.dtype(
         ("gaps", "f8", (2, 2)),  # of the ascending moments: second less first, third less second
         ("jacobi", "i8", 4),  # first and second internal axis; 1 where the first, third is reversed
         ("d2", "f8", 2),  # L^2 - 2 E I2: signed at first, then its magnitude
-        ("cancelled", "i8"),  # 1 where D2 was formed exactly, its terms nearly cancelling
+        ("cancelled", "i8"),  # 1 where the terms of D2 nearly cancel: it is computed exactly
         ("tempo", "i8"),  # rates were scaled by 2**-tempo
         # phases: precession g t, half of the turns of phi + psi; nutation x = f t + x0, the turns
         # of psi (hyperbolic: 2 x; on the exact separatrix y = (wp t + eps) / 2 in rad)
         ("precession", "f8", 2),
         ("nutation", "f8", 2),
         ("nutation0", "f8", 2),
-        ("winds", "f8"),  # 1 if whole half turns are taken out of 2 x, 0 on the exact separatrix
-        # what the series are made from: T = 2 K'/K, eta / K', sqrt(1 - n), sqrt((1 - l) / (1 + l))
+        ("winds", "f8"),  # 1 if whole half turns are removed from 2 x, 0 on the exact separatrix
+        # parameters of the series: T = 2 K'/K, eta / K', sqrt(1 - n), sqrt((1 - l) / (1 + l))
         ("stretch", "f8"),
         ("fraction", "f8"),
         ("root", "f8"),
@@ -46,7 +46,7 @@ CONSTANTS = np.dtype(
         # and the internal axes in the given ones
         ("rates", "f8", (4, 5)),
         ("axes", "f8", (3, 3)),
-        # kept for questions about the motion
+        # for solution.regimes and the methods of a motion
         ("psi_rate", "f8"),  # mean turns per second of the third Euler angle (3-1-3), signed
         ("phi_rate", "f8"),  # and of the first
         ("m", "f8"),

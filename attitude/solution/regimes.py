@@ -1,4 +1,4 @@
-"""What a motion is like, as numbers: periods, ranges and times of its regime.
+"""Periods, ranges and times of motions.
 
 Symbols: A <= B <= C the moments, D = L^2/2E the dynamic inertia.  In Jacobi order (section 3 of van
 Zon & Schofield 2006) the third axis is the one about which the momentum circulates: that of A in
@@ -17,7 +17,7 @@ from attitude.solution.constants import jacobi
 from attitude.solution.twofloat import HALF_PI, absolute, less, pair, sub
 
 # Rates are in turns per second, angles in rad, speeds in rad/s, times in s.
-REGIME = np.dtype(
+REGIME: np.dtype[np.void] = np.dtype(
     [
         ("mode", "i8"),
         ("circulates", "i8"),  # 1 about the short axis, -1 about the long one, 0 about neither
@@ -50,7 +50,7 @@ _TAIL = 42.0
 
 @entry_point
 def modes_all(constants, modes):
-    """Fill the codes (B,) of B states of which D2 is known (solution.classify)."""
+    """Fill the codes (B,) of the modes of B states with D2 (solution.classify)."""
     for b in range(len(constants)):
         c = constants[b]
         if c.form != codes.UNIFORM:
@@ -63,8 +63,10 @@ def regimes_all(moments, constants, out):
     """Fill the regimes (B,) of B states.
 
     Given
-        moments    (B, 3, 2) pairs, as the constants were made from
-        constants  (B,)
+        moments    (B, 3, 2) pairs, from which the constants were computed
+        constants  (B,) records (solution.record)
+    Filled
+        out        (B,) of REGIME
     """
     for b in range(len(out)):
         c, o = constants[b], out[b]
@@ -80,6 +82,7 @@ def regimes_all(moments, constants, out):
 
 @subroutine
 def _shared(inertia, c, o):
+    """Fill what is the same formula in every mode; `inertia` is the exponent of the moments."""
     energy = square = largest = speed = 0.0
     for k in range(3):
         i, w = c.moments[k, 0], c.omega[k, 0]
@@ -96,6 +99,7 @@ def _shared(inertia, c, o):
 
 @subroutine
 def _at_rest(o):
+    """Fill the limits for no rotation."""
     o.circulates = 0
     o.m, o.mc = 0.0, 1.0
     o.psi_rate = o.phi_rate_long = o.phi_rate_short = 0.0
@@ -108,7 +112,7 @@ def _at_rest(o):
 
 @subroutine
 def _uniform(c, o):
-    """Constant angular velocity: what a vanishing wobble about it would have."""
+    """Fill the limits, for a vanishing wobble, of a constant angular velocity."""
     p, r = 0, 2  # the long and the short axis; equal moments in the order given
     for k in range(3):
         if less(pair(c.moments[k]), pair(c.moments[p])):
@@ -156,6 +160,7 @@ def _uniform(c, o):
 
 @subroutine
 def _tumbling(c, o):
+    """Fill periods and ranges of a motion in Jacobi order."""
     one, two = c.jacobi[0], c.jacobi[1]
     three = 3 - one - two
     first, second, third = pair(c.moments[one]), pair(c.moments[two]), pair(c.moments[three])
@@ -184,7 +189,7 @@ def _tumbling(c, o):
     momentum = math.hypot(math.hypot(i1 * w1, i2 * w2), i3 * w3)
     momentum = math.ldexp(momentum, c.tempo)
     rate1, rate2, rate3 = momentum / i1, momentum / i2, momentum / i3
-    # Of the other extreme axis both ends come near, but on the separatrix, where it stops halfway.
+    # Both ends of the other extreme axis come as near; on the separatrix it stops halfway.
     low = 0.5 * math.pi - least
     high = 0.5 * math.pi if separatrix else 0.5 * math.pi + least
     if long_axis:
@@ -214,6 +219,7 @@ def _tumbling(c, o):
 
 @subroutine
 def _between(field, x, y):
+    """Fill a range with its least and greatest value."""
     field[0], field[1] = min(x, y), max(x, y)
 
 
@@ -221,9 +227,12 @@ def _between(field, x, y):
 def mean_speeds(regimes, out):
     """Fill the time averages (N,) of the magnitude of the angular velocity, rad/s.
 
-    It goes as sqrt(s0^2 cn^2 + s1^2 sn^2).  In x = ln tan(am u) the average is an integral over
-    the whole line of a function that is analytic for |Im x| < pi/2, whatever the modulus: the
+    The magnitude is sqrt(s0^2 cn^2 + s1^2 sn^2).  In x = ln tan(am u) the average is an integral
+    over the whole line of a function that is analytic for |Im x| < pi/2 at any modulus: the
     trapezoidal sum has all digits, also where the period is 1e100 flips long.
+
+    Given
+        regimes  (N,) of REGIME
     """
     for b in range(len(out)):
         o = regimes[b]

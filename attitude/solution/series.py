@@ -1,7 +1,7 @@
-"""The internal motion at given phases: what the theta functions give, before any frame.
+"""The internal motion at given phases, from the series of the theta functions.
 
-Straight-line arithmetic on doubles without calls or branches, so that the loops over epochs that
-contain it vectorise.  The attitude of internal axes to the frame whose z axis is the angular
+Straight-line arithmetic on doubles without calls or branches, so that LLVM vectorises the loops
+over epochs.  The attitude of internal axes to the frame whose z axis is the angular
 momentum is the pair alpha = w + i z, beta = x + i y of the Cayley-Klein form of van Zon &
 Schofield's solution; the pair is not normalised here.  Coefficients are tuples, lowest power
 first.
@@ -17,27 +17,31 @@ _TINY = 1e-300
 
 @subroutine
 def four(row):
+    """The first four entries of an array as a tuple."""
     return row[0], row[1], row[2], row[3]
 
 
 @subroutine
 def quadratic(c, x):
+    """c0 + c1 x + c2 x^2."""
     return fma(fma(c[2], x, c[1]), x, c[0])
 
 
 @subroutine
 def cubic(c, x):
+    """c0 + ... + c3 x^3."""
     return fma(fma(fma(c[3], x, c[2]), x, c[1]), x, c[0])
 
 
 @subroutine
 def quartic(c, x):
+    """c0 + ... + c4 x^4."""
     return fma(fma(fma(fma(c[4], x, c[3]), x, c[2]), x, c[1]), x, c[0])
 
 
 @subroutine
 def turned(pair, sine, cosine):
-    """Both members times cosine + i sine: a turn about the angular momentum."""
+    """Both members of a pair (4) times cosine + i sine: a turn about the angular momentum."""
     ar, ai, br, bi = pair
     return (
         fma(ar, cosine, -ai * sine),
@@ -49,7 +53,7 @@ def turned(pair, sine, cosine):
 
 @subroutine
 def trigonometric_pair(alpha, beta, sine, cosine):
-    """theta4 and theta1 of v + i delta, nome Q, from sine and cosine of v."""
+    """The pair (4), theta4 and theta1 of v + i delta, nome Q, from sine and cosine of v."""
     double_cosine = fma(-2.0 * sine, sine, 1.0)
     double_sine = 2.0 * sine * cosine
     return (
@@ -62,7 +66,7 @@ def trigonometric_pair(alpha, beta, sine, cosine):
 
 @subroutine
 def trigonometric_rates(rates, sine, cosine):
-    """Angular velocity over the internal axes: theta quotients of v, nome q."""
+    """Angular velocity (3), rad/s over the internal axes: theta quotients of v, nome q."""
     double_cosine = fma(-2.0 * sine, sine, 1.0)
     over = 1.0 / quartic(rates[3], double_cosine)
     return (
@@ -81,7 +85,7 @@ def hyperbolic_arguments(dx, decay, nome):
 
 @subroutine
 def hyperbolic_pair(alpha, ratio, dx, half_turns, arguments):
-    """alpha and beta times 2 exp(-|y|).
+    """The pair (4) alpha, beta times 2 exp(-|y|).
 
     The two series of alpha are Q'^(n^2) times cos and sin of (2n + 1) d; those of beta alternate
     in sign, which is F -> -F and G -> -G.
@@ -98,7 +102,7 @@ def hyperbolic_pair(alpha, ratio, dx, half_turns, arguments):
 
 @subroutine
 def hyperbolic_rates(rates, dx, half_turns, arguments):
-    """Angular velocity over the internal axes: theta quotients of 2 i y, nome Q'^2."""
+    """Angular velocity (3), rad/s over the internal axes: theta quotients of 2 i y, nome Q'^2."""
     e, f, g = arguments
     f2, g2, e2 = f * f, g * g, e * e
     over = 1.0 / fma(e2, quadratic(rates[3], g2), quadratic(rates[3], f2))
@@ -115,5 +119,5 @@ def hyperbolic_rates(rates, dx, half_turns, arguments):
 
 @subroutine
 def _with_sign_of(x, y):
-    """x, its sign changed where y is negative."""
+    """x, with its sign changed if y is negative."""
     return from_bits(as_bits(x) ^ (as_bits(y) & _SIGN))

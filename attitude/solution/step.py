@@ -1,9 +1,9 @@
 """The exact free rotation over a short time, for integrators that split torques off.
 
-The closed form of `solution.constants` costs a microsecond to set up, pays for itself after a few
-epochs, and treats each regime apart.  A splitting scheme needs one epoch from every state; here is
-the same exact solution for that: no set-up, no regimes, no elliptic integral, the same arithmetic
-from a sphere to a needle and across the separatrix.
+The constants of `solution.constants` take a microsecond, and differ between regimes.  A splitting
+scheme needs one epoch from every state: this form of the exact solution has no constants, no
+regimes and no elliptic integrals, and is the same arithmetic from a sphere to a needle and across
+the separatrix.
 
 Angular velocity.  For moments in ascending order I1 <= I2 <= I3 and w1' = k1 w2 w3 and so on, with
 k1 = (I2 - I3)/I1, the addition theorems of the Jacobi functions (DLMF 22.8) read
@@ -13,33 +13,34 @@ k1 = (I2 - I3)/I1, the addition theorems of the Jacobi functions (DLMF 22.8) rea
     w3(t) = (w3 c1 + w3' S c3) / d        c3^2 = 1 - e3 S^2,  e3 = -k1 k2 w3^2 + k1 k3 w2^2
 
 where S(t) = sn(r t)/r, r^2 = max(e1, e3), solves S' = c1 c3, S(0) = 0.  Every coefficient is a sum
-of terms of one sign (-k2 k3, k1 k3, -k1 k2 >= 0), nothing is divided by a number that can vanish,
-and S is a short power series for short times.
+of terms of one sign (-k2 k3, k1 k3, -k1 k2 >= 0), no divisor can vanish, and S is a short power
+series for short times.
 
 Attitude.  The momentum is fixed in space, so the turn from the body axes at t to those at 0 is
-the least turn p that carries its direction l(t) to l(0) = l0, followed by a turn about l0 by chi.
+the least turn p from its direction l(t) to l(0) = l0, followed by a turn about l0 by chi.
 Together they are the quaternion
 
     (cos(chi/2) (1 + l0 . l),  sin(chi/2) (l0 + l) + cos(chi/2) (l - l0) x l0) / |l0 + l|
 
-and the part of w that the least turn leaves, which moves at right angles to l0 + l, tells chi:
+and chi follows from the part of w that is not in the least turn, at right angles to l0 + l:
 
     chi' = (w . l + w(t) . l0) / (1 + l . l0) = 2 T/L + (w(t) . l0 - (2 T/L) l . l0) / (1 + l . l0)
 
-The second term sums up to the area on the unit sphere between the path of l and the arc that closes
-it (Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's rule with
-weight S^2 find it to rounding: in S, by dt = dS/(c1 c3), since then nothing but square roots is
-taken at the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43,
+The integral of the second term is the area on the unit sphere between the path of l and the arc
+that closes it (Montgomery 1991, Am. J. Phys. 59, 394).  It grows as t^3, so four points of Gauss's
+rule with weight S^2 give it to rounding, over S by dt = dS/(c1 c3): then only square roots are
+needed at the points.  It is the third elliptic integral of van Zon & Schofield (2006), eq. 3.43,
 without its poles.
 
-All of it is formed as increments, whose error is that of rounding times the angle turned: summed
-with compensation (`advance`), a thousand short steps are as good as one.
+All results are increments, whose error is that of rounding times the angle turned: summed with
+compensation (`advance`), a thousand short steps are as accurate as one.
 
-A step waits for its longest chain of operations rather than for their number, so polynomials are
-in powers that double, and what only corrects a rounding goes to the lower halves of the sums.
+The time of a step is that of its longest chain of operations, so polynomials are evaluated in
+powers that double, and corrections of rounding are added to the lower halves of the sums.
 """
 
 import math
+from typing import Final
 
 from attitude.compilation.decorators import force_inlined, subroutine
 from attitude.compilation.instructions import fma
@@ -48,11 +49,11 @@ from attitude.solution.given_axes import product
 from attitude.solution.phases import sincos
 from attitude.solution.twofloat import quick_two_sum, two_prod, two_sum
 
-# What one increment may cover: the change of the state over it, as an angle (see `pieces`).
+# The largest change of the state over one increment, as an angle (see `pieces`).
 # Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
-LONGEST_PIECE = 0.1
-# Momenta below the root of this (moments at most 1) come from rates that turn a body so little in
-# any time that their square is nothing.
+LONGEST_PIECE: Final = 0.1
+# Momenta below the square root of this (moments at most 1) turn a body so little in any time that
+# the square of the angle is below a rounding.
 _NO_MOMENTUM = 1e-150
 # Gauss-Jacobi on (0, 1) with weight x^2, four points; their squares; weights over the squares.
 _POINTS = 0.20414858210322714, 0.4829527048956325, 0.7613992624481377, 0.9514994505530027
@@ -94,12 +95,12 @@ def gains(moments):
 
 @force_inlined
 def rates(k, w):
-    """What the free motion from w is made of: w', then e1, e3 and kappa = k1 k3 w2^2 in pairs.
+    """Coefficients of the free motion from w: w', then e1, e3 and kappa = k1 k3 w2^2 in pairs.
 
-    Rounding with a mean drives energy and momentum: what is even in h does not average out.  The
-    product of a constant and a double has one (0.8 n has five fractions only), and so has a sum
-    that loses the same small term each time.  So products with the k are kept in pairs until a
-    rate is in them twice, and h enters by S alone: any S whatever is on the exact motion.
+    Rounding errors with a nonzero mean make energy and momentum drift: those even in h do not
+    average out.  The product of a constant and a double has a mean (0.8 n has only five fractions),
+    and so has a sum that loses the same small term each time.  So products with the k stay pairs
+    until a rate is in them twice, and h enters through S alone: every S is on the exact motion.
     """
     k1, k2, k3 = k
     w1, w2, w3 = w
@@ -111,10 +112,10 @@ def rates(k, w):
 
 @subroutine
 def _speed(w, rate):
-    """|w|^2, and that times the square of how fast the state changes, as an angle over time.
+    """|w|^2, and |w|^2 times the square of the rate of change of the state, an angle over time.
 
-    What limits a piece is how far the angular velocity moves over the body, not how far the body
-    turns: a sphere, or any body that spins about an axis, takes one piece at any h.
+    A piece is limited by the motion of the angular velocity over the body, not by the turn of the
+    body: a sphere, or any body that spins about an axis, takes one piece at any h.
     """
     (r1, r2, r3), e1, e3, _ = rate
     size = fma(w[0], w[0], fma(w[1], w[1], w[2] * w[2]))
@@ -123,7 +124,7 @@ def _speed(w, rate):
 
 @subroutine
 def pieces(k, w, h):
-    """In how many equal pieces a free motion of h seconds is to be taken, at least one."""
+    """The number of equal pieces, at least one, of a free motion of h seconds."""
     size, speed = _speed(w, rates(k, w))
     if not speed > 0.0:
         return 1
@@ -137,11 +138,12 @@ def increment(moments, w, rate, h):
     Given
         moments   (3) in ascending order, any unit in which the largest is about 1; above zero
         w         (3) rad/s over the principal axes
-        rate      of it: `rates`
+        rate      `rates` of w
     Returned
         turn      (4) s, x, y, z: q(t) = q(0) (1 + s; x, y, z), a unit quaternion but for rounding
         change    (3) w(t) - w
-        n, rest   what rounding left out: q(t) is longer by n of itself; and of w(t) - w, (3)
+        n, rest   rounding errors: 1 + n is the factor that makes q(t) of unit length; (3) to be
+                  added to w(t) - w
     """
     i1, i2, i3 = moments
     w1, w2, w3 = w
@@ -155,7 +157,7 @@ def increment(moments, w, rate, h):
     hh = h * h
     s = fma(h, _sine(hh * e1[0], hh * e3[0]), h)
 
-    # chi/2: in turns the part that is linear in time, in radians the area
+    # chi/2: the part that is linear in time in turns, the area in radians
     over, inverse = 1.0 / math.sqrt(square), 1.0 / square
     energy = fma(m1, w1, fma(m2, w2, m3 * w3))
     sine, cosine = sincos(energy * h * over * _OVER_4_PI, 0.0)
@@ -178,20 +180,20 @@ def increment(moments, w, rate, h):
     x = fma(sine, fma(2.0, m1, d1), cosine * p1)
     y = fma(sine, fma(2.0, m2, d2), cosine * p2)
     z = fma(sine, fma(2.0, m3, d3), cosine * p3)
-    # Unit length: a million steps would drift by a bias in s.
+    # To unit length: over a million steps a bias in s would accumulate.
     n = -0.5 * (fma(s, s, 2.0 * s) + fma(x, x, fma(y, y, z * z)))
     return (s, x, y, z), change, n, rest
 
 
 @force_inlined
 def _area(moments, m, w, rate, s, inverse, ratio):
-    """L / S(h) times the area that the path of l leaves, from w and its momenta m over the body.
+    """L / S(h) times the area of the path of l, from w and the momenta m over the body.
 
     At each point, times d: with u = c - 1,
         w(t) . l0 - (2 T/L) l . l0 = u1 (S b1 + u3 a2 - a1) + u3 (S b3 - a3)
         1 + l . l0 = 2 - kappa S^2 + u1 (S f1 + u3 g2 + g2 + g3) + u3 (S f3 + g1 + g2)
     where a = v w, b = v w', f = j w', g = j w, v = m (1 - ratio I), j = m I/L^2, ratio = 2 T/L^2.
-    The missing terms are sums that vanish: of m w', of a, of I m w'.
+    The sums of m w', of a and of I m w', which vanish, are left out.
     """
     i1, i2, i3 = moments
     m1, m2, m3 = m
@@ -215,13 +217,14 @@ def _area(moments, m, w, rate, s, inverse, ratio):
 
 @force_inlined
 def _change(w, rate, s):
-    """w(t) - w at S = s, and what its rounding left out."""
+    """w(t) - w at S = s, and its rounding error."""
     w1, w2, w3 = w
     (r1, r2, r3), e1, e3, kappa = rate
     ss, less = two_prod(s, s)
     a1, a3, g = e1[0] * ss, e3[0] * ss, kappa[0] * ss
     u1, u3 = _root_less_one(a1), _root_less_one(a3)
-    # u1 and u3 do not change along a free motion: no product or sum of theirs is rounded alone
+    # u1 and u3 are the same at each step of a free motion: their rounding errors would have a mean,
+    # so no product or sum of u1 and u3 alone is rounded
     r1, r2, r3 = r1 * s, r2 * s, r3 * s
     n1 = fma(r1, u1, fma(w1, u3, fma(w1, g, r1)))
     n2 = fma(w2, u3, fma(w2, u1, fma(w2 * u1, u3, fma(w2, g, r2))))
@@ -240,7 +243,7 @@ def _change(w, rate, s):
 
 @subroutine
 def _left_out(e, ss, less, a, u):
-    """What u, about sqrt(1 - e (ss + less)) - 1, leaves out; a is e ss rounded."""
+    """The error of u as sqrt(1 - e (ss + less)) - 1; a is e ss rounded."""
     # u^2 + 2 u + a = 0; 2 u + a is exact
     rest = fma(u, u, fma(2.0, u, a)) + (fma(e[0], ss, -a) + fma(e[0], less, e[1] * ss))
     # over 2 (1 + u)
@@ -263,7 +266,7 @@ def _times(a, x):
 
 @subroutine
 def _sum(a, b):
-    """Of pairs of one sign."""
+    """The sum of two pairs of one sign."""
     s, low = two_sum(a[0], b[0])
     return s, low + (a[1] + b[1])
 
@@ -298,7 +301,7 @@ def _over_root(a):
 
 @subroutine
 def loaded(row):
-    """A state from a row of 14: wxyz and angular velocity, then the same again in lower halves."""
+    """A state from a row of 14: wxyz and angular velocity, then their lower halves."""
     return (
         (row[0], row[1], row[2], row[3]),
         (row[4], row[5], row[6]),
@@ -309,7 +312,7 @@ def loaded(row):
 
 @subroutine
 def stored(state, row):
-    """The opposite of `loaded`."""
+    """A state into a row of 14: the inverse of `loaded`."""
     q, w, q_low, w_low = state
     for n in range(4):
         row[n], row[7 + n] = q[n], q_low[n]
@@ -322,8 +325,8 @@ def advance(moments, k, h, state):
     """The state after h seconds of free rotation.
 
     Given
-        state   (4) wxyz, (3) angular velocity over the principal axes, and the same again: what
-                their doubles leave out
+        state   (4) wxyz, (3) angular velocity over the principal axes, (4) and (3) their lower
+                halves
     """
     rate = rates(k, state[1])
     size, speed = _speed(state[1], rate)
@@ -341,19 +344,16 @@ def advance(moments, k, h, state):
 
 @force_inlined
 def _moved(state, by):
-    """A state and an increment."""
+    """A state plus an increment."""
     q, _, low, _ = state
     turn, change, n, rest = by
-    # What n adds to the lower half is the same from step to step, and turns with the rest.
+    # n is nearly the same from step to step: it goes into the lower half, which turns with q.
     return kicked(turned(state, product(q, turn), n, product(low, turn)), change, rest)
 
 
 @subroutine
 def turned(state, change, n, rest):
-    """A state with a change, and what that leaves out, added to its quaternion.
-
-    It is then made longer by n of itself.
-    """
+    """A state whose quaternion is changed by (change + rest), then multiplied by 1 + n."""
     q, w, low, w_low = state
     a, e = _add(q[0], low[0], change[0])
     b, f = _add(q[1], low[1], change[1])
@@ -370,7 +370,7 @@ def turned(state, change, n, rest):
 
 @subroutine
 def kicked(state, change, rest):
-    """A state with a change, and what that leaves out, added to its angular velocity."""
+    """A state whose angular velocity is changed by (change + rest)."""
     q, w, q_low, low = state
     a, d = _add(w[0], low[0], change[0])
     b, e = _add(w[1], low[1], change[1])
@@ -380,8 +380,9 @@ def kicked(state, change, rest):
 
 @subroutine
 def _add(x, low, change):
-    """Compensated: what rounding leaves out of x is kept, and of `low` what the change is too
-    large for; for a change still smaller than that, to a rounding of it.
+    """x + low + change as a sum and its error: compensated summation.
+
+    The error is exact if |change| >= |low|, else right to a rounding of the change.
     """
     change, lost = quick_two_sum(change, low)
     x, left = two_sum(x, change)

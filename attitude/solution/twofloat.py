@@ -33,7 +33,7 @@ def two_sum(a, b):
 
 @subroutine
 def two_prod(a, b):
-    """a b exactly, short of underflow."""
+    """a b exactly, unless it underflows."""
     p = a * b
     return p, fma(a, b, -p)
 
@@ -53,17 +53,19 @@ def put(row, a):
 
 @subroutine
 def neg(a):
+    """-a."""
     return -a[0], -a[1]
 
 
 @subroutine
 def absolute(a):
+    """|a|."""
     return neg(a) if a[0] < 0.0 else a
 
 
 @subroutine
 def add(a, b):
-    """a + b; relative error 3 u^2 whatever the signs (AccurateDWPlusDW)."""
+    """a + b; relative error 3 u^2 for any signs (AccurateDWPlusDW)."""
     s, e = two_sum(a[0], b[0])
     t, f = two_sum(a[1], b[1])
     s, e = quick_two_sum(s, e + t)
@@ -72,6 +74,7 @@ def add(a, b):
 
 @subroutine
 def sub(a, b):
+    """a - b; relative error 3 u^2 for any signs."""
     return add(a, neg(b))
 
 
@@ -91,6 +94,7 @@ def scale(a, x):
 
 @subroutine
 def square(a):
+    """a a; relative error 6 u^2."""
     p, e = two_prod(a[0], a[0])
     return quick_two_sum(p, fma(2.0 * a[0], a[1], e))
 
@@ -116,11 +120,13 @@ def sqrt(a):
 
 @subroutine
 def less(a, b):
+    """Whether a < b."""
     return a[0] < b[0] or (a[0] == b[0] and a[1] < b[1])
 
 
 @subroutine
 def same(a, b):
+    """Whether a == b."""
     return a[0] == b[0] and a[1] == b[1]
 
 
@@ -131,7 +137,7 @@ def same(a, b):
 
 @subroutine
 def added(row, n, x):
-    """Add x exactly to the expansion row[:n]; the number of its parts afterwards."""
+    """Add x exactly to the expansion row[:n]; returns the number of its parts afterwards."""
     kept = 0
     for i in range(n):
         x, e = two_sum(x, row[i])
@@ -146,7 +152,7 @@ def added(row, n, x):
 
 @subroutine
 def product_added(row, n, w, x, y, z):
-    """Add the product of four doubles exactly, which has eight parts."""
+    """Add the product of four doubles (eight parts) exactly; returns the number of parts."""
     p, e = two_prod(w, x)
     for wx in (p, e):
         q, f = two_prod(wx, y)
@@ -159,7 +165,7 @@ def product_added(row, n, w, x, y, z):
 
 @subroutine
 def rounded(row, n):
-    """The expansion as a pair of doubles, to 32 digits: no part cancels a larger one."""
+    """The expansion row[:n] as a pair, to 32 digits: no part cancels a larger one."""
     total = (0.0, 0.0)
     for i in range(n):
         total = add(total, (row[i], 0.0))

@@ -1,4 +1,4 @@
-"""States that rotate about a fixed axis: spheres, principal axes, rest."""
+"""Constants of rotations about a fixed axis: spheres, principal axes, rest."""
 
 import math
 
@@ -11,9 +11,13 @@ from attitude.solution.twofloat import TWO_PI, add, div, less, pair, sqrt, squar
 
 @entry_point
 def uniform_all(wxyz, principal, constants):
-    """Constants of those of B motions whose angular velocity is constant.
+    """Fill the constants of those of B motions whose angular velocity is constant.
 
-    q(t) = q(0) (cos + sin of half the angle times the unit axis): two columns of `frame`.
+    q(t) = q(0) (cos + sin of half the angle times the unit axis): two rows of `frame`.
+
+    Given
+        wxyz       (B, 4) body to inertial at the epoch, of any length
+        principal  (1 or B, 4) principal axes to given body axes
     """
     for b in range(len(constants)):
         c = constants[b]
@@ -24,6 +28,7 @@ def uniform_all(wxyz, principal, constants):
 
 @subroutine
 def _turn(wxyz, principal, c):
+    """Fill attitude, axis and rate of the turn."""
     x, y, z = pair(c.omega[0]), pair(c.omega[1]), pair(c.omega[2])
     speed = sqrt(add(add(square(x), square(y)), square(z)))
     turns = div(speed, TWO_PI)
@@ -42,7 +47,7 @@ def _turn(wxyz, principal, c):
 
 @subroutine
 def _periods(c):
-    """Those of a vanishing wobble about the same axis."""
+    """Fill the rates of psi and phi of a vanishing wobble about the axis."""
     c.circulates = -1
     turns = 2.0 * c.precession[0]
     psi, phi = 0.0, turns

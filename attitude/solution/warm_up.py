@@ -1,9 +1,11 @@
-"""Compilation ahead of use, by two processes side by side.
+"""Compilation ahead of use, by two processes in parallel.
 
-Numba compiles one function at a time in a process.  All that a propagation may want is divided
-here into two halves that take about as long; called for no bodies, each is only compiled, or read
-from the disk cache, where the other process finds it.
+Numba compiles one function at a time in a process.  The functions that a propagation may need are
+divided into two groups that take about as long.  Each function is called for no bodies, which
+compiles it or loads it from the disk cache, where both processes find it afterwards.
 """
+
+from __future__ import annotations
 
 import os
 import subprocess
@@ -16,10 +18,10 @@ from attitude.compilation.deferral import uncollected
 from attitude.solution.record import CONSTANTS
 
 
-def compile_ahead():
-    """Compile what is not in the disk cache; on a single core nothing is done before it is used.
+def compile_ahead() -> None:
+    """Compile the functions that are not in the disk cache; on a single core, do nothing.
 
-    Where the cache cannot be written, what the other process compiles is lost, and compiled at its
+    If the cache cannot be written, the functions of the other process are compiled again at their
     first use.
     """
     if not sys.executable or _cores() < 2:
@@ -35,15 +37,15 @@ def compile_ahead():
     )
     try:
         compile_stages()
-    except BaseException:  # Ctrl-C above all: nothing is left running
+    except BaseException:  # such as Ctrl-C: the other process must not run on
         other.kill()
         raise
     finally:
         other.wait()
 
 
-def compile_stages():
-    """Compile what leads from a state to rates and phases."""
+def compile_stages() -> None:
+    """Compile the stages from a state to rates and phases."""
     with uncollected():
         from attitude.solution import motion
         from attitude.solution.classify import refine_all
@@ -55,8 +57,8 @@ def compile_stages():
         motion.uniform_all(wxyz, principal, constants)
 
 
-def compile_loops():
-    """Compile the series, what attaches them to the given axes, and the loops over epochs."""
+def compile_loops() -> None:
+    """Compile the stages of the series and of the given axes, and the loops over epochs."""
     with uncollected():
         from attitude.solution import motion
 
@@ -81,8 +83,8 @@ def _no_bodies():
     return np.zeros(0, CONSTANTS), np.zeros((0, 4)), np.zeros((1, 4))
 
 
-def _cores():
-    """Those that this process may use."""
+def _cores() -> int:
+    """The number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -1,10 +1,10 @@
-"""Reading and writing of text files and XML: the only package that does.
+"""Readers and writers of text and XML; no other package of `attitude` opens or parses text.
 
-lines          text files by line or as a whole, with sentences that name file and line
+lines          lines, whole texts and columns of numbers; errors name the file and the line
 kvn            the KEYWORD = value notation of CCSDS messages
-xml            XML without document types or entities
+xml            XML without document types and entities
 records        JSON values and rows of CSV
-toml           TOML with sentences for syntax and unknown keys
-quantities     numbers with units in text
+toml           TOML; errors for its syntax and for unknown keys
+quantities     numbers followed by a unit
 atomic_write   files that appear whole or not at all
 """

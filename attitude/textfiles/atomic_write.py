@@ -1,44 +1,53 @@
 """Files that appear whole or not at all."""
 
+from __future__ import annotations
+
 import os
 import shutil
 from contextlib import contextmanager, suppress
+from typing import IO, TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 @contextmanager
-def written_whole(path, name="output", *, binary=False):
-    """A file that takes the place of `path` only when the block ends well.
+def written_whole(
+    path: str | os.PathLike[str], name: str = "output", *, binary: bool = False
+) -> Iterator[IO[Any]]:
+    """An open file that is renamed to `path` when the block ends without an error.
 
-    What is written goes aside, into the same folder, and is renamed at the end; after an error or
-    an interrupt nothing is left, and a file that was there before is as it was.  Devices and pipes
-    are written to directly.
+    The file is written under a temporary name in the folder of `path`.  After an error or an
+    interrupt the temporary file is deleted and an existing file `path` is unchanged.  Devices and
+    pipes are written to directly.
 
     Parameters
     ----------
     path : str or path
     name : str
-        How the path is called in the error message.
+        Name of the output in error messages.
     binary : bool
-        Whether bytes are written, and not text in UTF-8.
+        Write bytes instead of text in UTF-8.
 
     Raises
     ------
     AttitudeError
-        Where the folder does not exist or cannot be written to, or the disk is full.
+        If the folder does not exist or is not writable, or if the disk is full.
     """
-    target = os.path.realpath(path)
-    if os.path.isdir(target):
-        raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
+    target = _target(path, name)
     direct = os.path.exists(target) and not os.path.isfile(target)
     folder, last = os.path.split(target)
-    aside = target if direct else os.path.join(folder, f".{last}.{os.getpid()}.part")
+    temporary = target if direct else os.path.join(folder, f".{last}.{os.getpid()}.part")
+    file: IO[Any]
     try:
-        ways = ("wb",) if binary else ("w", -1, "utf-8", "strict", "")
-        file = open(aside, *ways)  # noqa: SIM115
+        if binary:
+            file = open(temporary, "wb")  # noqa: SIM115
+        else:
+            file = open(temporary, "w", encoding="utf-8", newline="")  # noqa: SIM115
     except OSError as err:
-        raise _cannot(path, name, err) from err
+        raise _not_writable(path, name, err) from err
     done = False
     try:
         try:
@@ -46,52 +55,61 @@ def written_whole(path, name="output", *, binary=False):
         finally:
             file.close()
         if not direct:
-            if os.path.exists(target):
-                shutil.copymode(target, aside)
-            os.replace(aside, target)
+            _rename(temporary, target)
         done = True
     except BrokenPipeError:
-        raise  # whoever read does not want more
+        raise  # the reader of the pipe has gone; the command line ends quietly
     except OSError as err:
-        raise _cannot(path, name, err) from err
+        raise _not_writable(path, name, err) from err
     finally:
         if not done and not direct:
             with suppress(OSError):
-                os.unlink(aside)
-
-
-def _cannot(path, name, err):
-    return AttitudeError(
-        f"{name} {os.fspath(path)!r} cannot be written: {err.strerror or err}. Give a file in a "
-        "folder that exists and can be written to."
-    )
+                os.unlink(temporary)
 
 
 @contextmanager
-def made_whole(path, name="output"):
-    """The name of a file aside, for those who write by name, which becomes `path` at the end.
+def made_whole(path: str | os.PathLike[str], name: str = "output") -> Iterator[str]:
+    """A temporary file name for libraries that open files by name; renamed to `path` at the end.
 
-    As `written_whole`, which see for what is promised and raised.
+    Parameters and errors are those of `written_whole`.  Devices and pipes are refused.
     """
-    target = os.path.realpath(path)
-    if os.path.isdir(target):
-        raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
+    target = _target(path, name)
     if os.path.exists(target) and not os.path.isfile(target):
         raise AttitudeError(
             f"{name} {os.fspath(path)!r} is a device or a pipe; give the name of a file."
         )
     folder, last = os.path.split(target)
     stem, extension = os.path.splitext(last)
-    aside = os.path.join(folder, f".{stem}.{os.getpid()}.part{extension}")
+    temporary = os.path.join(folder, f".{stem}.{os.getpid()}.part{extension}")
     with suppress(OSError):
-        os.unlink(aside)
+        os.unlink(temporary)
     try:
-        yield aside
-        if os.path.exists(target):
-            shutil.copymode(target, aside)
-        os.replace(aside, target)
+        yield temporary
+        _rename(temporary, target)
     except OSError as err:
-        raise _cannot(path, name, err) from err
+        raise _not_writable(path, name, err) from err
     finally:
         with suppress(OSError):
-            os.unlink(aside)
+            os.unlink(temporary)
+
+
+def _target(path, name):
+    """The file behind symbolic links; folders are refused."""
+    target = os.path.realpath(path)
+    if os.path.isdir(target):
+        raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
+    return target
+
+
+def _rename(temporary, target):
+    """Replace the target atomically; permissions of an existing target are kept."""
+    if os.path.exists(target):
+        shutil.copymode(target, temporary)
+    os.replace(temporary, target)
+
+
+def _not_writable(path, name, err):
+    return AttitudeError(
+        f"{name} {os.fspath(path)!r} cannot be written: {err.strerror or err}. Give a file in a "
+        "folder that exists and is writable."
+    )

@@ -1,15 +1,29 @@
 """The KEYWORD = value notation of CCSDS messages: AEM, APM, OEM and OMM."""
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.textfiles.lines import Lines
 
 # value [unit]
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
 
 
-def first(lines):
-    """The first line that is not empty, of a message in this notation; None of one in XML."""
+def first(lines: Lines) -> bytes | None:
+    """The first line that is not empty; None if the message is in XML.
+
+    Raises
+    ------
+    AttitudeError
+        If the file is empty.
+    """
     for line in lines:
         text = line.lstrip(b"\xef\xbb\xbf \t")
         if text.startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
@@ -19,8 +33,24 @@ def first(lines):
     raise lines.fault("the file is empty.")
 
 
-def version(lines, line, kind, known):
-    """The version that the first line of a message of some kind, such as "AEM", tells."""
+def version(lines: Lines, line: bytes, kind: str, known: Sequence[str]) -> str:
+    """The version in the first line of a message.
+
+    Parameters
+    ----------
+    lines : Lines
+    line : bytes
+        The first line that is not empty.
+    kind : str
+        Kind of the message, such as "AEM".
+    known : sequence of str
+        Versions that are read.
+
+    Raises
+    ------
+    AttitudeError
+        If the line is not ``CCSDS_<kind>_VERS = version``, or the version is not known.
+    """
     keyword, value = pair(lines, line)
     if keyword != f"CCSDS_{kind}_VERS" or value not in known:
         raise lines.fault(
@@ -30,8 +60,14 @@ def version(lines, line, kind, known):
     return value
 
 
-def pair(lines, line):
-    """Keyword, in capital letters, and value of a line; a comment is ("COMMENT", text)."""
+def pair(lines: Lines, line: bytes) -> tuple[str, str]:
+    """Keyword, in capital letters, and value of a line; a comment is ("COMMENT", text).
+
+    Raises
+    ------
+    AttitudeError
+        If the line is neither "KEYWORD = value" nor a comment, or is not UTF-8.
+    """
     text = lines.text(line)
     comment = comment_of(text)
     if comment is not None:
@@ -42,16 +78,21 @@ def pair(lines, line):
     return keyword.strip().upper(), value.strip()
 
 
-def comment_of(text):
-    """The text of a line that begins with COMMENT, also of COMMENT=text; None of others."""
+def comment_of(text: str) -> str | None:
+    """The text behind COMMENT or COMMENT=; None if the line does not begin with COMMENT."""
     text = text.strip()
     return text[7:].removeprefix("=").strip() if text.startswith("COMMENT") else None
 
 
-def values(lines):
-    """Keyword -> value of a message of one block, such as an OMM: the last of each keyword.
+def values(lines: Lines) -> dict[str, str]:
+    """Keyword -> value of a message of one block, such as an OMM; the last of each keyword counts.
 
-    Comments are left out, and units: what follows an opening bracket.
+    Comments are left out; a value ends before an opening bracket, which begins a unit.
+
+    Raises
+    ------
+    AttitudeError
+        If a line is neither "KEYWORD = value" nor a comment.
     """
     found = {}
     for line in lines:
@@ -63,20 +104,21 @@ def values(lines):
     return found
 
 
-def without_unit(value):
-    """The value and its unit, "" where none is given: ``1.5 [deg]``."""
+def without_unit(value: str) -> tuple[str, str]:
+    """Value and unit of ``1.5 [deg]``; the unit is "" if none is given."""
     found = _UNIT.fullmatch(value)
     return (found.group(1), found.group(2).strip()) if found else (value, "")
 
 
-def refuse_line_breaks(text):
-    """Names and comments stand in one line each."""
+def refuse_line_breaks(text: object) -> None:
+    """AttitudeError for a name or comment that is not one line of printable text."""
     if not isinstance(text, str) or not text.isprintable() or len(text) > 4000:
         raise AttitudeError(
             f"{str(text)[:60]!r} cannot be a name or a comment in a message; give one line of text."
         )
 
 
-def shown(text):
+def shown(text: str) -> str:
+    """A line as it appears in an error message: in quotes, at most 60 characters."""
     text = repr(text.strip())
     return text if len(text) <= 60 else text[:56] + "...'"

@@ -1,34 +1,52 @@
 """Text files by line, as a whole, or by their first bytes; errors name the file and the line.
 
-A line ends in a line feed, a carriage return or both.  Text is UTF-8, with or without a mark of
-the byte order.
+A line ends in a line feed, a carriage return or both.  Text is UTF-8, with or without a byte order
+mark.
 """
+
+from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 
-# Longer lines are no attitude data but a binary or a broken file, bytes.
-LONGEST = 20_000
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Longest line that is read, bytes; binary and broken files have longer ones.
+LONGEST: int = 20_000
 _RECOGNIZED = 4096
+
+# Makes the error for a line of a file from a sentence and the line's number; None: the last line.
+Fault: TypeAlias = Callable[[str, int | None], AttitudeError]
 
 
 class Lines:
-    """The lines of an open file as bytes, without their ends; `number` is that of the last one."""
+    """Iterator over the lines of an open file as bytes, without their line ends.
 
-    def __init__(self, file, path):
+    Attributes
+    ----------
+    path : str
+        Name of the file in error messages.
+    number : int
+        Number of the last line that was read, counted from 1; 0 before the first.
+    """
+
+    def __init__(self, file: BinaryIO | _ReturnsAsFeeds, path: str | os.PathLike[str]):
         self._file = file
-        self.path = os.fspath(path)
-        self.number = 0
+        self.path: str = os.fspath(path)
+        self.number: int = 0
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[bytes]:
         return self
 
-    def __next__(self):
+    def __next__(self) -> bytes:
         line = self._file.readline(LONGEST + 1)
         if not line:
             raise StopIteration
@@ -37,12 +55,12 @@ class Lines:
             raise self.fault(f"the line is longer than {LONGEST} characters; is it a text file?")
         return line.rstrip(b"\r\n")
 
-    def fault(self, sentence, line=None):
+    def fault(self, sentence: str, line: int | None = None) -> AttitudeError:
         """An AttitudeError that begins with the name of the file and the number of the line."""
         return AttitudeError(f"{self.path}, line {line or self.number or 1}: {sentence}")
 
-    def text(self, line):
-        """A line of keywords as text."""
+    def text(self, line: bytes) -> str:
+        """A line as text; AttitudeError if it is not UTF-8 or holds zero bytes."""
         try:
             text = line.decode("utf-8")
         except UnicodeDecodeError as err:
@@ -53,13 +71,13 @@ class Lines:
 
 
 @contextmanager
-def opened(path):
-    """The `Lines` of a file.
+def opened(path: str | os.PathLike[str]) -> Iterator[Lines]:
+    """The `Lines` of a file, which is closed at the end of the block.
 
     Raises
     ------
     AttitudeError
-        Where it cannot be read.
+        If the file cannot be read.
     """
     try:
         with open(path, "rb") as file:
@@ -73,21 +91,33 @@ def opened(path):
 class _ReturnsAsFeeds:
     """An open binary file whose lines end in carriage returns alone, read with line feeds."""
 
-    def __init__(self, file):
+    def __init__(self, file: BinaryIO):
         # Latin-1 maps each byte to one character and back.
         self._text = io.TextIOWrapper(file, encoding="latin-1", newline=None)
 
-    def readline(self, size):
+    def readline(self, size: int) -> bytes:
         return self._text.readline(size).encode("latin-1")
 
 
-def of_text(text, name):
-    """The `Lines` of a text; `name` stands for the file in the messages."""
+def of_text(text: str, name: str) -> Lines:
+    """The `Lines` of a text; `name` is the name of the file in error messages."""
     return Lines(io.BytesIO("\n".join(text.splitlines()).encode("utf-8", "surrogatepass")), name)
 
 
-def whole(path, advice):
-    """The text of a file; `advice` ends the message of an error: what to do or to give."""
+def whole(path: str | os.PathLike[str], advice: str) -> str:
+    """The text of a file, its lines ended by line feeds.
+
+    Parameters
+    ----------
+    path : str or path
+    advice : str
+        End of the error message: what the user should give instead.
+
+    Raises
+    ------
+    AttitudeError
+        If the file cannot be read or is not UTF-8.
+    """
     try:
         with open(path, "rb") as file:
             text = file.read().decode("utf-8-sig")
@@ -102,8 +132,14 @@ def whole(path, advice):
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def beginning(path):
-    """The first 4096 bytes of a file, from the first that is not blank: enough to recognize it."""
+def beginning(path: str | os.PathLike[str]) -> bytes:
+    """The first 4096 bytes of a file without leading blanks: enough to recognize its format.
+
+    Raises
+    ------
+    AttitudeError
+        If the file cannot be read.
+    """
     try:
         with open(path, "rb") as file:
             return file.read(_RECOGNIZED).lstrip(b"\xef\xbb\xbf \t\r\n")
@@ -111,31 +147,34 @@ def beginning(path):
         raise unreadable(path, err) from err
 
 
-def packaged(name):
+def packaged(name: str) -> str:
     """The text of a data file of this package, by its path below ``attitude/``."""
     from importlib import resources
 
     return resources.files("attitude").joinpath(name).read_text("utf-8")
 
 
-def unreadable(path, err):
+def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:
+    """The AttitudeError for a file that the system refuses to read."""
     return AttitudeError(f"{os.fspath(path)!r} cannot be read: {err.strerror or err}.")
 
 
-def numbers(tokens, step, places):
-    """Columns of numbers (N, columns) out of the entries of some lines, one after the other.
+def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArray[np.float64]:
+    """Columns of numbers (N, columns) from the entries of N lines.
 
     Parameters
     ----------
-    tokens : list of bytes
-        `step` for each line.
+    tokens : sequence of bytes
+        Entries of all lines, one line after the other.
+    step : int
+        Entries in a line.
     places : sequence of int
-        Which of them are the columns.
+        Places of the columns in a line, counted from 0.
 
     Raises
     ------
     NoNumber
-        With the line, counted from 0, and the place among `places` of the first that is none.
+        For the first entry of a column that is not a number.
     """
     try:
         if b"_" in b"".join(tokens):  # which Python takes for a separator of digits
@@ -151,16 +190,25 @@ def numbers(tokens, step, places):
 
 
 class NoNumber(Exception):
-    """Where it stands, and what stands there, as text."""
+    """An entry of a column that is not a number.
 
-    def __init__(self, line, column, token):
+    Attributes
+    ----------
+    line, column : int
+        Its line and its column among those that `numbers` was given, counted from 0.
+    shown : str
+        The entry in quotes, at most 40 characters of it.
+    """
+
+    def __init__(self, line: int, column: int, token: bytes):
         super().__init__(line, column, token)
-        self.line, self.column = line, column
-        self.shown = repr(token[:40].decode("ascii", "replace"))
+        self.line: int = line
+        self.column: int = column
+        self.shown: str = repr(token[:40].decode("ascii", "replace"))
 
 
-def is_number(token):
-    """Whether bytes are a number as Python reads them, but for underscores between digits."""
+def is_number(token: bytes) -> bool:
+    """Whether bytes are a number as Python reads it, without underscores between digits."""
     try:
         float(token)
     except ValueError:

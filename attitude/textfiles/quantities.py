@@ -1,4 +1,4 @@
-"""Numbers with a unit behind them, as people write them in files and on the command line.
+"""Numbers followed by a unit, as text in files and on the command line.
 
 >>> numbers_and_unit("14.51, 33.529, -98.709 deg/day", "rate")
 (['14.51', '33.529', '-98.709'], 'deg/day')
@@ -6,15 +6,23 @@
 array([36.,  9.])
 """
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING, Any
 
 from attitude import validation
 from attitude.errors import AttitudeError
 
+if TYPE_CHECKING:
+    import numpy as np
+    from astropy.units import UnitBase
+    from numpy.typing import NDArray
+
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _BETWEEN = r"(?:\s*,\s*|\s+)"
 _NUMBERS = re.compile(rf"\s*({_NUMBER}(?:{_BETWEEN}{_NUMBER})*)\s*([^-+.,0-9\s].*)?")
-# What people write and astropy does not read.
+# Common spellings that astropy does not read.
 _SPELLINGS = {
     "seconds": "s",
     "minutes": "min",
@@ -31,33 +39,43 @@ _SPELLINGS = {
 _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
 
 
-def numbers_and_unit(text, name):
-    """The numbers of a text, as they are written, and its unit, "" where there is none.
+def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
+    """The numbers of a text, as they are written, and its unit, "" if it has none.
+
+    `name` is the name of the value in the error message.
 
     Raises
     ------
     AttitudeError
-        For a text that is not one or several numbers, with commas or spaces between, and at most
-        one unit.
+        If the text is not one or several numbers, separated by commas or spaces, followed by at
+        most one unit.
     """
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
-            f"{name} is {text!r}; write numbers with one unit behind them, like "
+            f"{name} is {text!r}; write numbers followed by one unit, like "
             '"14.51 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = found.groups()
     return re.split(_BETWEEN, numbers), (unit or "").strip()
 
 
-def unit_of(text, name):
-    """The astropy unit that a text names; also in the plural, and rpm and rev."""
+def unit_of(text: str, name: str) -> UnitBase:
+    """The astropy unit with a name; plurals, "rpm" and "rev" are known too.
+
+    `name` is the name of the value in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        If astropy does not know the unit.
+    """
     from astropy import units
 
     try:
         return units.Unit(_WORD.sub(lambda word: _SPELLINGS[word.group()], text))
     except (ValueError, TypeError) as err:
-        # Of astropy's message the guess alone is of use here.
+        # Only the guess in astropy's message helps here.
         guess = re.search(r"Did you mean (.*?)\?", str(err))
         raise AttitudeError(
             f"{name} is in {text!r}, which is not a unit that astropy knows"
@@ -65,13 +83,25 @@ def unit_of(text, name):
         ) from err
 
 
-def in_unit(text, name, unit):
-    """The numbers of a text in a unit (None: pure numbers): a scalar array or (N,).
+def in_unit(text: str, name: str, unit: str | None) -> NDArray[np.float64]:
+    """The numbers of a text in a unit: an array () or (N,).
 
-    Numbers without a unit are in that unit already.
+    Parameters
+    ----------
+    text : str
+        Numbers without a unit are in `unit`.
+    name : str
+        Name of the value in the error message.
+    unit : str or None
+        None for pure numbers.
+
+    Raises
+    ------
+    AttitudeError
+        If the text cannot be read, or its unit does not convert to `unit`.
     """
     numbers, given = numbers_and_unit(text, name)
-    values = [float(number) for number in numbers]
+    values: Any = [float(number) for number in numbers]
     values = values if len(values) > 1 else values[0]
     if given:
         from astropy.units import Quantity

@@ -1,14 +1,23 @@
-"""JSON values, and records of named fields from CSV."""
+"""JSON values, and rows of CSV as records of named fields."""
+
+from __future__ import annotations
 
 import csv
 import io
 import json
+from typing import Any
 
 from attitude.errors import AttitudeError
 
 
-def of_json(text, name):
-    """The value that a JSON text holds; `name` stands for the file in the messages."""
+def of_json(text: str, name: str) -> Any:
+    """The value in a JSON text; `name` is the name of the file in error messages.
+
+    Raises
+    ------
+    AttitudeError
+        If the text is not JSON, or its numbers or its nesting exceed Python's limits.
+    """
     try:
         return json.loads(text)
     except json.JSONDecodeError as err:
@@ -19,8 +28,16 @@ def of_json(text, name):
         raise AttitudeError(f"{name}: it is JSON that cannot be read ({err}).") from err
 
 
-def of_csv(text, name):
-    """The rows of a CSV text, each as a dict by the names in the first line."""
+def of_csv(text: str, name: str) -> list[dict[str, Any]]:
+    """The rows of a CSV text, each as a dict whose keys are the entries of the first line.
+
+    `name` is the name of the file in error messages.
+
+    Raises
+    ------
+    AttitudeError
+        If the text is not CSV.
+    """
     rows = csv.DictReader(io.StringIO(text))
     try:
         return list(rows)

@@ -1,29 +1,53 @@
-"""Texts in TOML: read with a sentence for what cannot be read, for syntax and unknown keys."""
+"""TOML files: reading, and errors for broken syntax, unknown keys and wrong values."""
+
+from __future__ import annotations
 
 import difflib
 import json
 import re
 import tomllib
+from typing import TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
 from attitude.textfiles.lines import whole
 
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
-def read(path, kind):
-    """The text of a file; `kind` is what its users call it, such as "spin file"."""
+
+def read(path: str | os.PathLike[str], kind: str) -> str:
+    """The text of a file; `kind` is its kind in the error message, such as "spin file".
+
+    Raises
+    ------
+    AttitudeError
+        If the file cannot be read or is not UTF-8.
+    """
     return whole(path, f"give the name of a {kind}")
 
 
-def parsed(text, origin):
-    """What a text says, as dicts and lists; `origin` begins the message of an error."""
+def parsed(text: str, origin: str) -> dict[str, Any]:
+    """The content of a TOML text as dicts and lists.
+
+    `origin`, such as the name of the file, begins the error message.
+
+    Raises
+    ------
+    AttitudeError
+        With line and column, if the text is not TOML.
+    """
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
         raise AttitudeError(_syntax_error(str(err), text, origin)) from err
 
 
-def refuse_unknown(section, known, where):
-    """AttitudeError for the first key of a section that is not among those known."""
+def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -> None:
+    """AttitudeError for the first key of a section that is not known, with the nearest known key.
+
+    `where` is the name of the section in the error message.
+    """
     for key in section:
         if key not in known:
             near = difflib.get_close_matches(key.lower(), known, n=1)
@@ -37,8 +61,16 @@ def refuse_unknown(section, known, where):
             )
 
 
-def way_of(section, ways, where):
-    """The one of several keys that a section has: which way it takes to say the same."""
+def way_of(section: Mapping[str, Any], ways: Iterable[str], where: str) -> str:
+    """The one key, out of several alternatives, that a section has.
+
+    `where` is the name of the section in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        If the section has none of the alternatives, or more than one.
+    """
     taken = [way for way in ways if way in section]
     if len(taken) != 1:
         raise AttitudeError(
@@ -47,24 +79,24 @@ def way_of(section, ways, where):
     return taken[0]
 
 
-def text_of(content, key):
-    """The text that a key holds, or None without the key."""
+def text_of(content: Mapping[str, Any], key: str) -> str | None:
+    """The text of a key, or None without the key; AttitudeError if the value is not text."""
     value = content.get(key)
     if value is not None and not isinstance(value, str):
         raise AttitudeError(f"{key} is {value!r}; give text in quotes.")
     return value
 
 
-def quoted(value, key):
-    """A text as the value of a key, in quotes."""
+def quoted(value: object, key: str) -> str:
+    """A text in quotes, as the value of a key; AttitudeError if the value is not text."""
     if not isinstance(value, str):
         raise AttitudeError(f"{key} is {value!r}; give text.")
-    # JSON escapes as TOML does, but for the delete character.
+    # JSON escapes as TOML does, except for the delete character.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def listed(words):
-    """Words as alternatives: "a, b or c"; "none" where there is none."""
+def listed(words: Sequence[str]) -> str:
+    """Words as alternatives: "a, b or c"; "none" without words."""
     if len(words) < 2:
         return words[0] if words else "none"
     return ", ".join(words[:-1]) + " or " + words[-1]

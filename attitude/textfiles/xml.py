@@ -1,39 +1,57 @@
 """XML from untrusted files: no document type, no entities, no external references.
 
-expat, the standard library's parser, fetches nothing by itself and knows entities only from a
-document type declaration; a file that has one is refused before anything in it is read.
+expat, the parser of the standard library, fetches nothing by itself and knows entities only from a
+document type declaration; a file that has one is refused before its elements are read.
 """
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from attitude.errors import AttitudeError
 from attitude.textfiles.lines import unreadable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 _PIECE = 1 << 20
 _DEEPEST = 32
 _LONGEST = 20_000
 
 
-# Messages that CCSDS 505.0-B-3 knows, and what may stand around one.
-MESSAGES = ("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm")
-OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
+# Messages of CCSDS 505.0-B-3, and the elements that may stand around one.
+MESSAGES: tuple[str, ...] = (
+    *("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm"),
+)
+OUTSIDE: tuple[str, ...] = ("ndm", "COMMENT", "MESSAGE_ID")
 
 
-class Events:
-    """Calls `begin(tag, attributes)` and `end(tag, text)` of a subclass for each element.
+class ElementReader:
+    """Base of readers of XML: calls `begin` and `end` of a subclass for each element.
 
-    `message` is what a subclass makes of the file, None before the message begins; `line` is the
-    line of the file where the parser stands.  A subclass may keep pieces of the file from the
-    parser (`take`) if it counts their lines (`skipped`).
+    A subclass may interpret parts of the file without the parser: it overrides `take`, and adds the
+    lines of these parts to `skipped`.
+
+    Attributes
+    ----------
+    path : str
+        Name of the file in error messages.
+    message : object
+        What a subclass makes of the file; None before the message begins.
+    fed, skipped : int
+        Bytes that the parser was given; lines that it was not.
     """
 
-    def __init__(self, path):
-        self.path, self.message = os.fspath(path), None
-        self.fed = self.skipped = 0
+    def __init__(self, path: str | os.PathLike[str]):
+        self.path: str = os.fspath(path)
+        self.message: Any = None
+        self.fed: int = 0
+        self.skipped: int = 0
         self._depth = 0
-        self._text, self._length = [], 0
-        self._error = None
+        self._text: list[str] = []
+        self._length = 0
         parser = self._parser = expat.ParserCreate()
         parser.buffer_text = True
         parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
@@ -45,22 +63,47 @@ class Events:
         parser.EndElementHandler = self._stop
         parser.CharacterDataHandler = self._characters
 
+    def begin(self, tag: str, attributes: dict[str, str]) -> None:
+        """Called at the start tag of each element."""
+        raise NotImplementedError(f"{type(self).__name__} defines no begin")
+
+    def end(self, tag: str, text: str) -> None:
+        """Called at the end tag of each element, with the text behind the last tag before it."""
+        raise NotImplementedError(f"{type(self).__name__} defines no end")
+
     @property
-    def line(self):
+    def line(self) -> int:
+        """Number of the line of the file at which the parser is, counted from 1."""
         return self._parser.CurrentLineNumber + self.skipped
 
     @property
-    def place(self):
-        """Of all the bytes that the parser was fed, that at which the present tag begins."""
+    def place(self) -> int:
+        """Offset of the current tag among the bytes that the parser was given."""
         return self._parser.CurrentByteIndex
 
-    def fault(self, sentence, line=None):
+    def fault(self, sentence: str, line: int | None = None) -> AttitudeError:
+        """An AttitudeError that begins with the name of the file and the number of the line."""
         return AttitudeError(f"{self.path}, line {line or self.line}: {sentence}")
 
-    def version(self, tag, attributes, kind, known):
-        """The version that the element tells with which a message of some kind begins."""
+    def version(self, tag: str, attributes: dict[str, str], kind: str, known: Sequence[str]) -> str:
+        """The version of a message, from its outermost element.
+
+        Parameters
+        ----------
+        tag, attributes : str, dict
+            Of the element.
+        kind : str
+            Kind of the message in lower case, such as "aem".
+        known : sequence of str
+            Versions that are read.
+
+        Raises
+        ------
+        AttitudeError
+            For another element or version, and for a second message in the file.
+        """
         found = attributes.get("version")
-        if tag != kind or found not in known:
+        if tag != kind or found is None or found not in known:
             raise self.fault(
                 f"its outermost element is <{tag[:40]}> of version {found!r}; an {kind.upper()} is "
                 f'<{kind} id="CCSDS_{kind.upper()}_VERS" version="{" or ".join(known)}">.'
@@ -69,19 +112,25 @@ class Events:
             raise self.fault("it holds several messages; write each into a file of its own.")
         return found
 
-    def run(self):
-        """Parse the file."""
+    def run(self) -> None:
+        """Parse the file.
+
+        Raises
+        ------
+        AttitudeError
+            If the file cannot be read, is not well-formed or has a document type.
+        """
         try:
             with open(self.path, "rb") as file:
                 self._parse(iter(lambda: file.read(_PIECE), b""))
         except OSError as err:
             raise unreadable(self.path, err) from err
 
-    def run_text(self, text):
-        """Parse a text in place of the file: the encoding that it declares does not matter."""
+    def run_text(self, text: str) -> None:
+        """Parse a text instead of the file; the encoding that it declares has no effect."""
         self._parse([text])
 
-    def _parse(self, pieces):
+    def _parse(self, pieces: Iterable[bytes | str]) -> None:
         try:
             for piece in pieces:
                 self.take(piece)
@@ -96,11 +145,11 @@ class Events:
                 raise
             raise self.fault(f"its encoding cannot be read ({err}); give UTF-8.") from err
 
-    def take(self, piece, last=False):
-        """What the file holds, piece by piece; the last one is empty."""
+    def take(self, piece: Any, last: bool = False) -> None:
+        """Process the next piece of the file, bytes or str; the last one is empty."""
         self.feed(piece, last)
 
-    def feed(self, piece, last=False):
+    def feed(self, piece: bytes | str, last: bool = False) -> None:
         """Give a piece to the parser."""
         self.fed += len(piece)
         self._parser.Parse(piece, last)
@@ -134,33 +183,40 @@ class Events:
         raise self.fault("it refers to an entity; such files are refused: write its text.")
 
 
-def records(text, name, tag):
-    """Of each element of a tag, in their order, the texts of its leaves: [{tag: text}, ...].
+def records(text: str, name: str, tag: str) -> list[dict[str, str]]:
+    """The texts of the leaves of each element with a tag, as [{leaf tag: text}, ...].
 
-    Where a leaf is repeated in the element, the last one counts.
+    If a leaf is repeated in an element, the last one counts.
 
     Parameters
     ----------
     text : str
     name : str
-        What stands for the file in the messages.
+        Name of the file in error messages.
     tag : str
+
+    Raises
+    ------
+    AttitudeError
+        If the text is not well-formed or has a document type.
 
     >>> records("<a><b><c>1</c><d>x &amp; y</d></b><b/></a>", "text", "b")
     [{'c': '1', 'd': 'x & y'}, {'b': ''}]
     """
-    reader = _Records(name, tag)
+    reader = _LeafReader(name, tag)
     reader.run_text(text)
     return reader.found
 
 
-class _Records(Events):
-    """Collects the leaves of the elements of one tag."""
+class _LeafReader(ElementReader):
+    """Collects the leaves of the elements with one tag."""
 
-    def __init__(self, name, tag):
+    def __init__(self, name: str, tag: str):
         super().__init__(name)
-        self._tag, self._open, self._is_leaf = tag, [], False
-        self.found = []
+        self._tag = tag
+        self._open: list[dict[str, str]] = []
+        self._is_leaf = False
+        self.found: list[dict[str, str]] = []
 
     def begin(self, tag, attributes):
         self._is_leaf = True
@@ -177,6 +233,6 @@ class _Records(Events):
             self._open.pop()
 
 
-def escaped(text):
-    """Text as it stands between tags."""
+def escaped(text: str) -> str:
+    """A text as it stands between tags, with references for &, < and >."""
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

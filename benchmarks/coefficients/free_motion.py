@@ -1,4 +1,4 @@
-"""The free motion over one piece in high precision: what series and quadrature leave out.
+"""The free motion over one piece in high precision: truncation errors of series and quadrature.
 
 Notation and formulas are those of the docstring of attitude/solution/step.py; moments ascending,
 time from the state at 0.
@@ -12,8 +12,8 @@ from mpmath import mp, mpf
 from benchmarks.coefficients import rules
 from benchmarks.coefficients.minimax import horner
 
-# Terms of the series, and points of Gauss-Legendre, that stand for the exact motion: on the longest
-# pieces they leave 1e-41.
+# Terms of the series and points of Gauss-Legendre for the reference motion: their truncation error
+# on the longest pieces is 1e-41.
 _TERMS = 22
 _POINTS = 14
 # Sets of moments and states that are tried; a fixed seed, so that runs print the same numbers.

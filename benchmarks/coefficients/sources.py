@@ -12,7 +12,7 @@ import numpy as np
 PACKAGE = Path(__file__).resolve().parents[2] / "attitude"
 # A float of more significant digits than this was computed or measured.
 DIGITS = 10
-# So many quotients of that many digits in one function are a series; one or two are a formula's.
+# At least so many quotients of long numbers in one function are a series; fewer are a formula.
 _SERIES = 3
 _OPERATIONS = {
     ast.Mult: operator.mul,

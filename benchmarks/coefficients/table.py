@@ -1,4 +1,4 @@
-"""A table of numbers of the package: what it is, how to remake it, and how wrong it is."""
+"""A table of numbers of the package: its definition, how to recompute it, and its largest error."""
 
 import struct
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from mpmath import mp, mpf
 
 from benchmarks.coefficients import sources
 
-# Decimal digits of all that is remade.
+# Decimal digits of all recomputed numbers.
 PRECISION = 60
 # Polynomials with values of about 1 that differ by less are the same: a thousandth of an ulp.
 SAME = 1e-19

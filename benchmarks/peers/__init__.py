@@ -1,4 +1,4 @@
-"""What a user would otherwise pick, behind one door: solve(moments, wxyz0, omega0, t).
+"""Alternatives to this project, with one interface: solve(moments, wxyz0, omega0, t).
 
 Each module has ``peers()``, which returns a list of `Peer` or raises `Missing` with the reason.
 """
@@ -13,7 +13,7 @@ MODULES = ("ours", "paper", "scipy_ivp", "heyoka_taylor", "dlm", "orekit")
 
 
 class Missing(Exception):
-    """Why a peer cannot be run here."""
+    """The reason why a peer cannot be run."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Peer:
     name     the method: settings of one method share it
     setting  tolerance or step, as text
     solve    (moments (3,), wxyz0 (4,), omega0 (3,), t (T,) ascending from 0) -> attitudes, body
-             to inertial: wxyz (T, 4) or matrices (T, 3, 3), what the method gives by nature
+             to inertial: wxyz (T, 4) or matrices (T, 3, 3), whichever the method returns
     furthest most revolutions that it reaches in a reasonable time
     """
 

@@ -17,7 +17,7 @@ def peers():
         raise Missing("no Java virtual machine is installed")
     try:
         orekit_jpype.initVM()
-    except Exception as err:  # whatever Java says
+    except Exception as err:  # any error of Java
         raise Missing(f"Orekit does not start ({err})") from err
     return [Peer("Orekit TorqueFree", "double", _solver(), 1e12)]
 

@@ -1,4 +1,4 @@
-"""This project, through its array floor."""
+"""This project, by its array function `propagate`."""
 
 from attitude import propagate
 from benchmarks.peers import Peer

@@ -1,11 +1,13 @@
 """CCSDS Attitude Ephemeris Messages.
 
 aem           `read` and `write`
-message       what a message says of its segments, checked
-kvn, xml      the two notations, read
-xml_records   long runs of like records in XML, read by a pattern
+message       header and segments of a message, checked and made an AttitudeTable
+kvn           KEYWORD = value notation, read and written
+xml           XML, read
+xml_records   runs of records in XML that differ in their texts only, read by a pattern
+xml_writer    XML, written
 elements      names and units of the elements of XML
-written       segments, written
+written       keywords and rows of a segment to be written
 """
 
 from attitude.formats.aem.aem import read, write

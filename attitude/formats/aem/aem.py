@@ -11,47 +11,68 @@
 >>> table.wxyz.shape, table.method, table.degree, table.epoch.utc_iso
 ((3, 4), 'hermite', 5, '2026-01-01T00:00:00')
 
-Conventions: see `attitude_types`.  What is lost: nothing of the quaternions (written with 17
-digits), half a picosecond of the epochs; the motion itself, of which this is a table.
+For the conventions see `attitude_types`.  Quaternions are written with 17 digits and come back
+with the same bits, epochs within half a picosecond; the motion between records is not in the file.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from attitude import quaternion
 from attitude.errors import AttitudeError
 from attitude.formats import sources
 from attitude.formats.aem import kvn as aem_kvn
 from attitude.formats.aem import xml as aem_xml
-from attitude.formats.aem.message import VERSIONS, Options
-from attitude.formats.aem.written import Written
+from attitude.formats.aem import xml_writer
+from attitude.formats.aem.message import Options
+from attitude.formats.aem.written import WrittenSegment
 from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE
 from attitude.textfiles import kvn
 from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import opened
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None):
+    from attitude.annotations import Epochs, FilePath
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.formats.sources import AttitudeSource
+    from attitude.paths.path import Path
+
+
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+) -> AttitudeTable:
     """A message as an AttitudeTable.
 
     Parameters
     ----------
     path : str or path
-        KVN or XML, version 1.0 or 2.0; which of them, the file tells.
+        KVN or XML, version 1.0 or 2.0, recognized by the content.
     tolerance : float
-        How far from 1 the length of a quaternion may be; they are made unit.
+        Largest deviation from 1 of the length of a quaternion; quaternions are made unit.
     frame : str, optional
-        Which axes the external frame of the file is, where its name is not known (see `axes`).
-    orbit : path, optional
-        The path of the body about its center, for attitudes relative to LVLH or RTN.
+        The external axes of the file, if their name in the file is not known (see `axes`).
+    orbit : Path, optional
+        Path of the body about its center, for attitudes relative to LVLH or RTN.
 
     Returns
     -------
     AttitudeTable
-        Relative to ICRF; `meta` of it and of each of its segments holds keywords and comments.
+        Relative to ICRF; its `meta` and that of each of its segments hold keywords and comments.
 
     Raises
     ------
     AttitudeError
-        With file, line and keyword, for anything that is wrong.
+        For a file that cannot be read or does not follow the standard; the message names file,
+        line and keyword.
     """
     options = Options(tolerance, frame, orbit)
     with opened(path) as lines:
@@ -62,38 +83,40 @@ def read(path, *, tolerance=TOLERANCE, frame=None, orbit=None):
 
 
 def write(
-    path,
-    source,
+    path: FilePath,
+    source: AttitudeSource,
     *,
-    t=None,
-    version="2.0",
-    xml=False,
-    kind=None,
-    frame=None,
-    time_system=None,
-    rates_over="body",
-    sequence="ZXZ",
-    scalar_first=False,
-    object_name=None,
-    object_id=None,
-    center=None,
-    body_frame=None,
-    originator="ATTITUDE",
-    comments=None,
-    method=None,
-    degree=None,
-    creation_date=None,
-    digits=ccsds_epochs.DIGITS,
-    orbit=None,
-):
+    t: Epochs | None = None,
+    version: str = "2.0",
+    xml: bool = False,
+    kind: str | None = None,
+    frame: str | None = None,
+    time_system: str | None = None,
+    rates_over: str = "body",
+    sequence: str = "ZXZ",
+    scalar_first: bool = False,
+    object_name: str | None = None,
+    object_id: str | None = None,
+    center: str | None = None,
+    body_frame: str | None = None,
+    originator: str = "ATTITUDE",
+    comments: Sequence[str] | None = None,
+    method: str | None = None,
+    degree: int | None = None,
+    creation_date: str | None = None,
+    digits: int = ccsds_epochs.DIGITS,
+    orbit: Path | None = None,
+) -> None:
     """Write attitudes as an AEM.
 
     Parameters
     ----------
     path : str or path
-        Appears when it is complete, and not at all if something goes wrong.
+        Appears whole or not at all.
     source : AttitudeHistory, AttitudeTable, a list of them (segments), or a motion with `t`
-        A motion is evaluated piece by piece, so that long histories need no memory.
+        A motion is evaluated piece by piece, so that long histories need little memory.
+    t : epochs, optional
+        Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
     version : str
         "2.0", or "1.0" (what GMAT and others read).
     xml : bool
@@ -101,25 +124,36 @@ def write(
     kind : str, optional
         The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, "QUATERNION"
         for tables without angular velocities.
-    frame : str
-        The external axes, "ICRF" by default or what a table came in; see `axes`.
-    time_system : str
-        "UTC" by default, or TAI, TT, TDB, GPS.
+    frame : str, optional
+        The external axes, by default those of the file that a table was read from, or "ICRF"; see
+        `axes`.
+    time_system : str, optional
+        UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
     rates_over : str
         "body" or "frame": the axes of angular velocities.
     sequence : str
-        Of Euler angles.
+        Axes of Euler angles.
     scalar_first : bool
         Version 1.0: QC before Q1, Q2, Q3.
-    method, degree : str, int
-        What is recommended for interpolation; by default what a table has, or else Hermite or
-        Lagrange of degree 7, less where records are few.
+    object_name, object_id, center, body_frame, originator : str, optional
+        Keywords; by default those of the file that a table was read from, or "UNKNOWN".
+    comments : sequence of str, optional
+        Comments of the header; by default those of the file that a table was read from.
+    method, degree : str, int, optional
+        Interpolation recommended to readers: by default that of a table, or Hermite or Lagrange of
+        degree 7, less if there are few records.
     creation_date : str, optional
         Now, in UTC, by default.
     digits : int
         Decimals of the seconds.
-    orbit : path, optional
-        For LVLH and RTN.
+    orbit : Path, optional
+        Path of the body about its center, for LVLH and RTN.
+
+    Raises
+    ------
+    AttitudeError
+        For unknown names of versions, types, axes or time systems, for epochs that do not increase,
+        and for a file that cannot be written.
     """
     if version not in VERSIONS:
         raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
@@ -139,7 +173,7 @@ def write(
         "degree": degree,
         "names": (object_name, object_id, center, body_frame),
     }
-    written = [Written(part, settings) for part in parts]
+    written = [WrittenSegment(part, settings) for part in parts]
     header = {
         "CREATION_DATE": creation_date or ccsds_epochs.now(),
         "ORIGINATOR": originator,
@@ -147,6 +181,6 @@ def write(
     comments = list(given.get("comments", ()) if comments is None else comments)
     for text in (*header.values(), *comments):
         kvn.refuse_line_breaks(text)
-    notation = aem_xml if xml else aem_kvn
+    write_message = xml_writer.write_message if xml else aem_kvn.write_message
     with written_whole(path, "the AEM") as file:
-        notation.write_message(file, version, header, comments, written)
+        write_message(file, version, header, comments, written)

@@ -1,19 +1,35 @@
-"""Attitude Ephemeris Messages in keyword = value notation: CCSDS 504.0-B-1 and 504.0-B-2."""
+"""Attitude Ephemeris Messages in KEYWORD = value notation: CCSDS 504.0-B-1 and 504.0-B-2."""
 
-from attitude.formats.aem.message import HEADER, VERSIONS, Message, Segment
+from __future__ import annotations
+
+from typing import IO, TYPE_CHECKING
+
+from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.ccsds import attitude_types
+from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
 from attitude.textfiles import kvn
 from attitude.textfiles.lines import NoNumber, numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.formats.aem.message import Options
+    from attitude.formats.aem.written import WrittenSegment
+    from attitude.textfiles.lines import Lines
 
 _BATCH = 16384
 
 
-def read(lines, first, options):
-    """The AttitudeTable of an AEM in KVN, of whose lines the first is read; see `aem.read`."""
+def read(lines: Lines, first: bytes, options: Options) -> AttitudeTable:
+    """The AttitudeTable of an AEM in KVN; see `aem.read`.
+
+    `first` is the first line that is not empty, which has been taken from `lines`.
+    """
     message = Message(lines.path, kvn.version(lines, first, "AEM", VERSIONS), options)
     _read_header(lines, message)
     while True:
-        segment = Segment(message, lines.fault)
+        segment = MessageSegment(message, lines.fault)
         _read_meta(lines, segment)
         _read_data(lines, segment)
         if not _another_segment(lines):
@@ -33,8 +49,8 @@ def _read_header(lines, message):
             message.header[keyword] = value
         else:
             raise lines.fault(
-                f"{keyword} does not belong into the header, or not twice; known are "
-                f"{', '.join(HEADER)}, COMMENT, and then META_START."
+                f"{keyword} does not belong into the header, or not twice; give "
+                f"{', '.join(HEADER)} and COMMENT, and then META_START."
             )
     raise lines.fault("the file ends before META_START; is it cut off?")
 
@@ -88,7 +104,7 @@ def _read_data(lines, segment):
 
 
 class _Batch:
-    """Some records as they stand in the file; numbers are made of all of them at once."""
+    """Entries of some records, converted to numbers in one step."""
 
     def __init__(self, segment):
         self._segment = segment
@@ -122,8 +138,14 @@ def _another_segment(lines):
 # Writing ------------------------------------------------------------------------------------------
 
 
-def write_message(file, version, header, comments, segments):
-    """A message in KVN, to an open file; see `aem.write`."""
+def write_message(
+    file: IO[str],
+    version: str,
+    header: Mapping[str, str],
+    comments: Sequence[str],
+    segments: Iterable[WrittenSegment],
+) -> None:
+    """Write a message in KVN to an open file; see `aem.write`."""
     file.write(f"CCSDS_AEM_VERS = {version}\n")
     file.writelines(f"COMMENT {text}\n" for text in comments)
     file.writelines(f"{key} = {value}\n" for key, value in header.items())

@@ -1,21 +1,31 @@
-"""What an Attitude Ephemeris Message says of its segments, in either notation and version.
+"""Header and segments of an Attitude Ephemeris Message, in either notation and version.
 
-The readers of KVN and XML collect keywords and rows; here they are checked and become an
+The readers of KVN and XML collect keywords and rows; this module checks them and makes them an
 AttitudeTable.  For the conventions see `attitude_types`.
 """
 
-from dataclasses import dataclass, field
+from __future__ import annotations
 
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from attitude import quaternion
+from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.formats.ccsds import attitude_types, axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
 
-VERSIONS = ("1.0", "2.0")
-HEADER = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
-# Keywords of a segment, in the order in which they are written.
-META = {
+if TYPE_CHECKING:
+    from attitude.epochs import Instant
+    from attitude.formats.ccsds.attitude_types import Convention
+    from attitude.formats.ccsds.axes import Axes
+    from attitude.paths.path import Path
+    from attitude.textfiles.lines import Fault
+
+# Version -> keywords of a segment, in the order in which they are written.
+META: dict[str, tuple[str, ...]] = {
     "1.0": (
         *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME_A", "REF_FRAME_B", "ATTITUDE_DIR"),
         *("TIME_SYSTEM", "START_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME", "STOP_TIME"),
@@ -37,49 +47,110 @@ _NEEDED = (
 
 @dataclass
 class Options:
-    """What a caller of a reader can say about the file."""
+    """Arguments of `aem.read` that supplement the file.
+
+    Attributes
+    ----------
+    tolerance : float
+        Largest deviation from 1 of the length of a quaternion.
+    frame : str or None
+        The external axes, if their name in the file is not known.
+    orbit : Path or None
+        Path of the body about its center, for axes of an orbit.
+    """
 
     tolerance: float = TOLERANCE
     frame: str | None = None
-    orbit: object = None
+    orbit: Path | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
 
 
 @dataclass
 class Message:
-    """The header of a message, and its finished segments."""
+    """The header of a message, and its finished segments.
+
+    Attributes
+    ----------
+    path, version : str
+    options : Options
+    header : dict of str
+        Keyword -> value.
+    comments : list of str
+    tables : list of AttitudeTable
+        One for each finished segment.
+    """
 
     path: str
     version: str
     options: Options
-    header: dict = field(default_factory=dict)
-    comments: list = field(default_factory=list)
-    tables: list = field(default_factory=list)
+    header: dict[str, str] = field(default_factory=dict)
+    comments: list[str] = field(default_factory=list)
+    tables: list[AttitudeTable] = field(default_factory=list)
 
-    def table(self):
+    def table(self) -> AttitudeTable:
         """All segments as one AttitudeTable."""
         return AttitudeTable.joined(self.tables)
 
 
-class Segment:
-    """One segment while it is read.
+class MessageSegment:
+    """One segment of a message while it is read.
 
-    `fault(sentence, line)` makes the error for a line of the file.
+    Parameters
+    ----------
+    message : Message
+    fault : callable
+        Makes the error for a sentence and the number of a line.
+
+    Attributes
+    ----------
+    message, fault
+        As given.
+    values, lines : dict
+        Keyword of the meta data -> value, and -> number of its line.
+    comments, data_comments : list of str
+        Comments of the meta data and of the data.
+
+    The following are set by `begin`.
+
+    kind : str
+        Attitude type, under its name in version 2.
+    scale : str
+        Time scale in lower case.
+    axes, body : Axes, str
+        The external axes, and the name of the body's.
+    how : Convention
+    usable : list of two Instants, or None for each
+    method, degree : str, int, or None
+        Interpolation.
+    rows : Rows or None
+        The records; None before `begin`.
     """
 
-    def __init__(self, message, fault):
-        self.message, self.fault = message, fault
-        self.values, self.lines = {}, {}
-        self.comments, self.data_comments = [], []
-        self.rows = None
+    kind: str
+    scale: str
+    axes: Axes
+    body: str
+    how: Convention
+    usable: list[Instant | None]
+    method: str | None
+    degree: int | None
 
-    def add(self, keyword, value, line):
-        """A keyword of the meta data."""
+    def __init__(self, message: Message, fault: Fault):
+        self.message: Message = message
+        self.fault: Fault = fault
+        self.values: dict[str, str] = {}
+        self.lines: dict[str, int] = {}
+        self.comments: list[str] = []
+        self.data_comments: list[str] = []
+        self.rows: Rows | None = None
+
+    def add(self, keyword: str, value: str, line: int) -> None:
+        """Add a keyword of the meta data; AttitudeError if it is unknown or repeated."""
         allowed = META[self.message.version]
         if keyword not in allowed:
-            others = [v for v in VERSIONS if keyword in META[v]]
+            others = [v for v in META if keyword in META[v]]
             hint = f" (it belongs to version {others[0]})" if others else ""
             raise self.fault(
                 f"{keyword} is not known among the meta data of version "
@@ -92,8 +163,14 @@ class Segment:
             )
         self.values[keyword], self.lines[keyword] = value, line
 
-    def begin(self, line):
-        """The meta data are complete: find out what the rows will mean."""
+    def begin(self, line: int) -> None:
+        """Check the complete meta data and prepare for the rows.
+
+        Raises
+        ------
+        AttitudeError
+            For missing keywords and values that are not known.
+        """
         version, values = self.message.version, self.values
         for keyword in _NEEDED:
             if not values.get(keyword):
@@ -116,12 +193,18 @@ class Segment:
         self.method, self.degree = self._interpolation()
         self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
 
-    def finish(self, line):
-        """The rows are complete: make the table."""
-        if not self.rows.count:
+    def finish(self, line: int) -> None:
+        """Append the AttitudeTable of the complete rows to `message.tables`.
+
+        Raises
+        ------
+        AttitudeError
+            If there are no rows, and as `Rows.table`.
+        """
+        if self.rows is None or not self.rows.count:
             raise self.fault("the segment has no attitudes.", line)
         values, options = self.values, self.message.options
-        meta = {
+        meta: dict[str, Any] = {
             "format": f"AEM {self.message.version}",
             "header": dict(self.message.header),
             "comments": tuple(self.message.comments),
@@ -161,7 +244,7 @@ class Segment:
             raise self.fault(str(err), self.lines[keyword]) from err
 
     def _frames(self):
-        """External axes, name of the body's, and whether the body is A."""
+        """The external axes, the name of the body's axes, and whether the body is A."""
         a, b = self.values["REF_FRAME_A"], self.values["REF_FRAME_B"]
         known = [axes.known(name) for name in (a, b)]
         override = self.message.options.frame
@@ -170,14 +253,14 @@ class Segment:
             return axes.named(override), a if body_is_a else b, body_is_a
         if known[0] is not None and known[1] is not None:
             raise self.fault(
-                f"REF_FRAME_A is {a} and REF_FRAME_B is {b}, both of them axes that are known; one "
-                "must be those of the body.",
+                f"REF_FRAME_A is {a} and REF_FRAME_B is {b}, both of them known external axes; one "
+                "of them must be the body's.",
                 self.lines["REF_FRAME_B"],
             )
         if known[0] is None and known[1] is None:
             raise self.fault(
                 f"of REF_FRAME_A = {a} and REF_FRAME_B = {b} none is known as ICRF, EME2000, ITRF, "
-                "TEME, RTN or LVLH; tell with frame= which axes the other one than the body's is.",
+                "TEME, RTN or LVLH; give the name of the external axes with frame=.",
                 self.lines["REF_FRAME_A"],
             )
         return (known[0], b, False) if known[0] is not None else (known[1], a, True)
@@ -206,8 +289,6 @@ class Segment:
     def _sequence(self):
         if not self.kind.startswith("EULER"):
             return None
-        from attitude import quaternion
-
         if "EULER_ROT_SEQ" not in self.values:
             raise self.fault("Euler angles need EULER_ROT_SEQ, like 321 or ZYX.", None)
         return self._checked("EULER_ROT_SEQ", lambda text: quaternion.known_sequence(text.upper()))
@@ -241,8 +322,6 @@ class Segment:
             ) from err
 
     def _interpolation(self):
-        from attitude.attitude_table import interpolation
-
         method, degree = (self.values.get(f"INTERPOLATION_{k}") for k in ("METHOD", "DEGREE"))
         try:
             degree = None if degree is None else int(degree)

@@ -1,5 +1,9 @@
 """A segment of an Attitude Ephemeris Message to be written: its keywords and its rows."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from attitude.attitude_table import interpolation
@@ -10,15 +14,44 @@ from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import columns_of
 from attitude.textfiles import kvn
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
 
-class Written:
-    """A segment to be written: its keywords, and its rows piece by piece."""
+    from attitude.annotations import FloatArray
+    from attitude.formats.sources import Records
 
-    def __init__(self, part, settings):
+
+class WrittenSegment:
+    """A segment to be written: its keywords, and its rows piece by piece.
+
+    Parameters
+    ----------
+    part : Records
+    settings : mapping
+        Arguments of `aem.write`, by name; `names` are object_name, object_id, center, body_frame.
+
+    Attributes
+    ----------
+    kind : str
+        Attitude type, under its name in version 2.
+    scalar_first, sequence : bool, str
+        As of `Convention`.
+    keywords : dict of str
+        Keyword of the meta data -> value, in their order.
+    comments, data_comments : sequence of str
+        Comments of the meta data and of the data.
+
+    Raises
+    ------
+    AttitudeError
+        For names of types, axes or time systems that are not known or not in this version.
+    """
+
+    def __init__(self, part: Records, settings: Mapping[str, Any]):
         self._part, self._settings = part, settings
         version = settings["version"]
-        self.kind = settings["kind"] or ("QUATERNION/ANGVEL" if part.has_rates else "QUATERNION")
-        self.kind = attitude_types.known(self.kind, "2.0")
+        kind = settings["kind"] or ("QUATERNION/ANGVEL" if part.has_rates else "QUATERNION")
+        self.kind: str = attitude_types.known(kind, "2.0")
         if version == "1.0" and self.kind not in attitude_types.IN_VERSION_1:
             raise AttitudeError(
                 f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
@@ -37,15 +70,16 @@ class Written:
             scalar_first=settings["scalar_first"] and version == "1.0",
             sequence=settings["sequence"],
         )
-        self.scalar_first, self.sequence = self._how.scalar_first, self._how.sequence
-        self.comments = part.meta.get("meta_comments", ())
-        self.data_comments = part.meta.get("data_comments", ())
-        self.keywords = self._keywords(version)
+        self.scalar_first: bool = self._how.scalar_first
+        self.sequence: str = settings["sequence"]
+        self.comments: Sequence[str] = part.meta.get("meta_comments", ())
+        self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
+        self.keywords: dict[str, str] = self._keywords(version)
         for text in (*self.keywords.values(), *self.comments, *self.data_comments):
             kvn.refuse_line_breaks(text)
 
-    def rows(self):
-        """Pieces: a list of epochs as text, and an array of columns."""
+    def rows(self) -> Iterator[tuple[list[str], FloatArray]]:
+        """The rows piece by piece: epochs as texts, and columns (N, columns) in deg, deg/s, s."""
         settings = self._settings
         for history in self._part.pieces():
             epochs = self._texts(history.epoch, history.seconds, history.low)
@@ -63,7 +97,9 @@ class Written:
         name, number, center, body = (value or meta.get(key) for value, key in given)
         body = body or "SC_BODY_1"
         if axes.known(body) is not None:
-            raise AttitudeError(f"body_frame is {body!r}, the name of other axes; give another.")
+            raise AttitudeError(
+                f"body_frame is {body!r}, the name of other axes; give another name."
+            )
         frame = axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(part.epoch, *part.first_and_last())
         method, degree = self._interpolation()
@@ -104,7 +140,7 @@ class Written:
         return {key: known[key] for key in META[version] if known[key] is not None}
 
     def _interpolation(self):
-        """What is recommended: what a table has, of a degree for which there are records."""
+        """Recommended interpolation: that of a table, of a degree for which there are records."""
         method, degree, table = self._settings["method"], self._settings["degree"], self._part.table
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree

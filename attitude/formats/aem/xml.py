@@ -1,59 +1,72 @@
-"""Attitude Ephemeris Messages in XML.
+"""Attitude Ephemeris Messages in XML, read.
 
 The elements are those of CCSDS 505.0-B-1 and 505.0-B-2 (section 4.8) for version 1.0, and of CCSDS
 504.0-B-2, section 7, with CCSDS 505.0-B-3, for version 2.0.
 """
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.formats.aem import elements
-from attitude.formats.aem.message import HEADER, VERSIONS, Message, Segment
+from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.aem.xml_records import pattern_of
 from attitude.formats.ccsds import attitude_types
+from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
 from attitude.textfiles.lines import NoNumber, numbers
-from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events, escaped
+from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
+
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.formats.aem.message import Options
 
 _BATCH = 4096
 _BEGIN, _END = b"<attitudeState>", b"</attitudeState>"
-# Longer ones, in bytes, do not wait for their end; more layouts in a file are not worth a pattern.
-_LONGEST_RECORD, _MOST_PATTERNS = 1 << 16, 50
-_SCHEMA = {
-    "1.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-2.0.0-master-2.0.xsd",
-    "2.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-4.0.0-master-4.0.xsd",
-}
+# Longest incomplete record, bytes, that is kept back from the parser until its end is read, so that
+# a pattern can match it.
+_LONGEST_RECORD = 1 << 16
+# Layouts of records in one file for which patterns are compiled.
+_MOST_PATTERNS = 50
 
 
-def read(path, options):
+def read(path: FilePath, options: Options) -> AttitudeTable:
     """The AttitudeTable of an AEM in XML; see `aem.read`."""
-    reader = _Reader(path, options)
+    reader = _AemReader(path, options)
     reader.run()
     if not reader.done:
         raise reader.fault("there is no <aem> message in it.")
     return reader.message.table()
 
 
-class _Reader(Events):
-    """Collects the message; records that are written like the one before go by a pattern."""
+class _AemReader(ElementReader):
+    """Collects the message; records that differ from the last one in their texts match a pattern.
+
+    `_tags` are the tags of the open elements, `_comments` the comments before the message, `_rest`
+    the bytes that are kept back from the parser.
+    """
 
     def __init__(self, path, options):
         super().__init__(path)
         self._options = options
         self._segment = self._record = None
-        self._place = []
+        self._tags = []
         self._attributes = {}
-        self._held, self._pattern = b"", None
-        self._outside = []
+        self._comments = []
+        self._rest, self._pattern = b"", None
         self._patterns, self._ended_at = {}, 0
         self.done = False
 
     def take(self, piece, last=False):
-        buffer, at = self._held + piece, 0
-        self._held = b""
+        """Match records that follow a parsed one; give everything else to the parser."""
+        buffer, at = self._rest + piece, 0
+        self._rest = b""
         while True:
             if self._pattern is not None:
-                at = self._take_alike(buffer, at)
+                at = self._match_records(buffer, at)
             end = buffer.find(_END, at) + len(_END)
             if end < len(_END):
                 break
@@ -61,17 +74,17 @@ class _Reader(Events):
             self.feed(buffer[at:end])
             self._pattern = self._pattern_of(buffer[start:end]) if start >= 0 else None
             at = end
-        # The beginning of a record waits for its end, but not for ever.
+        # The beginning of a record is kept until its end is read, up to some length.
         start = buffer.find(b"<", at) if self._pattern is not None else buffer.find(_BEGIN, at)
         if start < 0:
             start = len(buffer)
         elif last or len(buffer) - start > _LONGEST_RECORD:
             start, self._pattern = len(buffer), None
         self.feed(buffer[at:start], last)
-        self._held = buffer[start:]
+        self._rest = buffer[start:]
 
     def _pattern_of(self, record):
-        """The pattern of the record that was fed last, if the parser has just finished it."""
+        """The pattern of the last record, if the parser has just finished it."""
         if self._ended_at + len(_END) != self.fed:
             return None
         source = pattern_of(record, 1 + len(self._order))
@@ -81,8 +94,8 @@ class _Reader(Events):
             self._patterns[source] = re.compile(source)
         return self._patterns.get(source)
 
-    def _take_alike(self, buffer, at):
-        """Take records off the buffer; returns where the first that is not alike begins."""
+    def _match_records(self, buffer, at):
+        """Add the records that match the pattern; the offset of the first that does not."""
         match, tokens, lines, line = self._pattern.match, [], [], self.line
         while found := match(buffer, at):
             tokens += found.groups()
@@ -90,7 +103,7 @@ class _Reader(Events):
             lines.append(line)
             at = found.end()
         if lines:
-            self._take()
+            self._flush()
             self.skipped += line - self.line
             epoch, names = self._epoch_at, self._names()
             try:
@@ -107,9 +120,9 @@ class _Reader(Events):
             pass
         elif tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
             version = self.version(tag, attributes, "aem", VERSIONS)
-            self.message = Message(self.path, version, self._options, comments=self._outside)
+            self.message = Message(self.path, version, self._options, comments=self._comments)
         elif tag == "segment":
-            self._segment = Segment(self.message, self.fault)
+            self._segment = MessageSegment(self.message, self.fault)
             self._rows, self._tokens, self._lines = [], [], []
         elif tag == "data":
             if self._segment is None or self._segment.rows is None:
@@ -120,17 +133,17 @@ class _Reader(Events):
             self._record, self._epoch = {}, None
             self._columns = attitude_types.COLUMNS[self._segment.kind]
         self._attributes = attributes
-        self._place.append(tag)
+        self._tags.append(tag)
 
     def end(self, tag, text):
-        self._place.pop()
-        above = self._place[-1] if self._place else None
+        self._tags.pop()
+        above = self._tags[-1] if self._tags else None
         if self._record is not None:
             self._in_record(tag, text, above)
         elif above == "header":
             self._in_header(tag, text)
         elif above == "ndm" and tag == "COMMENT":
-            self._outside.append(text)
+            self._comments.append(text)
         elif above == "metadata":
             self._in_metadata(tag, text)
         elif tag == "metadata" and self._segment is not None:
@@ -140,7 +153,7 @@ class _Reader(Events):
         elif tag == "segment" and self._segment is not None:
             if self._segment.rows is None:
                 raise self.fault("the segment has no <metadata>.")
-            self._take()
+            self._flush()
             self._segment.finish(self.line)
             self._segment = None
         elif tag == "aem":
@@ -222,108 +235,23 @@ class _Reader(Events):
         self._rows.append([self._record[name] for name in names])
         self._tokens.append(self._epoch)
         self._lines.append(self.line)
-        # Where its texts stand in it, for those that follow and are written alike.
+        # The places of its texts, which are those of following records that match its pattern.
         places = {name: k + (k >= self._epoch_at) for k, name in enumerate(self._record)}
         self._order, self._ended_at = [places[name] for name in names], self.place
         self._record = None
         if len(self._rows) == _BATCH:
-            self._take()
+            self._flush()
 
     def _names(self):
-        """The columns in the order in which rows have them."""
+        """The columns in the order of the rows."""
         return (
             elements.scalar_first(self._columns)
             if self._segment.how.scalar_first
             else self._columns
         )
 
-    def _take(self):
+    def _flush(self):
+        """Add the rows that the parser has read to the segment."""
         if self._rows:
             self._segment.rows.add(self._tokens, np.array(self._rows), self._lines, self.fault)
             self._rows, self._tokens, self._lines = [], [], []
-
-
-# Writing ------------------------------------------------------------------------------------------
-
-
-def write_message(file, version, header, comments, segments):
-    """A message in XML, to an open file; see `aem.write`."""
-    file.write(
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        '<aem xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\n'
-        f'     xsi:noNamespaceSchemaLocation="{_SCHEMA[version]}"\n'
-        f'     id="CCSDS_AEM_VERS" version="{version}">\n  <header>\n'
-    )
-    _leaves(file, 4, [("COMMENT", text) for text in comments])
-    _leaves(file, 4, header.items())
-    file.write("  </header>\n  <body>\n")
-    for segment in segments:
-        file.write("    <segment>\n      <metadata>\n")
-        _leaves(file, 8, [("COMMENT", text) for text in segment.comments])
-        _leaves(file, 8, segment.keywords.items())
-        file.write("      </metadata>\n      <data>\n")
-        _leaves(file, 8, [("COMMENT", text) for text in segment.data_comments])
-        row = _template(segment, version)
-        order = _as_in_template(segment)
-        for epochs, columns in segment.rows():
-            lists = [epochs, *columns[:, order].T.tolist()]
-            file.write("".join([row % each for each in zip(*lists, strict=True)]))
-        file.write("      </data>\n    </segment>\n")
-    file.write("  </body>\n</aem>\n")
-
-
-def _leaves(file, indent, pairs):
-    for tag, text in pairs:
-        file.write(f"{' ' * indent}<{tag}>{escaped(text)}</{tag}>\n")
-
-
-def _as_in_template(segment):
-    """Which of the segment's columns follow each other in the elements."""
-    columns = attitude_types.COLUMNS[segment.kind]
-    given = elements.scalar_first(columns) if segment.scalar_first else list(columns)
-    return [given.index(name) for name in columns]
-
-
-def _template(segment, version):
-    """One record as text, with %s for the epoch and %r for each column."""
-    kind, columns = segment.kind, attitude_types.COLUMNS[segment.kind]
-    lines = ["<EPOCH>%s</EPOCH>"]
-    for group, names in _groups(kind, columns, version):
-        inner = [_leaf(name, version, k + 1, segment.sequence) for k, name in enumerate(names)]
-        lines += [f"<{group}>", *inner, f"</{group}>"] if group else inner
-    element = elements.ELEMENTS[version][kind]
-    lines = [f"<{element}>", *lines, f"</{element}>"]
-    return (
-        "".join(["        <attitudeState>\n", *(f"          {line}\n" for line in lines)])
-        + "        </attitudeState>\n"
-    )
-
-
-def _groups(kind, columns, version):
-    if kind.startswith("SPIN"):
-        return [(None, columns)]
-    first = 4 if kind.startswith("QUATERNION") else 3
-    given, rates = columns[:first], columns[first:]
-    old = version == "1.0"
-    if kind.startswith("QUATERNION"):
-        groups = [("quaternion", given)]
-        names = {
-            "/DERIVATIVE": ("quaternionDot", "quaternionRate"),
-            "/ANGVEL": ("angVel", "rotationRates"),
-        }
-    else:
-        groups = [("rotationAngles" if old else None, given)]
-        names = {"/DERIVATIVE": (None, None), "/ANGVEL": (None, "rotationRates")}
-    if rates:
-        groups.append((names["/" + kind.split("/")[1]][old], rates))
-    return groups
-
-
-def _leaf(name, version, number, sequence):
-    if version == "1.0" and name.startswith("ANGLE"):
-        label = f"{sequence[number - 1]}_ANGLE"
-        return f'<rotation{number} angle="{label}" units="deg">%r</rotation{number}>'
-    if version == "1.0" and name.startswith("ANGVEL"):
-        return f'<rotation{number} rate="{name[-1]}_RATE" units="deg/s">%r</rotation{number}>'
-    unit = elements.unit(name)
-    return f'<{name} units="{unit}">%r</{name}>' if unit else f"<{name}>%r</{name}>"

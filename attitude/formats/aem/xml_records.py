@@ -1,31 +1,32 @@
-"""Long runs of records in XML that are all written alike, by a pattern instead of a parser.
+"""Runs of records in XML that differ in their texts only, read by a pattern instead of a parser.
 
-The first record of a run is parsed as XML.  Those that follow it and differ from it in nothing but
-their texts (the same tags, attributes, order and spaces, plain texts without entities) mean what
-it means; a regular expression takes the texts out, four times as fast.  Whatever else comes is
-parsed.
+The first record of a run is parsed as XML.  The following records that have the same tags,
+attributes, order and spaces, and plain texts without entities, have the same structure; a regular
+expression extracts their texts, four times as fast as the parser.  Everything else is parsed.
 """
+
+from __future__ import annotations
 
 import re
 
-# Texts: what numbers and dates can be; no references, no tags, no underscores (which Python's
-# float would take for separators of digits).
+# Texts of numbers and dates: no references, no tags, no underscores (which Python's float takes
+# for separators of digits).
 _TEXT = rb"([^<>&_\s]{1,60})"
 _TAG = re.compile(rb"<[^<>]*>")
 
 
-_LONGEST = 4096  # bytes of a record: longer ones would take long to compile
+_LONGEST = 4096  # bytes of a record: patterns of longer ones would take long to compile
 
 
-def pattern_of(record, texts):
-    """The pattern of records like this one, as bytes; None where it has other than plain texts.
+def pattern_of(record: bytes, texts: int) -> bytes | None:
+    """The regular expression of records with the structure of one; None for other than plain texts.
 
     Parameters
     ----------
     record : bytes
         A whole element, well-formed.
     texts : int
-        How many texts it must hold: these are the groups of the pattern.
+        Number of texts in the record, which are the groups of the expression.
 
     >>> found = re.compile(pattern_of(b"<a><b>1</b> <c u='m'>2</c></a>", 2))
     >>> found.match(b"  <a><b>3</b> <c u='m'>4</c></a>").groups()

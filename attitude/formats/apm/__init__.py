@@ -1,12 +1,13 @@
 """CCSDS Attitude Parameter Messages.
 
-apm       `read` and `write`
-blocks    the blocks of either notation and version under one set of names
-state     the state that the blocks hold
-inertia   the signs of products of inertia
-written   blocks, written
+apm        `read` and `write`
+keywords   keywords of the blocks of either version, and checks of their values
+blocks     messages in KVN and XML, read into blocks with the keywords of version 2
+state      attitude, rates and inertia from the blocks
+inertia    signs of products of inertia
+written    blocks of a message to be written, in KVN and XML
 """
 
-from attitude.formats.apm.apm import read, write
+from attitude.formats.apm.apm import Parameters, read, write
 
-__all__ = ["read", "write"]
+__all__ = ["Parameters", "read", "write"]

@@ -1,115 +1,36 @@
-"""The blocks of Attitude Parameter Messages under one set of names, in both notations and versions.
+"""Attitude Parameter Messages in KVN and XML, read into blocks with the keywords of version 2.
 
-Version 1 has other names for the keywords of version 2, and no marks around its blocks in KVN.
+Version 1 has other keywords, and no marks around its blocks in KVN.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from attitude.formats.apm.keywords import BLOCKS, OLD, REPEATED, XML_BLOCKS
+from attitude.formats.apm.message import Block, Collected
+from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.textfiles import kvn
-from attitude.textfiles.xml import MESSAGES, OUTSIDE, Events
+from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 
-VERSIONS = ("1.0", "2.0")
-HEADER = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
-META = ("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "TIME_SYSTEM")
-_Q = ("Q1", "Q2", "Q3", "QC")
-_SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
-_NUTATION = ("NUTATION", "NUTATION_PER", "NUTATION_PHASE")
-_FRAMES = ("REF_FRAME_A", "REF_FRAME_B")
-# Keywords of the blocks of version 2, by the name in their _START and _STOP.
-BLOCKS = {
-    "QUAT": (*_FRAMES, *_Q, *(f"{name}_DOT" for name in _Q)),
-    "EULER": (
-        *(*_FRAMES, "EULER_ROT_SEQ", "ANGLE_1", "ANGLE_2", "ANGLE_3"),
-        *("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT"),
-    ),
-    "ANGVEL": (*_FRAMES, "ANGVEL_FRAME", "ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"),
-    "SPIN": (*_FRAMES, *_SPIN, *_NUTATION, "MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"),
-    "INERTIA": ("INERTIA_REF_FRAME", "IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ"),
-    "MAN": (
-        *("MAN_EPOCH_START", "MAN_DURATION", "MAN_REF_FRAME", "MAN_TOR_X", "MAN_TOR_Y"),
-        *("MAN_TOR_Z", "MAN_DELTA_MASS"),
-    ),
-}
-# Version 1: keyword -> block and the name in version 2 (or its own, where there is none).
-OLD = {
-    **{name: ("QUAT", name) for name in BLOCKS["QUAT"][2:]},
-    **{"Q_FRAME_A": ("QUAT", "REF_FRAME_A"), "Q_FRAME_B": ("QUAT", "REF_FRAME_B")},
-    "Q_DIR": ("QUAT", "DIR"),
-    **{"EULER_FRAME_A": ("EULER", "REF_FRAME_A"), "EULER_FRAME_B": ("EULER", "REF_FRAME_B")},
-    **{"EULER_DIR": ("EULER", "DIR"), "EULER_ROT_SEQ": ("EULER", "EULER_ROT_SEQ")},
-    "RATE_FRAME": ("EULER", "RATE_FRAME"),
-    **{f"{axis}_ANGLE": ("EULER", f"{axis}_ANGLE") for axis in "XYZ"},
-    **{f"{axis}_RATE": ("EULER", f"{axis}_RATE") for axis in "XYZ"},
-    **{"SPIN_FRAME_A": ("SPIN", "REF_FRAME_A"), "SPIN_FRAME_B": ("SPIN", "REF_FRAME_B")},
-    "SPIN_DIR": ("SPIN", "DIR"),
-    **{name: ("SPIN", name) for name in (*_SPIN, *_NUTATION)},
-    "INERTIA_REF_FRAME": ("INERTIA", "INERTIA_REF_FRAME"),
-    **{
-        f"I{i}{j}": ("INERTIA", f"I{'XYZ'[i - 1]}{'XYZ'[j - 1]}")
-        for i in (1, 2, 3)
-        for j in (1, 2, 3)
-        if i <= j
-    },
-    **{name: ("MAN", name) for name in ("MAN_EPOCH_START", "MAN_DURATION", "MAN_REF_FRAME")},
-    **{f"MAN_TOR_{k}": ("MAN", f"MAN_TOR_{'XYZ'[k - 1]}") for k in (1, 2, 3)},
-}
-_REPEATED = ("X_ANGLE", "Y_ANGLE", "Z_ANGLE", "X_RATE", "Y_RATE", "Z_RATE")
-# Units that may stand behind the numbers of a keyword; none is always taken for the first.
-_UNITS = {
-    "ANGLE": ("deg",),
-    "RATE": ("deg/s",),
-    "DOT": ("1/s",),
-    "INERTIA": ("kg*m**2", "kg*m^2", "kg.m**2"),
-    "PERIOD": ("s",),
-}
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath
+    from attitude.textfiles.lines import Lines
 
 
-class Block(dict):
-    """Keywords and values of a block, the lines they stand in, and all of them in their order."""
+def read_kvn(lines: Lines, first: bytes) -> Collected:
+    """The message of an APM in KVN.
 
-    def __init__(self, name, line):
-        super().__init__()
-        self.name, self.line = name, line
-        self.lines, self.order, self.comments = {}, [], []
+    `first` is the first line that is not empty, which has been taken from `lines`.
 
-
-class Collected:
-    """A message while it is read: header, meta data, blocks."""
-
-    def __init__(self, version, fault):
-        self.version, self.fault = version, fault
-        self.header, self.meta, self.comments, self.blocks = {}, {}, [], []
-        self.lines = {}
-
-    def put_common(self, keyword, value, line):
-        """A keyword of header or meta data, or EPOCH; False for others."""
-        if keyword not in (*HEADER, *META, "EPOCH"):
-            return False
-        into = self.header if keyword in HEADER else self.meta
-        if keyword in into:
-            raise self.fault(f"{keyword} is given twice.", line)
-        into[keyword], self.lines[keyword] = value, line
-        return True
-
-    def put(self, block, keyword, value, line):
-        """A keyword of a block, under its name in version 2."""
-        if keyword in block and keyword not in _REPEATED:
-            raise self.fault(
-                f"{keyword} is given twice, first in line {block.lines[keyword]}.", line
-            )
-        block.order.append((keyword, value, line))
-        block[keyword], block.lines[keyword] = value, line
-
-    def unknown(self, keyword, line):
-        return self.fault(
-            f"{keyword} is not known in an APM of version {self.version}, or not in this place.",
-            line,
-        )
-
-
-def read_kvn(lines, first):
-    """The Collected message of an APM in KVN, of whose lines the first is read."""
+    Raises
+    ------
+    AttitudeError
+        For lines that are not KVN, and unknown, misplaced or repeated keywords.
+    """
     version = kvn.version(lines, first, "APM", VERSIONS)
     message = Collected(version, lines.fault)
-    current = None
+    current: Block | None = None
     for line in lines:
         if line.strip() in (b"", b"META_START", b"META_STOP"):
             continue
@@ -136,6 +57,7 @@ def read_kvn(lines, first):
 
 
 def _marked(message, mark, current, line):
+    """The block that is open after a line with _START or _STOP; None after _STOP."""
     name, _, end = mark.rpartition("_")
     if name not in BLOCKS:
         raise message.fault(
@@ -153,7 +75,7 @@ def _marked(message, mark, current, line):
 
 
 def _open_block(message, name, keyword, line):
-    """The block of version 1 that a keyword belongs to; a second maneuver begins a new one."""
+    """The block of version 1 for a keyword; each MAN_EPOCH_START begins a new maneuver."""
     found = [block for block in message.blocks if block.name == name]
     if not found or (name == "MAN" and keyword == "MAN_EPOCH_START"):
         message.blocks.append(Block(name, line))
@@ -161,60 +83,55 @@ def _open_block(message, name, keyword, line):
     return found[-1]
 
 
-_XML_BLOCKS = {
-    **{"quaternionState": "QUAT", "eulerAngleState": "EULER", "eulerElementsThree": "EULER"},
-    **{"angularVelocity": "ANGVEL", "spin": "SPIN", "eulerElementsSpin": "SPIN"},
-    **{"inertia": "INERTIA", "spacecraftParameters": "INERTIA", "maneuverParameters": "MAN"},
-}
-XML_NAMES = {
-    "2.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerAngleState", "ANGVEL": "angularVelocity"},
-        **{"SPIN": "spin", "INERTIA": "inertia"},
-    },
-    "1.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerElementsThree", "SPIN": "eulerElementsSpin"},
-        "INERTIA": "spacecraftParameters",
-    },
-}
+# Elements that group keywords.
 _GROUPS = ("quaternion", "quaternionDot", "quaternionRate", "rotationAngles", "rotationRates")
 _OUTER = ("apm", "ndm", "header", "body", "segment", "metadata", "data")
 
 
-def read_xml(path):
-    """The Collected message of an APM in XML."""
-    reader = _XmlReader(path)
+def read_xml(path: FilePath) -> Collected:
+    """The message of an APM in XML.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that cannot be read or is not well-formed, and unknown or repeated keywords.
+    """
+    reader = _ApmReader(path)
     reader.run()
     if reader.message is None:
         raise reader.fault("there is no <apm> message in it.")
     return reader.message
 
 
-class _XmlReader(Events):
-    """Collects the message of an APM in XML."""
+class _ApmReader(ElementReader):
+    """Collects the message.
+
+    `_tags` are the tags of the open elements, `_comments` the comments before the message.
+    """
 
     def __init__(self, path):
         super().__init__(path)
-        self._block, self._place, self._attributes = None, [], {}
-        self._outside = []
+        self._block, self._tags, self._attributes = None, [], {}
+        self._comments = []
 
     def begin(self, tag, attributes):
         if tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
             self.message = Collected(self.version(tag, attributes, "apm", VERSIONS), self.fault)
-            self.message.comments.extend(self._outside)
-        elif self._place[-1:] == ["data"] and tag in _XML_BLOCKS:
-            self._block = Block(_XML_BLOCKS[tag], self.line)
+            self.message.comments.extend(self._comments)
+        elif self._tags[-1:] == ["data"] and tag in XML_BLOCKS:
+            self._block = Block(XML_BLOCKS[tag], self.line)
             self.message.blocks.append(self._block)
-        self._place.append(tag)
+        self._tags.append(tag)
         self._attributes = attributes
 
     def end(self, tag, text):
-        self._place.pop()
+        self._tags.pop()
         if self.message is None:
-            self._outside += [text] if tag == "COMMENT" else []
+            self._comments += [text] if tag == "COMMENT" else []
             return
         if tag in _OUTER or tag in _GROUPS:
             return
-        if self._place[-1:] == ["data"] and tag in _XML_BLOCKS:
+        if self._tags[-1:] == ["data"] and tag in XML_BLOCKS:
             self._block = None
         elif tag == "COMMENT":
             (self.message.comments if self._block is None else self._block.comments).append(text)
@@ -228,7 +145,7 @@ class _XmlReader(Events):
         unit = self._attributes.get("units")
         value = text if unit is None else f"{text} [{unit}]"
         label = self._attributes.get("angle") or self._attributes.get("rate")
-        if tag in ("rotation1", "rotation2", "rotation3") and label in _REPEATED:
+        if tag in ("rotation1", "rotation2", "rotation3") and label in REPEATED:
             tag = label
         if self.message.version == "1.0" and tag in OLD:
             name, tag = OLD[tag]
@@ -237,46 +154,3 @@ class _XmlReader(Events):
         elif tag not in BLOCKS[self._block.name]:
             raise self.message.unknown(tag, self.line)
         self.message.put(self._block, tag, value, self.line)
-
-
-def number(message, block, keyword, kind=None):
-    """The value of a keyword as a finite float, its unit checked; kinds are those of _UNITS."""
-    from attitude.textfiles.lines import is_number
-
-    line = block.lines.get(keyword)
-    if keyword not in block:
-        raise message.fault(f"the block {block.name} lacks {keyword}.", block.line)
-    value, unit = kvn.without_unit(block[keyword])
-    return checked_number(message, keyword, value, unit, kind, line, is_number)
-
-
-def checked_number(message, keyword, value, unit, kind, line, is_number):
-    allowed = _UNITS.get(kind, ())
-    if unit and unit.replace(" ", "") not in allowed:
-        known = f"; it must be in {allowed[0]}" if allowed else ", but it has no unit"
-        raise message.fault(f"{keyword} is in {unit!r}{known}.", line)
-    if not is_number(value.encode("ascii", "replace")) or abs(float(value)) == float("inf"):
-        raise message.fault(f"{keyword} is {value[:40]!r}, which is no finite number.", line)
-    result = float(value)
-    if result != result:
-        raise message.fault(f"{keyword} is {value[:40]!r}, which is no finite number.", line)
-    return result
-
-
-def needs(message, keyword):
-    """A keyword of the meta data that must be there."""
-    if not message.meta.get(keyword):
-        raise message.fault(f"the message lacks {keyword}.", None)
-    return message.meta[keyword]
-
-
-def one_of(message, block, keyword, choices):
-    """What a keyword stands for, of some choices."""
-    value = block.get(keyword)
-    if value is None or value.upper() not in choices:
-        given = "is not given" if value is None else f"is {value!r}"
-        raise message.fault(
-            f"{keyword} of the block {block.name} {given}; it must be one of {', '.join(choices)}.",
-            block.lines.get(keyword, block.line),
-        )
-    return choices[value.upper()]

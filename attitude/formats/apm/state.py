@@ -1,4 +1,8 @@
-"""The state that an Attitude Parameter Message tells, out of its blocks."""
+"""Attitude, rates and inertia from the blocks of an Attitude Parameter Message."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -7,28 +11,65 @@ from attitude import representations as forms
 from attitude.attitude_table.table import refuse_speed
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.formats.apm.blocks import META, needs, number, one_of
 from attitude.formats.apm.inertia import known_products, tensor
+from attitude.formats.apm.keywords import META
+from attitude.formats.apm.message import needs, number, one_of
 from attitude.formats.ccsds import attitude_types, axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import to_icrf
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.epochs import Instant
+    from attitude.formats.apm.message import Collected
+    from attitude.paths.path import Path
+
 _DIRECTIONS = {"A2B": True, "B2A": False}
 
 
 class Interpreted:
-    """The state that the blocks of a message mean."""
+    """The state in the blocks of a message.
 
-    def __init__(self, message, tolerance, frame, orbit, products):
+    Parameters
+    ----------
+    message : Collected
+    tolerance, frame, orbit, products
+        As of `apm.read`.
+
+    Attributes
+    ----------
+    epoch : Instant
+        EPOCH of the message; set by `result`.
+    """
+
+    epoch: Instant
+
+    def __init__(
+        self,
+        message: Collected,
+        tolerance: float,
+        frame: str | None,
+        orbit: Path | None,
+        products: str | None,
+    ):
         self._message, self._tolerance = message, tolerance
         self._frame, self._orbit = frame, orbit
         self._old = message.version == "1.0"
         self._products = known_products(products, message.version)
-        self._bodies = {}
+        # Block -> name of the body's axes in it.
+        self._bodies: dict[str, str] = {}
 
-    def result(self):
-        """Epoch, attitude, angular velocity or None, Body or None, and what else is said."""
+    def result(
+        self,
+    ) -> tuple[Instant, FloatArray, FloatArray | None, Body | None, dict[str, Any]]:
+        """The fields of `Parameters`: epoch, attitude, angular velocity, body, meta.
+
+        Raises
+        ------
+        AttitudeError
+            For missing keywords, values that are not known, and an inertia that no body has.
+        """
         message = self._message
         for keyword in META:
             if keyword != "CENTER_NAME":
@@ -64,7 +105,7 @@ class Interpreted:
         return [block for block in self._message.blocks if block.name == name]
 
     def _state(self):
-        """Attitude and rates, each of the first block that has them, and the name of the body."""
+        """Attitude and rates, each from the first block that has it; name of the body's axes."""
         attitude = rates = of_attitude = of_rates = None
         for name, meaning in (("QUAT", self._quat), ("EULER", self._euler), ("SPIN", self._spin)):
             for block in self._blocks(name)[:1]:
@@ -80,9 +121,9 @@ class Interpreted:
         body = self._bodies[of_attitude.name]
         if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
             raise self._message.fault(
-                f"the block {of_rates.name} has the rates of {self._bodies[of_rates.name]}, and "
-                f"the block {of_attitude.name} the attitude of {body}; one body is read here, "
-                "delete one of the blocks.",
+                f"the block {of_rates.name} has the rates of {self._bodies[of_rates.name]}, but "
+                f"the block {of_attitude.name} the attitude of {body}; a message is read for one "
+                "body: delete one of the blocks.",
                 of_rates.line,
             )
         if callable(rates):
@@ -97,7 +138,10 @@ class Interpreted:
             raise self._message.fault(str(err), None) from err
 
     def _axes(self, block):
-        """External axes and whether the rotation goes from them to the body."""
+        """The external axes; whether the rotation leads from them to the body; whether A is it.
+
+        The name of the body's axes is noted in `_bodies`.
+        """
         message = self._message
         names = [block.get(key) for key in ("REF_FRAME_A", "REF_FRAME_B")]
         for key, name in zip(("REF_FRAME_A", "REF_FRAME_B"), names, strict=True):
@@ -110,9 +154,9 @@ class Interpreted:
         else:
             if (known[0] is None) == (known[1] is None):
                 raise message.fault(
-                    f"of the frames {names[0]} and {names[1]} one must be axes that are known "
-                    "(ICRF, EME2000, ITRF, TEME, RTN, LVLH), the other those of the body; tell "
-                    "with frame= what the first is.",
+                    f"of the frames {names[0]} and {names[1]} one must be known external axes "
+                    "(ICRF, EME2000, ITRF, TEME, RTN, LVLH), the other the body's; give the name "
+                    "of the external axes with frame=.",
                     block.lines["REF_FRAME_A"],
                 )
             body_is_a = known[0] is None
@@ -124,7 +168,7 @@ class Interpreted:
         return found, to_body, body_is_a
 
     def _relative(self, kind, row, block, how, found):
-        with np.errstate(over="ignore", invalid="ignore"):  # refused below, as too fast
+        with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = attitude_types.decoded(kind, np.array([row]), how)
         return self._to_icrf(forms.unit(wxyz), rates, found)
 
@@ -143,7 +187,7 @@ class Interpreted:
         if off > self._tolerance:
             raise self._message.fault(
                 f"the length of the quaternion is off 1 by {off:.3g}; up to {self._tolerance:g} is "
-                "taken for rounding (tolerance=).",
+                "accepted as rounding (tolerance=).",
                 block.lines["QC"],
             )
         dots = [f"{name}_DOT" for name in ("Q1", "Q2", "Q3", "QC")]
@@ -173,7 +217,7 @@ class Interpreted:
         return self._relative(kind, row, block, how, found)
 
     def _old_euler(self, block, how, found, body_is_a):
-        """Version 1: angles by the names of their axes, rates over the axes of a frame."""
+        """Version 1: angles under the names of their axes, rates over the axes of a frame."""
         angles = self._by_axis(block, "ANGLE", how.sequence)
         rates = self._by_axis(block, "RATE", None)
         wxyz = None
@@ -186,7 +230,7 @@ class Interpreted:
         return wxyz, self._body_rates(np.radians(rates), over_body, found)
 
     def _body_rates(self, rates, over_body, found):
-        """What makes rates relative to ICRF over the body axes, once the attitude is known."""
+        """A function: attitude -> rates relative to ICRF, over the body axes."""
 
         self._refuse_speed(rates)
 
@@ -203,20 +247,20 @@ class Interpreted:
         return of
 
     def _by_axis(self, block, what, sequence):
-        """Numbers of X_ANGLE, ... in the order of a sequence, or of X, Y, Z; None without any."""
+        """Values of X_ANGLE, ... in the order of a sequence, or of X, Y, Z; None without any."""
         given = [item for item in block.order if item[0].endswith(f"_{what}")]
         if not given:
             return None
-        wanted = [f"{axis}_{what}" for axis in sequence or "XYZ"]
+        needed = [f"{axis}_{what}" for axis in sequence or "XYZ"]
         names = [name for name, _, _ in given]
-        if sorted(names) != sorted(wanted):
+        if sorted(names) != sorted(needed):
             raise self._message.fault(
                 f"the block EULER has {', '.join(names)}; {sequence or 'rates'} needs "
-                f"{', '.join(wanted)}.",
+                f"{', '.join(needed)}.",
                 given[0][2],
             )
         values = []
-        for name in wanted:
+        for name in needed:
             place = next(k for k, item in enumerate(given) if item[0] == name)
             _, text, line = given.pop(place)
             block[name], block.lines[name] = text, line
@@ -249,7 +293,7 @@ class Interpreted:
         return self._body_rates(rates, over_body, found)(wxyz)
 
     def _inertia_frame(self, body_frame):
-        """Over which axes the inertia is given: the body's, if nothing is said."""
+        """Name of the axes of the inertia, by default the body's; None without inertia."""
         for block in self._blocks("INERTIA")[:1]:
             return block.get("INERTIA_REF_FRAME") or body_frame
         return None

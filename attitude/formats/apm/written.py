@@ -1,20 +1,68 @@
-"""Attitude Parameter Messages as they are written: their blocks, in either notation and version."""
+"""Attitude Parameter Messages to be written: their blocks, in either notation and version."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import IO, TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 from attitude.formats.apm import inertia as apm_inertia
-from attitude.formats.apm.blocks import XML_NAMES
+from attitude.formats.apm.keywords import XML_NAMES
 from attitude.textfiles.xml import escaped
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.body import Body
 
-def blocks(version, frame, body, wxyz, rates):
-    """Name, and triples of keyword, value and unit, of the blocks of attitude and rates."""
-    quaternions = [
+# Name of a block, and its entries: keyword, value and unit ("" for none).
+WrittenBlock: TypeAlias = tuple[str, list[tuple[str, str | float, str]]]
+
+
+@dataclass
+class WrittenMessage:
+    """A message to be written.
+
+    Attributes
+    ----------
+    version : str
+    header, meta : dict of str
+        Keyword -> value.
+    comments : list of str
+    epoch : str
+        EPOCH, in the time system of the meta data.
+    blocks : list of WrittenBlock
+    """
+
+    version: str
+    header: dict[str, str]
+    comments: list[str]
+    meta: dict[str, str]
+    epoch: str
+    blocks: list[WrittenBlock]
+
+
+def blocks(
+    version: str, frame: str, body: str, wxyz: FloatArray, rates: FloatArray
+) -> list[WrittenBlock]:
+    """The blocks of attitude and rates.
+
+    Parameters
+    ----------
+    version : str
+    frame, body : str
+        Names of the external axes and of the body's.
+    wxyz : (4,) array
+        Body to the external axes, scalar first.
+    rates : (3,) array
+        Angular velocity, rad/s over the body axes.
+    """
+    quaternions: list[tuple[str, str | float, str]] = [
         (k, float(q), "") for k, q in zip(("Q1", "Q2", "Q3", "QC"), np.roll(wxyz, -1), strict=True)
     ]
-    rates = [float(rate) for rate in np.degrees(rates)]
+    speeds = [float(rate) for rate in np.degrees(rates)]
     if version == "1.0":
         angles = np.degrees(forms.to_euler("ZYX", wxyz)).tolist()
         return [
@@ -34,24 +82,40 @@ def blocks(version, frame, body, wxyz, rates):
                     *(("EULER_DIR", "A2B", ""), ("EULER_ROT_SEQ", "321", "")),
                     ("RATE_FRAME", "EULER_FRAME_B", ""),
                     *((f"{a}_ANGLE", angle, "deg") for a, angle in zip("ZYX", angles, strict=True)),
-                    *((f"{a}_RATE", rates["XYZ".index(a)], "deg/s") for a in "ZYX"),
+                    *((f"{a}_RATE", speeds["XYZ".index(a)], "deg/s") for a in "ZYX"),
                 ],
             ),
         ]
+    frames: list[tuple[str, str | float, str]]
     frames = [("REF_FRAME_A", frame, ""), ("REF_FRAME_B", body, "")]
-    components = [(f"ANGVEL_{a}", rate, "deg/s") for a, rate in zip("XYZ", rates, strict=True)]
+    components = [(f"ANGVEL_{a}", rate, "deg/s") for a, rate in zip("XYZ", speeds, strict=True)]
     return [
         ("QUAT", [*frames, *quaternions]),
         ("ANGVEL", [*frames, ("ANGVEL_FRAME", body, ""), *components]),
     ]
 
 
-def inertia(version, body, frame, products):
-    """The same of the block of inertia; refused for a body whose moments are relative."""
+def inertia(version: str, body: Body, frame: str, products: str | None) -> WrittenBlock:
+    """The block of inertia.
+
+    Parameters
+    ----------
+    version : str
+    body : Body
+    frame : str
+        Name of the body's axes.
+    products : str or None
+        Sign of the products of inertia; see `apm.inertia`.
+
+    Raises
+    ------
+    AttitudeError
+        For a body whose moments are relative.
+    """
     if body.relative:
         raise AttitudeError(
-            "the moments of the body are relative, and an APM has kg m2; give moments in kg m2, or "
-            "write inertia=False."
+            "the moments of the body are relative, but an APM has kg m2; give moments in kg m2, or "
+            "inertia=False."
         )
     names = ("11", "22", "33", "12", "13", "23")
     if version != "1.0":
@@ -61,15 +125,15 @@ def inertia(version, body, frame, products):
     return "INERTIA", [("INERTIA_REF_FRAME", frame, ""), *entries]
 
 
-def write_kvn(file, message):
-    """A message in keyword = value notation, to an open file."""
-    version = message["version"]
+def write_kvn(file: IO[str], message: WrittenMessage) -> None:
+    """Write a message in KEYWORD = value notation to an open file."""
+    version = message.version
     file.write(f"CCSDS_APM_VERS = {version}\n")
-    file.writelines(f"COMMENT {text}\n" for text in message["comments"])
-    for part in ("header", "meta"):
-        file.writelines(f"{key} = {value}\n" for key, value in message[part].items())
-    file.write(f"EPOCH = {message['epoch']}\n")
-    for name, entries in message["blocks"]:
+    file.writelines(f"COMMENT {text}\n" for text in message.comments)
+    for part in (message.header, message.meta):
+        file.writelines(f"{key} = {value}\n" for key, value in part.items())
+    file.write(f"EPOCH = {message.epoch}\n")
+    for name, entries in message.blocks:
         file.write("\n" if version == "1.0" else f"\n{name}_START\n")
         for key, value, unit in entries:
             shown = value if isinstance(value, str) else repr(value)
@@ -78,9 +142,9 @@ def write_kvn(file, message):
             file.write(f"{name}_STOP\n")
 
 
-def write_xml(file, message):
-    """A message in XML, to an open file."""
-    version = message["version"]
+def write_xml(file: IO[str], message: WrittenMessage) -> None:
+    """Write a message in XML to an open file."""
+    version = message.version
     schema = "2.0.0-master-2.0" if version == "1.0" else "4.0.0-master-4.0"
 
     def leaf(indent, key, value, unit="", attribute=""):
@@ -94,28 +158,28 @@ def write_xml(file, message):
         '     xsi:noNamespaceSchemaLocation="https://sanaregistry.org/r/ndmxml_unqualified/'
         f'ndmxml-{schema}.xsd"\n     id="CCSDS_APM_VERS" version="{version}">\n  <header>\n'
     )
-    for text in message["comments"]:
+    for text in message.comments:
         leaf(4, "COMMENT", text)
-    for key, value in message["header"].items():
+    for key, value in message.header.items():
         leaf(4, key, value)
     file.write("  </header>\n  <body>\n    <segment>\n      <metadata>\n")
-    for key, value in message["meta"].items():
+    for key, value in message.meta.items():
         leaf(8, key, value)
     file.write("      </metadata>\n      <data>\n")
     if version != "1.0":
-        leaf(8, "EPOCH", message["epoch"])
-    for name, entries in message["blocks"]:
+        leaf(8, "EPOCH", message.epoch)
+    for name, entries in message.blocks:
         element = XML_NAMES[version][name]
         file.write(f"        <{element}>\n")
         if version == "1.0" and name == "QUAT":
-            leaf(10, "EPOCH", message["epoch"])
+            leaf(10, "EPOCH", message.epoch)
         _write_entries(file, leaf, entries)
         file.write(f"        </{element}>\n")
     file.write("      </data>\n    </segment>\n  </body>\n</apm>\n")
 
 
 def _write_entries(file, leaf, entries):
-    """Keywords of a block; components that belong together stand in a group of their own."""
+    """Write the keywords of a block; quaternion, angles and rates each have a group element."""
     groups = {"Q1": "quaternion", "Z_ANGLE": "rotationAngles", "Z_RATE": "rotationRates"}
     inside, count = None, 0
     for key, value, unit in entries:

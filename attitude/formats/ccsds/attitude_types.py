@@ -1,34 +1,43 @@
-"""The attitude types of CCSDS messages: what their columns mean, read and written.
+"""The attitude types of CCSDS messages: meaning of their columns, decoding and encoding.
 
-A rotation "from A to B" is that which turns the axes of A into those of B: the components of its
-quaternion (Q1, Q2, Q3, QC) are those of the rotation that takes vectors given in B to A.  With A
-inertial and B the body they are ours, body to inertial; the other way round, of its inverse.
+A rotation "from A to B" turns the axes of A into those of B; its quaternion (Q1, Q2, Q3, QC) has
+the components of the rotation that takes the components of vectors over B to those over A.  If A is
+inertial and B the body, this is body to inertial; if A is the body, it is the inverse.
 Euler angles turn A into B about its axes in the order of EULER_ROT_SEQ, so that "ZXZ" with angles
 a, b, c is body to inertial = Rz(a) Rx(b) Rz(c).
 
 Rates are those of the body relative to the external axes, except in version 2 messages whose
-REF_FRAME_A is the body: there they are, as the standard says, those of B relative to A, the
-negative.  The components of ANGVEL and RATE are over the axes that ANGVEL_FRAME or RATE_FRAME
-names.
+REF_FRAME_A is the body: there the standard defines them as those of B relative to A, the negative.
+The components of ANGVEL and RATE are over the axes that ANGVEL_FRAME or RATE_FRAME names.
 
 The spin types give the pole of body z and the angle about it, as `representations.from_pole`, of
-the body relative to the external axes, whatever the direction.  SPIN knows no rate across body z:
+the body relative to the external axes, for either direction.  SPIN has no rate across body z:
 records whose pole moves have no angular velocity.  With nutation, angular velocity = nutation rate
 about the axis of the cone + SPIN_ANGLE_VEL about body z; by NUTATION_PHASE p and NUTATION n that
 axis is (sin n cos p, -sin n sin p, cos n) in the body.
 
 Source: version 2, CCSDS 504.0-B-2 (2024): table 4-4 (columns), 4.2.4.6 (units), annex F (F2
 quaternions, F3 Euler angles, F4 angular velocity, F5 spin).  Version 1, CCSDS 504.0-B-1 (2008):
-4.2.5; what it leaves open is as in version 2, or as Orekit reads it.
+4.2.5; where it leaves a choice, version 2 or Orekit's reading is followed.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+# Versions of attitude data messages (CCSDS 504.0) and keywords of their header.
+VERSIONS: tuple[str, ...] = ("1.0", "2.0")
+HEADER: tuple[str, ...] = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
 
 _Q = ("Q1", "Q2", "Q3", "QC")
 _Q_DOT = tuple(f"{name}_DOT" for name in _Q)
@@ -38,7 +47,7 @@ _ANGLE_DOT = tuple(f"{name}_DOT" for name in _ANGLE)
 _SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
 
 # The columns of each type, under its name in version 2.
-COLUMNS = {
+COLUMNS: dict[str, tuple[str, ...]] = {
     "QUATERNION": _Q,
     "QUATERNION/DERIVATIVE": (*_Q, *_Q_DOT),
     "QUATERNION/ANGVEL": (*_Q, *_ANGVEL),
@@ -49,7 +58,8 @@ COLUMNS = {
     "SPIN/NUTATION": (*_SPIN, "NUTATION", "NUTATION_PER", "NUTATION_PHASE"),
     "SPIN/NUTATION_MOM": (*_SPIN, "MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"),
 }
-IN_VERSION_1 = {
+# Name in version 2 -> name in version 1, and the inverse.
+IN_VERSION_1: dict[str, str] = {
     "QUATERNION": "QUATERNION",
     "QUATERNION/DERIVATIVE": "QUATERNION/DERIVATIVE",
     "QUATERNION/ANGVEL": "QUATERNION/RATE",
@@ -58,27 +68,27 @@ IN_VERSION_1 = {
     "SPIN": "SPIN",
     "SPIN/NUTATION": "SPIN/NUTATION",
 }
-OUT_OF_VERSION_1 = {old: new for new, old in IN_VERSION_1.items()}
+OUT_OF_VERSION_1: dict[str, str] = {old: new for new, old in IN_VERSION_1.items()}
 
 
 @dataclass(frozen=True)
 class Convention:
-    """How the columns of a type are meant.
+    """Directions, axes and units of the columns of an attitude type.
 
     Attributes
     ----------
     to_body : bool
-        Whether the rotation goes from the external axes to the body, as is usual.
+        Whether the rotation goes from the external axes to the body (the default) or back.
     rates_over_body : bool
-        Whether ANGVEL components are over the body axes.
+        Whether ANGVEL components are over the body axes or over the external ones.
     rates_follow : bool
         Whether rates belong to the rotation A to B (version 2) or always to the body (version 1).
     scalar_first : bool
         Whether QC stands before Q1, Q2, Q3 (version 1).
     sequence : str or None
-        Of the Euler angles.
+        Axes of the Euler angles, such as "ZXZ".
     in_radians : bool
-        Whether ANGVEL components are rad/s, which no CCSDS message has, but a CSV table.
+        Whether ANGVEL components are rad/s, as in CSV tables, or deg/s, as in CCSDS messages.
     """
 
     to_body: bool = True
@@ -89,8 +99,14 @@ class Convention:
     in_radians: bool = False
 
 
-def known(name, version):
-    """An attitude type under its name in version 2."""
+def known(name: str, version: str) -> str:
+    """The name in version 2 of an attitude type of either version.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown name; the message lists the types of `version`.
+    """
     given = "_".join(name.upper().split())
     given = OUT_OF_VERSION_1.get(given, given)
     if given not in COLUMNS:
@@ -101,12 +117,13 @@ def known(name, version):
     return given
 
 
-def has_rates(kind):
+def has_rates(kind: str) -> bool:
+    """Whether an attitude type has columns of rates."""
     return kind not in ("QUATERNION", "EULER_ANGLE")
 
 
-def decoded(kind, rows, how):
-    """Attitudes and angular velocities out of the columns of a file.
+def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
+    """Attitudes and angular velocities from the columns of a file.
 
     Parameters
     ----------
@@ -119,9 +136,14 @@ def decoded(kind, rows, how):
     Returns
     -------
     wxyz : (N, 4) array
-        Body to the external axes; of the length that the file gives them.
+        Body to the external axes, scalar first; quaternions keep the length that they have.
     rates : (N, 3) array or None
-        rad/s over the body axes, relative to the external ones.
+        Angular velocities, rad/s over the body axes, relative to the external axes.
+
+    Raises
+    ------
+    AttitudeError
+        For a period of nutation of zero.
     """
     family = kind.partition("/")[0]
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
@@ -136,14 +158,32 @@ def decoded(kind, rows, how):
     return wxyz, rates
 
 
-def encoded(kind, wxyz, rates, acceleration, how):
-    """The columns (N, columns) of a type, in the units of files; see `decoded`.
+def encoded(
+    kind: str,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    acceleration: FloatArray | None,
+    how: Convention,
+) -> FloatArray:
+    """The columns (N, columns) of an attitude type, in deg, deg/s and s; inverse of `decoded`.
 
     Parameters
     ----------
-    wxyz, rates, acceleration : arrays or None
-        Relative to the external axes; rates and accelerations over the body axes.  Types without
-        rates want None, SPIN/NUTATION and SPIN/NUTATION_MOM want acceleration too.
+    kind : str
+        One of COLUMNS.
+    wxyz : (N, 4) array
+        Body to the external axes, scalar first.
+    rates : (N, 3) array or None
+        Angular velocities, rad/s over the body axes, relative to the external axes; None for types
+        without rates.
+    acceleration : (N, 3) array or None
+        Their derivatives over the body axes, rad/s2; for SPIN/NUTATION and SPIN/NUTATION_MOM only.
+    how : Convention
+
+    Raises
+    ------
+    AttitudeError
+        For SPIN/NUTATION at an epoch at which body z does not move: there is no period.
     """
     family = kind.partition("/")[0]
     if family == "SPIN":
@@ -155,6 +195,7 @@ def encoded(kind, wxyz, rates, acceleration, how):
         angles = forms.to_euler(how.sequence, given)
         columns = [np.degrees(angles)]
     if kind.endswith("/ANGVEL"):
+        assert rates is not None
         over = rates if how.rates_over_body else quaternion.rotate(wxyz, rates)
         columns.append(np.degrees(-over if how.rates_follow and not how.to_body else over))
     elif kind == "QUATERNION/DERIVATIVE":
@@ -205,7 +246,7 @@ def _of_spin(kind, rows, how):
     if kind == "SPIN/NUTATION":
         nutation, phase = np.radians(rows[:, 4]), np.radians(rows[:, 6])
         if np.any(rows[:, 5] == 0.0):
-            raise AttitudeError("NUTATION_PER is 0; a period must not be.")
+            raise AttitudeError("NUTATION_PER is 0; it must be a period other than zero.")
         turn = 2.0 * np.pi / rows[:, 5]
         across = np.sin(nutation)
         axis = np.stack([across * np.cos(phase), -across * np.sin(phase), np.cos(nutation)], 1)
@@ -232,8 +273,8 @@ def _spin_columns(kind, wxyz, rates, acceleration):
     if kind == "SPIN/NUTATION":
         if np.any(turn == 0.0):
             raise AttitudeError(
-                "at some epoch body z does not move, so that there is no period of nutation; "
-                "write SPIN, or SPIN/NUTATION_MOM."
+                "at some epoch body z does not move and has no period of nutation; write SPIN, or "
+                "SPIN/NUTATION_MOM."
             )
         phase = np.arctan2(-axis[:, 1], axis[:, 0])
         angles = np.degrees(np.stack([*columns, nutation, nutation, phase], axis=1))
@@ -246,10 +287,10 @@ def _spin_columns(kind, wxyz, rates, acceleration):
 
 
 def _cone(rates, acceleration):
-    """Axis (N, 3) in the body, half angle and rate of the cone that body z is drawing.
+    """Axis (N, 3) in the body, half angle and rate of the cone along which body z moves.
 
-    The cone that has the velocity and the acceleration of body z at that epoch.  It is about the
-    angular momentum for symmetric bodies; for others it is what these types can say.
+    The cone osculates: it has the velocity and the acceleration of body z at that epoch.  Its axis
+    is the angular momentum for symmetric bodies only.
     """
     z = np.array([0.0, 0.0, 1.0])
     velocity = np.cross(rates, z)

@@ -1,11 +1,11 @@
-"""The axes that attitudes in files refer to, by the names that files give them.
+"""Reference axes of attitudes in files, by their names.
 
-Each leads to ICRF: fixed axes by one quaternion, turning ones (Earth-fixed, of date, of an orbit)
-by one for each epoch, and with their own angular velocity.
+Fixed axes lead to ICRF by one quaternion; turning axes (Earth-fixed, of date, of an orbit) by one
+for each epoch, and they have an angular velocity.
 
 ========================  =========================================================================
 icrf                      ICRF, ICRF1 to ICRF3, GCRF, BCRF
-eme2000                   EME2000, J2000 (of CCSDS and STK, with the frame bias of 23 mas)
+eme2000                   EME2000, J2000 (in CCSDS and STK: with the frame bias of 23 mas)
 ecliptic                  ECLIPTIC, ECLIPTICJ2000, ECLIPJ2000
 itrf                      ITRF, ITRF-97, ITRF2000, ..., ITRS: IAU 2006/2000A with the Earth
                           orientation of astropy-iers-data
@@ -14,14 +14,17 @@ rtn                       RTN, RSW, RIC, QSW: x away from the center, z along th
 lvlh                      LVLH, VVLH: z to the center, y against the orbit's momentum
 ========================  =========================================================================
 
-Of an orbit's axes, names that end in _INERTIAL say that rates are relative to axes that stand
-still, others (and _ROTATING) that they are relative to axes that turn with the orbit.
+Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others, with
+_ROTATING or without, have rates relative to the axes as they turn.
 
 Sources: SANA registry of celestial body and orbit-relative reference frames; IERS Conventions
 (2010), chapter 5, as in ERFA's c2t06a; Vallado et al., AIAA 2006-6753 (TEME).
 """
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +33,9 @@ from attitude import representations as forms
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
 _FIXED = {
     **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
@@ -43,41 +49,86 @@ _TURNING = {
     **dict.fromkeys(("LVLH", "VVLH"), "lvlh"),
 }
 _OF_ORBIT = ("rtn", "lvlh")
-# How the axes are called in files that we write.
-WRITTEN = {
+# Kind -> name in written files.
+WRITTEN: dict[str, str] = {
     **{"icrf": "ICRF", "gcrf": "GCRF", "eme2000": "EME2000", "ecliptic": "ECLIPTICJ2000"},
     **{"itrf": "ITRF", "teme": "TEME", "rtn": "RTN", "lvlh": "LVLH"},
 }
-# Seconds: the decimals of files.  One epoch in two files may differ by the rounding of its reading.
+# Epochs of two files are equal if they differ by at most the last decimal, s.
 _SAME = 1e-12
-_STEP = 1.0  # seconds, for the rate of turning axes: errs by 6e-14 rad/s for the Earth
+# Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
+_STEP = 1.0
 
 
 class Axes:
-    """Axes by their name, and how they turn.
+    """Reference axes: their orientation relative to ICRF and their angular velocity.
+
+    Parameters
+    ----------
+    name : str
+    kind : str
+    inertial : bool
+        Whether rates in these axes are relative to inertial space.
 
     Attributes
     ----------
     name : str
-        As the file has it.
+        Name in the file.
     kind : str
-        One of the kinds above.
+        "icrf", "gcrf", "eme2000", "ecliptic", "itrf", "teme", "rtn" or "lvlh".
     turning : bool
+        Whether the axes turn relative to ICRF.
     """
 
-    def __init__(self, name, kind, *, inertial=False):
-        self.name, self.kind, self._inertial = name, kind, inertial
-        self.turning = kind not in frames.FRAMES
+    def __init__(self, name: str, kind: str, *, inertial: bool = False):
+        self.name: str = name
+        self.kind: str = kind
+        self.turning: bool = kind not in frames.FRAMES
+        self._inertial = inertial
 
-    def to_icrf(self, epoch, hi, lo, orbit=None):
-        """The quaternions (N, 4) or (4,) from these axes to ICRF, at TDB seconds from an epoch."""
+    def to_icrf(
+        self,
+        epoch: epochs.Instant,
+        hi: FloatArray | float,
+        lo: FloatArray | float | None,
+        orbit: Path | None = None,
+    ) -> FloatArray:
+        """Quaternions from these axes to ICRF, scalar first.
+
+        Parameters
+        ----------
+        epoch : Instant
+        hi, lo : (N,) arrays
+            hi + lo are TDB seconds since the epoch; lo may be None.
+        orbit : Path, optional
+            Path of the body about its center; axes of an orbit need it.
+
+        Returns
+        -------
+        (4,) array for fixed axes, (N, 4) array for turning ones
+
+        Raises
+        ------
+        AttitudeError
+            If axes of an orbit are given no orbit, or an epoch lies outside of its span or of the
+            installed table of Earth orientation.
+        """
         if not self.turning:
             return frames.wxyz_to_icrf(self.kind)
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
         return _turned(self.kind, hi, lo, orbit, self.name)
 
-    def angular_velocity(self, epoch, hi, lo, orbit=None):
-        """That of these axes themselves, (N, 3) rad/s in ICRF; None where they stand still."""
+    def angular_velocity(
+        self,
+        epoch: epochs.Instant,
+        hi: FloatArray,
+        lo: FloatArray | float | None,
+        orbit: Path | None = None,
+    ) -> FloatArray | None:
+        """Angular velocity of the axes, (N, 3) rad/s in ICRF; see `to_icrf` for the parameters.
+
+        None for fixed axes, and for axes whose rates are relative to inertial space.
+        """
         if not self.turning or self._inertial:
             return None
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
@@ -95,8 +146,8 @@ class Axes:
         return rates
 
 
-def known(name):
-    """The Axes of a name, or None for one that is not in the table above."""
+def known(name: str) -> Axes | None:
+    """The Axes with a name, or None if the table above does not list it."""
     given = re.sub(r"[-_ ]", "", name).upper()
     if given in _FIXED:
         return Axes(name, _FIXED[given])
@@ -109,8 +160,16 @@ def known(name):
     return None
 
 
-def named(name, keyword="frame"):
-    """The Axes of a name; AttitudeError for one that is not known."""
+def named(name: str, keyword: str = "frame") -> Axes:
+    """The Axes with a name.
+
+    `keyword` is the name of the argument or of the file's keyword in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        For a name that the table above does not list.
+    """
     found = known(name) if isinstance(name, str) else None
     if found is None:
         raise AttitudeError(
@@ -142,17 +201,18 @@ def _orbital(kind, hi, lo, orbit, name):
 
 
 def _known_path(orbit: object, name: str) -> Path:
+    """The path itself; AttitudeError for anything else."""
     if isinstance(orbit, Path):
         return orbit
     given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
     raise AttitudeError(
         f"the attitude refers to {name}, axes of the orbit{given}; give orbit=, the path of the "
-        "body about its center (on the command line --orbit, a file of it)."
+        "body about its center (on the command line --orbit, a file with the path)."
     )
 
 
 def _sides(hi, lo, orbit):
-    """1 where the path begins less than a step before an epoch, -1 where it ends so soon, or 0."""
+    """1 if the path begins less than a step before the epoch, -1 if it ends as soon, else 0."""
     side = np.zeros(hi.shape)
     for _, sign, inside in _ends(orbit, hi, lo):
         side[inside < _STEP] = sign
@@ -160,7 +220,10 @@ def _sides(hi, lo, orbit):
 
 
 def _ends(orbit, hi, lo):
-    """Each end of a path that has some, 1 or -1, and how many seconds inside of it epochs lie."""
+    """Ends of the span of a path, if it has one: (end, sign, seconds of the epochs inside of it).
+
+    The sign is 1 for the first end, -1 for the last.
+    """
     for end, sign in zip(orbit.span or (), (1.0, -1.0), strict=False):
         yield end, sign, sign * ((hi - end.seconds) + (lo - end.low))
 
@@ -171,7 +234,10 @@ def _central(turned):
 
 
 def _one_sided(turned, side):
-    """The same from two steps to one side: 4e-11 rad/s in a low orbit of eccentricity 0.05."""
+    """Angular velocity from two steps to one side.
+
+    Its error is 4e-11 rad/s in a low Earth orbit of eccentricity 0.05.
+    """
     step, now = side * _STEP, quaternion.conjugate(turned(0.0))
     one, two = (
         forms.to_rotation_vector(quaternion.multiply(turned(k * step), now)) for k in (1, 2)
@@ -191,8 +257,8 @@ def _earthly(kind, hi, lo):
     dut1, status = table.ut1_utc(utc1, utc2, return_status=True)
     if np.any(status < 0):
         raise AttitudeError(
-            "an epoch lies outside of the installed table of the Earth's rotation "
-            "(astropy-iers-data), which Earth-fixed axes need; update astropy-iers-data."
+            "an epoch lies outside of the installed table of Earth orientation, which Earth-fixed "
+            "axes need; update the package astropy-iers-data."
         )
     ut1, ut2 = erfa.ufunc.utcut1(utc1, utc2, dut1.to_value("s"))[:2]
     x, y = (angle.to_value("rad") for angle in table.pm_xy(utc1, utc2))

@@ -1,11 +1,14 @@
-"""CCSDS time codes A and B (CCSDS 301.0-B-4) to TDB and back, by the column of characters.
+"""CCSDS time codes A and B (CCSDS 301.0-B-4) to TDB and back, vectorized over epochs.
 
 ``2026-01-01T00:00:00.5`` and ``2026-001T00:00:00.5``, with or without Z, any number of decimals,
 second 60 where there was a leap second; in UTC, TAI, TT, TDB, GPS, and for reading TCG, TCB, UT1.
-A million epochs a second: whole arrays of characters are turned into digits at once.
+Arrays of characters become digits in one step: a million epochs a second.
 """
 
+from __future__ import annotations
+
 import datetime
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,17 +16,22 @@ from attitude import epochs, pairs
 from attitude.epochs import readers, time_scales
 from attitude.errors import AttitudeError
 
-# What TIME_SYSTEM may be; SCLK, MET and MRT count from events that no file tells.
-TIME_SYSTEMS = {
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import FloatArray
+
+# TIME_SYSTEM -> time scale; SCLK, MET and MRT count from events that are not in the file.
+TIME_SYSTEMS: dict[str, str] = {
     **{name.upper(): name for name in ("utc", "tai", "tt", "tdb", "gps", "tcg", "tcb", "ut1")},
     "GPST": "gps",
     "GPS TIME": "gps",
     "TDT": "tt",
     "ET": "tdb",
 }
-WRITTEN = ("UTC", "TAI", "TT", "TDB", "GPS")
-# Decimals that are written: half a picosecond.
-DIGITS = 12
+WRITTEN: tuple[str, ...] = ("UTC", "TAI", "TT", "TDB", "GPS")
+# Decimals of written seconds: rounding errors are at most half a picosecond.
+DIGITS: int = 12
 _LONGEST = 48
 _MOST_DECIMALS = 18
 _0, _9 = ord("0"), ord("9")
@@ -31,8 +39,16 @@ _CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
 _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 
-def known(time_system, name="TIME_SYSTEM"):
-    """The name of a time scale in lower case, of a CCSDS time system."""
+def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
+    """The time scale, in lower case, of a CCSDS time system.
+
+    `name` is the name of the argument or of the file's keyword in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        For a time system that does not convert to TDB.
+    """
     given = time_system.strip().upper() if isinstance(time_system, str) else None
     if given not in TIME_SYSTEMS:
         raise AttitudeError(
@@ -42,8 +58,14 @@ def known(time_system, name="TIME_SYSTEM"):
     return TIME_SYSTEMS[given]
 
 
-def writable(time_system):
-    """The same for a time system that epochs are to be written in."""
+def writable(time_system: str) -> str:
+    """The time scale, in lower case, of a CCSDS time system in which epochs can be written.
+
+    Raises
+    ------
+    AttitudeError
+        For a time system that is unknown or read only.
+    """
     scale = known(time_system)
     if scale.upper() not in WRITTEN:
         raise AttitudeError(
@@ -52,18 +74,29 @@ def writable(time_system):
     return scale
 
 
-def now():
+def now() -> str:
     """The present epoch in UTC to the second, as a CREATION_DATE."""
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S")
 
 
-def parsed(tokens, scale):
-    """TDB seconds since J2000 of epochs as bytes: arrays hi, lo (N,).
+def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]:
+    """TDB seconds since J2000, hi + lo, of N epochs.
+
+    Parameters
+    ----------
+    tokens : sequence of bytes
+        Time codes A or B, in any mixture.
+    scale : str
+        Time scale in lower case.
+
+    Returns
+    -------
+    hi, lo : (N,) arrays
 
     Raises
     ------
     BadEpoch
-        With the index of the first that cannot be read.
+        With the index of the first epoch that cannot be read.
     """
     lengths = np.fromiter(map(len, tokens), dtype=np.intp, count=len(tokens))
     if np.any(lengths > _LONGEST):
@@ -82,27 +115,59 @@ def parsed(tokens, scale):
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
     _refuse_false_leaps(scale, day, second, part)
     try:
-        return readers.tdb_of_day(scale, day, second, part, "an epoch")
+        hi, lo = readers.tdb_of_day(scale, day, second, part, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
+    return np.asarray(hi), np.asarray(lo)
 
 
 class BadEpoch(Exception):
-    """Where in the list it stands, and what is wrong with it."""
+    """An epoch that cannot be read.
 
-    def __init__(self, index, reason):
+    Attributes
+    ----------
+    index : int
+        Its place in the sequence that `parsed` was given.
+    reason : str
+        What is wrong with it.
+    """
+
+    def __init__(self, index: int, reason: str):
         super().__init__(index, reason)
-        self.index, self.reason = index, reason
+        self.index: int = index
+        self.reason: str = reason
 
 
-def instant(text, scale):
-    """One epoch, given as text, as an Instant."""
+def instant(text: str, scale: str) -> epochs.Instant:
+    """The Instant of a time code in a time scale (lower case); BadEpoch if it cannot be read."""
     hi, lo = parsed([text.encode("ascii", "replace")], scale)
     return epochs.Instant(float(hi[0]), float(lo[0]))
 
 
-def texts(epoch, seconds, low, scale, digits=DIGITS):
-    """Epochs as a list of texts in a time scale: those of the Instant and the seconds after it."""
+def texts(
+    epoch: epochs.Instant,
+    seconds: FloatArray,
+    low: FloatArray | None,
+    scale: str,
+    digits: int = DIGITS,
+) -> list[str]:
+    """Time codes A of N epochs.
+
+    Parameters
+    ----------
+    epoch : Instant
+    seconds, low : (N,) arrays
+        seconds + low are TDB seconds since the epoch; low may be None.
+    scale : str
+        Time scale of the texts in lower case.
+    digits : int
+        Decimals of the seconds, which are rounded.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs outside of the years 1 to 9999.
+    """
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
     year, month, date = _calendar(day)
@@ -126,7 +191,7 @@ def texts(epoch, seconds, low, scale, digits=DIGITS):
 
 
 def _fields(chars, calendar):
-    """Day, whole seconds, fraction; or a mask of the rows that are no epochs."""
+    """Day (MJD), whole seconds and fraction of each row; or a mask of the rows that are invalid."""
     separators, start = _CALENDAR if calendar else _YEARDAY
     count = chars.shape[1]
     if count < start or count == start + 1:
@@ -197,7 +262,7 @@ def _calendar(day):
 
 
 def _civil(hi, lo, scale, digits):
-    """Day, whole second and ticks of 10^-digits s, rounded, of TDB."""
+    """Day (MJD) and whole second in a scale, and rest in 10^-digits s, rounded, of TDB seconds."""
     if scale != "tdb":
         hi, lo = time_scales.tt_from_tdb(hi, lo)
     if scale == "gps":

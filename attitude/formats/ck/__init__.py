@@ -1,14 +1,14 @@
 """SPICE C-kernels.
 
-ck           `write`, and `KernelAttitude` to read
-attitude     the attitude of a frame out of any C-kernel
-plan         the step between records
-kernel       the files of a kernel, written
-spice_pool   SPICE's pool of kernels, left as it was
-daf_head     the head of a binary kernel, checked
+ck             `write`: C-kernel, frame kernel and clock kernel of a motion
+attitude       `KernelAttitude`: the attitude of a frame from any C-kernel
+plan           the span of a kernel on its clock, and the step between its records
+kernel_files   the segments of a C-kernel, its errors, the texts of frame and clock kernel
+spice_pool     kernels loaded in SPICE's pool, which keeps what the user has loaded
+daf_head       the head of a binary kernel, checked
 """
 
 from attitude.formats.ck.attitude import KernelAttitude
-from attitude.formats.ck.ck import write
+from attitude.formats.ck.ck import Written, write
 
-__all__ = ["KernelAttitude", "write"]
+__all__ = ["KernelAttitude", "Written", "write"]

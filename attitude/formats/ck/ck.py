@@ -1,80 +1,88 @@
-"""SPICE CK: attitudes for SPICE with the frame and clock kernels they need, and out of any CK.
+"""SPICE C-kernels, written with the frame and clock kernels that they need.
 
 `write` makes three files: x.bc (the C-kernel), x.tf (the frame, of class 3) and x.tsc (a clock of
-2^20 ticks a second of TDB from the first epoch, so that nothing is lost in it).  Load all three,
-and ``pxform("J2000", name, et)`` is the direction cosine matrix of the motion.  SPICE's J2000 is
-the ICRF; its quaternions are those of that matrix, the inverse of ours, its angular velocities
-rad/s in J2000.
+2^20 ticks a second of TDB from the first epoch, which rounds nothing).  With all three loaded,
+``pxform("J2000", name, et)`` is the direction cosine matrix of the motion.  SPICE's J2000 is the
+ICRF; its quaternions are those of that matrix, the inverse of body to ICRF; its angular velocities
+are rad/s in J2000.
 
 Type 5 is written with subtype 2: Hermite of degree 7 through attitude, rate, angular velocity and
-its derivative; type 3 goes along great circles.  SPICE takes an epoch as one double of seconds
-past J2000, 1.2e-7 s in our days: that is the resolution of the question, the kernel is exact.
+its derivative; type 3 interpolates along great circles.  SPICE takes an epoch as one double of
+seconds past J2000, whose spacing is now 1.2e-7 s; at these doubles the kernel is exact.
 """
+
+from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
-from attitude.formats.ck import kernel
+from attitude.formats.ck import kernel_files
 from attitude.formats.ck.attitude import KernelAttitude
 from attitude.formats.ck.plan import Plan
 from attitude.formats.ck.spice_pool import spiceypy
 from attitude.textfiles.atomic_write import made_whole, written_whole
+
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, FilePath, Real
+    from attitude.formats.sources import HasAttitudes
 
 __all__ = ["KernelAttitude", "Written", "write"]
 
 
 @dataclass(frozen=True)
 class Written:
-    """What `write` made.
+    """The files that `write` made, and their errors.
 
     Attributes
     ----------
     kernels : tuple of str
-        The C-kernel, the frame kernel and the clock kernel.
+        Names of the C-kernel, the frame kernel and the clock kernel.
     step : float
-        Seconds between records.
+        Time between records, s.
     error, rate_error : float
-        Largest deviations, rad and rad/s, from the motion, of the kernel read by SPICE itself at
-        2000 random epochs.
+        Largest deviations from the motion, rad and rad/s, of the kernel read by SPICE at 2000
+        random epochs.
     """
 
-    kernels: tuple
+    kernels: tuple[str, str, str]
     step: float
     error: float
     rate_error: float
 
 
 def write(
-    path,
-    motion,
-    start,
-    stop,
+    path: FilePath,
+    motion: HasAttitudes,
+    start: Epoch | Real,
+    stop: Epoch | Real,
     *,
-    kind=5,
-    tolerance=1e-9,
-    rate_tolerance=None,
-    name="TUMBLER",
-    instrument=-999000,
-    clock=-999,
-    center=399,
-):
-    """Write a motion as a C-kernel, with records as close as the tolerances want.
+    kind: int = 5,
+    tolerance: float = 1e-9,
+    rate_tolerance: float | None = None,
+    name: str = "TUMBLER",
+    instrument: int = -999000,
+    clock: int = -999,
+    center: int = 399,
+) -> Written:
+    """Write a motion as a C-kernel, with a step between records that meets the tolerances.
 
     Parameters
     ----------
     path : str or path
-        Ends in .bc; the frame kernel .tf and the clock kernel .tsc stand beside it.
-    motion : FreeRotation, AttitudeTable, or what else has ``.at(t)``
-    start, stop : epochs, or TDB seconds from that of the motion
+        Ends in .bc; the frame kernel .tf and the clock kernel .tsc are written beside it.
+    motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
+    start, stop : epochs, or TDB seconds since the epoch of the motion
     kind : int
-        5 or 3.
+        Type of the C-kernel, 5 or 3.
     tolerance : float
-        rad, for the attitude between records.
+        Largest error of the attitude between records, rad.
     rate_tolerance : float, optional
-        rad/s, for the angular velocity; by default the tolerance times the rate of the motion.
+        Largest error of the angular velocity, rad/s; by default the tolerance times the rate of
+        the motion.
     name : str
-        Of the frame.
+        Name of the frame.
     instrument, clock, center : int
         NAIF numbers of the frame and its instrument, of the clock, of the center of the frame.
 
@@ -85,7 +93,8 @@ def write(
     Raises
     ------
     AttitudeError
-        Where the tolerances cannot be reached, and as other writers.
+        If the tolerances cannot be reached, a name or number is not one of SPICE's, spiceypy is not
+        installed, or a file cannot be written.
     """
     spiceypy()
     plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance)
@@ -94,19 +103,19 @@ def write(
     frame_kernel, clock_kernel = stem + ".tf", stem + ".tsc"
     numbers = {"name": name, "instrument": instrument, "clock": clock, "center": center}
     with (
-        made_whole(path, "the C-kernel") as aside,
+        made_whole(path, "the C-kernel") as temporary,
         written_whole(frame_kernel, "the frame kernel") as frames,
         written_whole(clock_kernel, "the clock kernel") as clocks,
     ):
-        frames.write(kernel.FRAME.format(**numbers))
-        clocks.write(kernel.CLOCK.format(start=repr(plan.first), minus_clock=-clock))
+        frames.write(kernel_files.FRAME.format(**numbers))
+        clocks.write(kernel_files.CLOCK.format(start=repr(plan.first), minus_clock=-clock))
         for _ in range(4):
-            kernel.write(aside, plan, instrument)
-            error, rate_error = kernel.measured(aside, plan, instrument)
+            kernel_files.write(temporary, plan, instrument)
+            error, rate_error = kernel_files.measured(temporary, plan, instrument)
             if error <= plan.tolerance and rate_error <= plan.rate_tolerance:
                 break
             plan.step *= 0.5
-            os.unlink(aside)
+            os.unlink(temporary)
         else:
             raise AttitudeError(
                 f"the kernel deviates by {error:.2g} rad and {rate_error:.2g} rad/s from the "
@@ -124,6 +133,6 @@ def _check_names(path, name, instrument, clock, center):
         raise AttitudeError(f"name is {name!r}; give a frame name of letters, digits and _.")
     for what, number in (("instrument", instrument), ("clock", clock)):
         if not (isinstance(number, int) and -(2**31) < number < 0):
-            raise AttitudeError(f"{what} is {number!r}; NAIF numbers of these are negative.")
+            raise AttitudeError(f"{what} is {number!r}; give a negative NAIF number.")
     if not (isinstance(center, int) and abs(center) < 2**31):
         raise AttitudeError(f"center is {center!r}; give the NAIF number of a body, 399 for Earth.")

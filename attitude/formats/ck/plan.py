@@ -1,10 +1,13 @@
-"""How close the records of a C-kernel must stand: the motion on the kernel's clock, and the step.
+"""The motion on the clock of a C-kernel, and the step between records.
 
-The step is the one at which the error between records, measured at some places of the span, is a
-quarter of the tolerances.
+At this step the error between records, measured at some places of the span, is a quarter of the
+tolerances.
 """
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,32 +17,75 @@ from attitude.attitude_table import interpolation
 from attitude.errors import AttitudeError
 from attitude.motion import motion_of
 
-DEGREE = 7
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, FloatArray, Real
+    from attitude.formats.sources import HasAttitudes
+    from attitude.history import AttitudeHistory
+
+# Degree of the Hermite polynomials of type 5.
+DEGREE: int = 7
 _MOST_RECORDS = 20_000_000
-# Where the error of interpolation is measured, how far below the tolerances it shall be, and at
-# which part of a step.
-_PROBES, _MARGIN, _ASIDE = 300, 0.25, 0.25
+# Places at which the error of interpolation is measured, and its ratio to the tolerances.
+_PROBES, _MARGIN = 300, 0.25
+# Distance of these places from the middle of a step, in steps.
+_OFF_MIDDLE = 0.25
 
 
 class Plan:
-    """The span of a kernel on its own clock, the motion on it, and the step between records."""
+    """The span of a kernel on its clock, the motion there, and the step between records.
 
-    def __init__(self, motion, start, stop, kind, tolerance, rate_tolerance):
+    The clock counts TDB seconds from `first`.
+
+    Parameters
+    ----------
+    motion, start, stop, kind, tolerance, rate_tolerance
+        As of `ck.write`.
+
+    Attributes
+    ----------
+    kind : int
+        Type of the C-kernel, 5 or 3.
+    tolerance, rate_tolerance : float
+        rad and rad/s.
+    first : float
+        Start of the clock, TDB seconds since J2000.
+    begin, end : float
+        The span, s on the clock.
+    step : float
+        Time between records, s.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown kind, tolerances out of range, and an empty span.
+    """
+
+    def __init__(
+        self,
+        motion: HasAttitudes,
+        start: Epoch | Real,
+        stop: Epoch | Real,
+        kind: int,
+        tolerance: float,
+        rate_tolerance: float | None,
+    ):
         if kind not in (3, 5):
-            raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5.")
+            raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5, give one.")
         if not (isinstance(tolerance, (int, float)) and 1e-14 <= tolerance <= 1.0):
             raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
-        motion = motion_of(motion)
-        self.kind, self.tolerance, self._motion = kind, float(tolerance), motion
-        epoch = motion.epoch
+        self._motion = motion_of(motion)
+        self.kind: int = kind
+        self.tolerance: float = float(tolerance)
+        epoch = self._motion.epoch
         ends = [epochs.seconds_since(epoch, value) for value in (start, stop)]
         ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in ends]
-        # The clock starts at an epoch that is one double of TDB, not after the start.
+        # The clock starts at or before the start, at an epoch that is one double of TDB.
         first, rest = pairs.add(ends[0], epoch.seconds, epoch.low)
-        self.first = float(first if rest >= 0.0 else np.nextafter(first, -np.inf))
+        self.first: float = float(first if rest >= 0.0 else np.nextafter(first, -np.inf))
         self._shift = pairs.add((self.first, 0.0), -epoch.seconds, -epoch.low)
         begin, end = (pairs.add(pair, -self._shift[0], -self._shift[1])[0] for pair in ends)
-        self.begin, self.end = float(begin), float(end)
+        self.begin: float = float(begin)
+        self.end: float = float(end)
         if not self.end > self.begin:
             raise AttitudeError("stop is not after start; give a span of time.")
         probes = self.history(np.linspace(self.begin, self.end, _PROBES)).angular_velocity
@@ -48,19 +94,25 @@ class Plan:
             rate_tolerance = self.tolerance * max(fastest, 1e-12)
         if not (isinstance(rate_tolerance, (int, float)) and rate_tolerance > 0.0):
             raise AttitudeError(f"rate_tolerance is {rate_tolerance!r}; give rad/s above zero.")
-        self.rate_tolerance = float(rate_tolerance)
-        self.step = self._first_step(fastest)
+        self.rate_tolerance: float = float(rate_tolerance)
+        self.step: float = self._first_step(fastest)
 
-    def history(self, seconds):
-        """The motion at seconds of the clock, exactly."""
+    def history(self, seconds: FloatArray) -> AttitudeHistory:
+        """The motion at seconds on the clock, whose epochs are not rounded."""
         return self._motion.at(*pairs.add((seconds, 0.0), *self._shift))
 
-    def records(self):
-        """The seconds of all records: the step, a little less so that the last is the end."""
+    def records(self) -> FloatArray:
+        """The times of all records, s on the clock: equal steps of at most `step` up to the end.
+
+        Raises
+        ------
+        AttitudeError
+            For more than 20 million records.
+        """
         count = max(math.ceil((self.end - self.begin) / self.step) + 1, 2)
         if count > _MOST_RECORDS:
             raise AttitudeError(
-                f"the tolerances want {count} records, more than {_MOST_RECORDS}; give larger "
+                f"the tolerances need {count} records, more than {_MOST_RECORDS}; give larger "
                 "ones, a shorter span, or type 5."
             )
         return np.linspace(self.begin, self.end, count)
@@ -68,7 +120,7 @@ class Plan:
     def _first_step(self, fastest):
         """A step at which the error between records is a quarter of the tolerances."""
         span = self.end - self.begin
-        # SPICE takes quaternions more than 90 deg apart for a mistake of sign.
+        # SPICE interprets quaternions more than 90 deg apart as an error of sign.
         longest = min(span, 1.0 / fastest) if fastest > 0.0 else span
         step = 0.5 * longest
         order = 2.0 if self.kind == 3 else DEGREE + 1.0
@@ -80,24 +132,26 @@ class Plan:
         return min(step, longest)
 
     def _errors(self, step):
-        """Largest errors of attitude and rate between records so far apart, at some places."""
+        """Largest errors of attitude and rate, rad and rad/s, between records with this step."""
         width = 2 if self.kind == 3 else (DEGREE + 1) // 2
-        room = (width - 1) * step
-        first = self.begin + np.linspace(0.0, 1.0, _PROBES) * max(self.end - self.begin - room, 0.0)
+        window = (width - 1) * step
+        span = self.end - self.begin
+        first = self.begin + np.linspace(0.0, 1.0, _PROBES) * max(span - window, 0.0)
         place = np.arange(width) * step
         t = first[:, None] + place
-        t = np.minimum(t, self.end) if room > self.end - self.begin else t
+        t = np.minimum(t, self.end) if window > span else t
         nodes = self.history(t)
-        # Not in the middle, where the error of a steady rotation is one of length alone.
-        middle = first + (0.5 * (width - 1) + _ASIDE) * step
+        # In the middle itself the error of a steady rotation is one of the length only.
+        middle = first + (0.5 * (width - 1) + _OFF_MIDDLE) * step
         middle = np.minimum(middle, self.end)
         true = self.history(middle)
         q = [nodes.wxyz[:, k] for k in range(width)]
         w = [nodes.angular_velocity_inertial[:, k] for k in range(width)]
         if self.kind == 3:
             turn = quaternion.multiply(quaternion.conjugate(q[0]), q[1])
-            part = forms.from_rotation_vector((0.5 + _ASIDE) * forms.to_rotation_vector(turn))
-            rates = w[0] + (0.5 + _ASIDE) * (w[1] - w[0])
+            share = 0.5 + _OFF_MIDDLE
+            part = forms.from_rotation_vector(share * forms.to_rotation_vector(turn))
+            rates = w[0] + share * (w[1] - w[0])
             found = quaternion.multiply(q[0], part), rates
         else:
             at = np.broadcast_to(place / step, (len(first), width))
@@ -113,12 +167,13 @@ class Plan:
         return apart(forms.unit(found[0]), true.wxyz), off
 
 
-def apart(p, q):
-    """The largest angle in rad between attitudes."""
+def apart(p: FloatArray, q: FloatArray) -> float:
+    """The largest angle, rad, between attitudes (N, 4)."""
     return float(
         np.max(forms.to_axis_angle(quaternion.multiply(quaternion.conjugate(p), q))[1], initial=0.0)
     )
 
 
-def longest(vectors):
+def longest(vectors: FloatArray) -> float:
+    """The largest length of vectors (N, 3)."""
     return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))

@@ -1,23 +1,31 @@
-"""SPICE's pool of kernels, left as it was found.
+"""Kernels loaded in SPICE's pool, which keeps the kernels and variables of the user.
 
-SPICE has one pool for the whole process, in which the user's kernels and variables are too.  Two
-of its habits ask for care.  `unload` takes away the last instance of a name, so that to unload
-once too often is to unload what the user has loaded.  And with a text kernel it forgets all
-variables that were set by program (pdpool and the like): these are put back here.
+SPICE has one pool for the whole process.  `unload` removes the last instance of a name: one call
+too many removes a kernel that the user has loaded.  When a text kernel is unloaded, SPICE also
+drops all variables that a program has set (by pdpool, pcpool, pipool); `LoadedKernels.close`
+restores them.
 """
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
 from attitude.formats.ck import daf_head
 from attitude.textfiles.lines import unreadable
 
-# Names of variables that are asked for at a time, and more than SPICE's pool has room for.
-_ROOM, _MOST = 500, 100_000
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from attitude.annotations import FilePath
+
+# Names of variables that one call returns; and a number that exceeds the capacity of the pool.
+_BATCH, _MOST = 500, 100_000
 
 
-def spiceypy():
-    """The module; AttitudeError where it is not installed."""
+def spiceypy() -> Any:
+    """The module `spiceypy`; AttitudeError if it is not installed."""
     try:
         import spiceypy
     except ImportError as err:
@@ -27,42 +35,47 @@ def spiceypy():
     return spiceypy
 
 
-class Loaded:
-    """Some kernels in the pool, until `close` or the end of a ``with`` block.
+class LoadedKernels:
+    """Kernels in the pool, until `close` or the end of a ``with`` block.
+
+    Parameters
+    ----------
+    names : iterable of paths
 
     Raises
     ------
     AttitudeError
-        For a kernel that SPICE does not take; none of them stays loaded.
+        If a kernel is broken or SPICE cannot load it; no kernel stays loaded then.
     """
 
-    def __init__(self, names):
+    def __init__(self, names: Iterable[FilePath]):
         self._spice = spiceypy()
         self._count = self._spice.ktotal("ALL")
         self._known = self._variables()
-        self._own = set()
-        self._names = []
-        for name in map(os.fspath, names):
+        self._own: set[str] = set()
+        self._names: list[str] = []
+        for given in names:
+            name = os.fspath(given)
             self._refuse_broken(name)
             try:
                 self._spice.furnsh(name)
             except self._spice.exceptions.SpiceyError as err:
                 self._spice.reset()
-                self._take_back()
+                self._roll_back()
                 raise AttitudeError(f"SPICE cannot load {name}: {err.short}.") from err
             self._names.append(name)
         self._own = self._variables() - self._known
 
-    def close(self):
-        """Unload what was loaded, and nothing else; a second time does nothing."""
+    def close(self) -> None:
+        """Unload these kernels, and no others; a second call does nothing."""
         names, self._names = self._names, []
         if not names:
             return
-        held = {name: self._values(name) for name in self._variables() - self._own}
+        kept = {name: self._values(name) for name in self._variables() - self._own}
         for name in reversed(names):
             self._spice.unload(name)
-        for name in held.keys() - self._variables():
-            self._put(name, held[name])
+        for name in kept.keys() - self._variables():
+            self._put(name, *kept[name])
 
     def __enter__(self):
         return self
@@ -71,18 +84,18 @@ class Loaded:
         self.close()
 
     def _refuse_broken(self, name):
-        """Such as SPICE would not survive."""
+        """AttitudeError for a kernel at which SPICE would end the process."""
         try:
             broken = daf_head.fault(name)
         except OSError as err:
-            self._take_back()
+            self._roll_back()
             raise unreadable(name, err) from err
         if broken is not None:
-            self._take_back()
+            self._roll_back()
             raise AttitudeError(f"{name}: it is a broken kernel: {broken}.")
 
-    def _take_back(self):
-        """Unload after a failure: a part of a meta-kernel may be loaded, and less be listed."""
+    def _roll_back(self):
+        """Unload after a failure, including the loaded part of a meta-kernel."""
         total = self._spice.ktotal("ALL")
         self._names = [self._spice.kdata(k, "ALL")[0] for k in range(self._count, total)]
         self.close()
@@ -92,21 +105,21 @@ class Loaded:
     def _variables(self):
         """The names of all variables in the pool."""
         names = set()
-        for start in range(0, _MOST, _ROOM):
+        for start in range(0, _MOST, _BATCH):
             try:
-                found = self._spice.gnpool("*", start, _ROOM)
+                found = self._spice.gnpool("*", start, _BATCH)
             except self._spice.exceptions.NotFoundError:
                 break
             names |= set(found)
-            if len(found) < _ROOM:
+            if len(found) < _BATCH:
                 break
         return names
 
     def _values(self, name):
+        """Type ("N" for numbers, "C" for text) and values of a variable."""
         count, kind = self._spice.dtpool(name)
         get = self._spice.gdpool if kind == "N" else self._spice.gcpool
         return kind, list(get(name, 0, count))
 
-    def _put(self, name, held):
-        kind, values = held
+    def _put(self, name, kind, values):
         (self._spice.pdpool if kind == "N" else self._spice.pcpool)(name, values)

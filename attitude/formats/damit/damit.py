@@ -1,15 +1,19 @@
 """DAMIT spin files of relaxed rotators: asteroids that turn about their shortest axis.
 
-Three lines: pole longitude and latitude (deg, ecliptic of J2000) and sidereal period (h); the
-Julian date JD0 and the angle phi0 (deg) then; what follows is about scattering.  Body to ecliptic:
+The first line has longitude lambda and latitude beta of the pole (deg, ecliptic of J2000) and the
+sidereal period P (h); the second the Julian date JD0 and the angle phi0 (deg) at JD0; further lines
+are parameters of scattering.  Body to ecliptic is
 Rz(lambda) Ry(90 deg - beta) Rz(phi0 + 2 pi (t - JD0) / P).
 
 Source: Durech, Sidorin & Kaasalainen (2010), A&A 513, A46, and the documentation of DAMIT.  JD0
-is the date of light-curve inversion, corrected for light time; it is taken as TDB, since neither
-says which scale it is in (time_system= does).
+is the date of light-curve inversion, corrected for light time.  Neither source names its time
+scale: it is read as TDB unless `time_system` is given.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,8 +28,13 @@ from attitude.spin import Spin
 from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import is_number, opened
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from attitude.annotations import FilePath
+
 _HOUR = 3600.0
-# How far from body z an angular velocity may point to be taken for a rounded one, rad.
+# Largest angle, rad, between angular velocity and body z that is accepted as rounding.
 _ALONG_Z = 1e-9
 
 
@@ -38,15 +47,15 @@ class RelaxedRotator:
     longitude, latitude : float
         Of the pole, deg, ecliptic of J2000.
     period : float
-        h, sidereal.
+        Sidereal period, h.
     jd0 : float
-        Julian date.
+        Epoch of phi0, Julian date.
     phi0 : float
-        deg.
+        Angle about the pole at jd0, deg.
     scattering : tuple of str
-        The lines behind, as they are.
+        The lines behind the first two, unchanged.
     time_system : str
-        Of jd0.
+        Time scale of jd0.
     """
 
     longitude: float
@@ -54,12 +63,12 @@ class RelaxedRotator:
     period: float
     jd0: float
     phi0: float
-    scattering: tuple = ()
+    scattering: tuple[str, ...] = ()
     time_system: str = "TDB"
 
     @property
-    def spin(self):
-        """The Spin at JD0."""
+    def spin(self) -> Spin:
+        """The Spin at JD0, with the ecliptic of J2000 as its frame."""
         from attitude import epochs
 
         scale = ccsds_epochs.known(self.time_system, "time_system")
@@ -77,18 +86,27 @@ class RelaxedRotator:
         rate = 2.0 * np.pi / (self.period * _HOUR)
         return Spin(epoch, wxyz, (0.0, 0.0, rate), frame="ecliptic")
 
-    def motion(self, body=None):
-        """The FreeRotation; without a body, that of one whose moments do not matter."""
+    def motion(self, body: Body | None = None) -> FreeRotation:
+        """The FreeRotation of a body from this spin; by default of a body with equal moments.
+
+        The rotation is steady for every body that has z as a principal axis.
+        """
         return FreeRotation(body or Body(moments=(1.0, 1.0, 1.0), relative=True), self.spin)
 
 
-def read(path, *, time_system="TDB"):
+def read(path: FilePath, *, time_system: str = "TDB") -> RelaxedRotator:
     """A spin file as a `RelaxedRotator`.
+
+    Parameters
+    ----------
+    path : str or path
+    time_system : str
+        Time scale of JD0.
 
     Raises
     ------
     AttitudeError
-        With file and line, for what is no spin file.
+        With file and line, if the file is not a spin file.
     """
     with opened(path) as lines:
         first = _numbers(lines, 3, "lambda, beta and period")
@@ -119,15 +137,22 @@ def _numbers(lines, count, what):
     raise lines.fault(f"the file ends before {what}.")
 
 
-def write(path, motion, *, scattering=()):
+def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = ()) -> None:
     """Write the spin of a body that turns steadily about its z axis.
 
     Parameters
     ----------
+    path : str or path
+        Appears whole or not at all.
     motion : FreeRotation
-        Its angular velocity along +z of the body (within 1e-9 rad), and steady.
-    scattering : lines of text
-        What shall stand behind, as read from another file.
+        With a steady angular velocity along +z of the body (within 1e-9 rad).
+    scattering : iterable of str
+        Further lines, such as `RelaxedRotator.scattering` of another file.
+
+    Raises
+    ------
+    AttitudeError
+        For other motions, and a file that cannot be written.
     """
     rates = motion.spin.angular_velocity
     z = rates[2]
@@ -143,11 +168,11 @@ def write(path, motion, *, scattering=()):
     if motion.spin.frame == "ecliptic":
         wxyz = motion.spin.wxyz
     longitude, tilt, phi0 = np.degrees(forms.to_euler("ZYZ", wxyz)).tolist()
-    # JD0 must be one double, good to 2e-5 s: the phase is that of the epoch which it then is.
+    # JD0 is one double, which rounds by up to 2e-5 s: phi0 is the angle at the rounded epoch.
     jd1, jd2 = _jd(motion.spin.epoch)
     jd0 = jd1 + jd2
-    late = ((jd0 - jd1) - jd2) * 86400.0
-    phi0 = (phi0 + float(np.degrees(z * late))) % 360.0
+    rounding = ((jd0 - jd1) - jd2) * 86400.0
+    phi0 = (phi0 + float(np.degrees(z * rounding))) % 360.0
     period = float(2.0 * np.pi / z / _HOUR)
     lines = [f"{longitude % 360.0!r} {90.0 - tilt!r} {period!r}", f"{jd0!r} {phi0!r}", *scattering]
     with written_whole(path, "the spin file") as file:

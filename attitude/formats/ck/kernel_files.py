@@ -1,6 +1,9 @@
-"""The three files of a C-kernel: its segments through SPICE, its frame and its clock as text."""
+"""The files of a C-kernel: segments written by SPICE, texts of the frame and clock kernels."""
+
+from __future__ import annotations
 
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,23 +14,34 @@ from attitude.formats.ck import daf_head
 from attitude.formats.ck.plan import DEGREE, apart, longest
 from attitude.formats.ck.spice_pool import spiceypy
 
-# A power of two: doubles of seconds become ticks, and back, without rounding.
-_TICKS = 2.0**20  # a second
+if TYPE_CHECKING:
+    from attitude.formats.ck.plan import Plan
+
+# Ticks a second: a power of two, so that doubles of seconds become ticks without rounding.
+_TICKS = 2.0**20
 _REFERENCE = "J2000"
-# Records of one segment, and of its neighbours that it holds too, so that the windows of
+# Records of a segment; and records of each neighbour that it repeats, so that the windows of
 # interpolation are centered up to its ends.
 _PIECE, _PAD = 50_000, 8
 # Random epochs at which the finished kernel is read.
 _CHECKS = 2000
 
 
-def write(path, plan, instrument):
-    """Write the C-kernel of a `Plan` to a file that is not there yet.
+def write(path: str, plan: Plan, instrument: int) -> None:
+    """Write the C-kernel of a `Plan` to a new file.
+
+    Parameters
+    ----------
+    path : str
+        Must not exist.
+    plan : Plan
+    instrument : int
+        NAIF number.
 
     Raises
     ------
     AttitudeError
-        For what SPICE says, a full disk among it; the file is closed and may be deleted.
+        For errors of SPICE, and if the disk is full; the file is closed and can be deleted.
     """
     spice = spiceypy()
     seconds = plan.records()
@@ -37,7 +51,7 @@ def write(path, plan, instrument):
         for start in range(0, max(len(seconds) - 1, 1), _PIECE):
             _write_segment(spice, handle, plan, instrument, seconds, start)
         spice.ckcls(handle)
-        # SPICE does not see that a disk is full.
+        # SPICE does not notice a full disk.
         if broken := daf_head.fault(path):
             raise _cannot(f"the C-kernel is not whole: {broken}.")
     except spice.exceptions.SpiceyError as err:
@@ -50,7 +64,7 @@ def write(path, plan, instrument):
 
 
 def _cannot(sentence):
-    return AttitudeError(f"{sentence} Is the disk full? Give a file in a folder that has room.")
+    return AttitudeError(f"{sentence} Is the disk full? Give a file in a folder with free space.")
 
 
 def _write_segment(spice, handle, plan, instrument, seconds, start):
@@ -90,15 +104,21 @@ def _packets(history):
     )
 
 
-def measured(path, plan, instrument):
-    """Largest deviations, rad and rad/s, of the C-kernel read by SPICE, at random epochs.
+def measured(path: str, plan: Plan, instrument: int) -> tuple[float, float]:
+    """Largest deviations from the motion, rad and rad/s, of the C-kernel read by SPICE.
 
-    It is read by its handle: the pool with the user's kernels is neither asked nor changed.
+    They are measured at 2000 random epochs.  The kernel is read by its handle, so that the user's
+    kernels in SPICE's pool are neither used nor changed.
+
+    Raises
+    ------
+    AttitudeError
+        If SPICE cannot read the kernel.
     """
     spice = spiceypy()
     random = np.random.default_rng(2006)
     et = plan.first + random.uniform(plan.begin, plan.end, _CHECKS)
-    # SPICE is asked at doubles of TDB; on the clock these are exact.
+    # Doubles of TDB: on the clock they are exact.
     seconds = np.clip(et - plan.first, plan.begin, plan.end)
     true = plan.history(seconds)
     matrices, rates = np.empty((_CHECKS, 3, 3)), np.empty((_CHECKS, 3))
@@ -119,7 +139,8 @@ def measured(path, plan, instrument):
     return error, longest(rates - true.angular_velocity_inertial)
 
 
-FRAME = """\
+# Text of the frame kernel, with name, instrument, clock and center to be filled in.
+FRAME: str = """\
 KPL/FK
 
 The frame of a body whose attitude is in the C-kernel of the same name.
@@ -135,7 +156,8 @@ CK_{instrument}_SPK = {center}
 \\begintext
 """
 
-CLOCK = """\
+# Text of the clock kernel, with minus_clock and start (s past J2000) to be filled in.
+CLOCK: str = """\
 KPL/SCLK
 
 A clock of 2^20 ticks a second of TDB from the first epoch of the C-kernel of the same name.

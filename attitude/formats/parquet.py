@@ -1,0 +1,108 @@
+"""Parquet files of attitudes, by pyarrow.
+
+Columns are ``tdb_jd1, tdb_jd2, w, x, y, z`` and ``omega_x, omega_y, omega_z``; the meta data of
+`tables.qtable` stand as JSON under the key "attitude" of the schema.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import pairs
+from attitude.epochs import time_scales
+from attitude.errors import AttitudeError
+from attitude.formats.csv_rows import ATTITUDE, RATES
+from attitude.textfiles.atomic_write import written_whole
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from astropy.table import Table
+
+    from attitude.annotations import FilePath
+    from attitude.formats.sources import Records
+
+
+def write(
+    path: FilePath, parts: Sequence[Records], *, rates: bool, meta: Mapping[str, Any]
+) -> None:
+    """Write segments piece by piece.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    parts : sequence of Records
+    rates : bool
+        Write angular velocities too.
+    meta : mapping
+        Meta data, of types that JSON has.
+
+    Raises
+    ------
+    AttitudeError
+        If pyarrow is not installed or the file cannot be written.
+    """
+    pyarrow = _pyarrow()
+    names = ["tdb_jd1", "tdb_jd2", *ATTITUDE, *(RATES if rates else ())]
+    schema = pyarrow.schema(
+        [(name, pyarrow.float64()) for name in names],
+        metadata={"attitude": json.dumps(meta), "wxyz": "body to ICRF, scalar first"},
+    )
+    with (
+        written_whole(path, "the table", binary=True) as file,
+        pyarrow.parquet.ParquetWriter(file, schema) as writer,
+    ):
+        for part in parts:
+            for history in part.pieces():
+                low = 0.0 if history.low is None else history.low
+                time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
+                columns = [*time_scales.jd_from_seconds(*time), *history.wxyz.T]
+                if rates:
+                    columns += [*history.angular_velocity.T]
+                arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
+                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+
+
+def read(path: FilePath) -> Table:
+    """The columns of a file as an astropy Table, with the meta data that `write` has written.
+
+    Raises
+    ------
+    AttitudeError
+        If pyarrow is not installed, or the file is not a parquet file with columns of numbers.
+    """
+    pyarrow = _pyarrow()
+    origin = os.fspath(path)
+    try:
+        table = pyarrow.parquet.read_table(origin)
+        meta = json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
+    except OSError as err:
+        reason = " ".join(str(err).split())[:200]
+        raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
+    except (pyarrow.ArrowException, ValueError, TypeError) as err:
+        reason = " ".join(str(err).split())[:200]
+        raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
+    from astropy.table import Table
+
+    try:
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        return Table(columns, meta=meta if isinstance(meta, dict) else {})
+    except (ValueError, TypeError, pyarrow.ArrowException) as err:
+        raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
+
+
+def _pyarrow():
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as err:
+        raise AttitudeError(
+            "parquet files need pyarrow, which is not installed; install it with "
+            'pip install "attitude-propagation[parquet]".'
+        ) from err
+    return pyarrow

@@ -1,0 +1,173 @@
+"""Rules of the house: sizes, names, docstrings, annotations, contracts, constants."""
+
+import ast
+import collections
+import re
+
+import pytest
+
+import attitude
+from attitude import physical_constants
+from attitude.motion import Motion
+from attitude.paths import Ephemeris, Path
+from attitude.scattering import Law
+from tests.test_architecture import MODULES
+
+TREES = {name: ast.parse(file.read_text()) for name, file in MODULES.items()}
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+LONGEST_FILE, LONGEST_BODY = 400, 60
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_files_fit(name):
+    assert len(MODULES[name].read_text().splitlines()) <= LONGEST_FILE
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_function_bodies_fit(name):
+    """Without the docstring."""
+    for node in ast.walk(TREES[name]):
+        if isinstance(node, FUNCTIONS):
+            body = node.body[1:] if ast.get_docstring(node) else node.body
+            length = body[-1].end_lineno - body[0].lineno + 1 if body else 0
+            assert length <= LONGEST_BODY, f"{node.name} has {length} lines"
+
+
+def test_no_two_classes_of_one_name():
+    places = collections.defaultdict(list)
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places[node.name].append(name)
+    assert {name: where for name, where in places.items() if len(where) > 1} == {}
+
+
+def test_no_public_name_of_astropy():
+    """Names of astropy that users import beside ours mean astropy's things."""
+    from astropy import coordinates, table, time, units
+
+    theirs = {
+        each
+        for module in (coordinates, table, time, units)
+        for each in dir(module)
+        if each[0].isupper() and isinstance(getattr(module, each), type)
+    }
+    assert {"Quantity", "Time", "QTable", "SkyCoord"} <= theirs
+    for name, tree in TREES.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef):
+                assert node.name not in theirs, f"{name} defines {node.name}"
+
+
+def _members(contract):
+    """Public members of a contract, but those that any object may have."""
+    common = {"name", "source", "meta", "close", "at"}
+    return {each for each in dir(contract) if not each.startswith("_")} - common
+
+
+# Modules that define a contract, or wrap objects from outside in it once.
+BASES = {
+    "attitude.motion": Motion,
+    "attitude.paths.path": Path,
+    "attitude.paths.place": Path,
+    "attitude.paths.ephemeris_source": Ephemeris,
+    "attitude.scattering.law": Law,
+}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_contracts_are_used_and_not_probed(name):
+    """No hasattr or getattr for a member of Motion, Path, Ephemeris or Law outside of its base."""
+    members = set().union(*map(_members, BASES.values()))
+    if name in BASES:
+        return
+    for node in ast.walk(TREES[name]):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("hasattr", "getattr"):
+            probed = node.args[1]
+            if isinstance(probed, ast.Constant) and ast.unparse(node.args[0]) != "self":
+                where = f"{name}:{node.lineno} probes for {probed.value}"
+                assert probed.value not in members - FOREIGN.get(name, set()), where
+
+
+# Members of contracts that objects of other packages have under the same name.
+FOREIGN = {
+    "attitude.paths.skyfield_path": {"center"},  # a vector function of skyfield
+    "attitude.paths.tabulated": {"shape"},
+}
+
+
+def test_each_physical_constant_stands_once():
+    values = {
+        value: name for name, value in vars(physical_constants).items() if isinstance(value, float)
+    }
+    assert len(values) >= 4
+    for name, tree in TREES.items():
+        if name == "attitude.physical_constants":
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+                assert float(node.value) not in values, (
+                    f"{name}:{node.lineno} has {values[float(node.value)]} as a number"
+                )
+
+
+def _public(tree):
+    """Public functions and classes of a module, methods and properties of its public classes."""
+    for node in tree.body:
+        if isinstance(node, (*FUNCTIONS, ast.ClassDef)) and not node.name.startswith("_"):
+            yield node.name, node
+            if isinstance(node, ast.ClassDef):
+                for inner in node.body:
+                    if isinstance(inner, FUNCTIONS) and not inner.name.startswith("_"):
+                        yield f"{node.name}.{inner.name}", inner
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_public_names_have_docstrings(name):
+    assert ast.get_docstring(TREES[name]), "the module has no docstring"
+    for label, node in _public(TREES[name]):
+        assert ast.get_docstring(node), f"{label} has no docstring"
+
+
+COMPILED = {
+    *("entry_point", "inlined_entry_point", "subroutine", "force_inlined", "callback"),
+    *("reduction", "reduction_subroutine", "reduction_inlined", "reduction_callback"),
+}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_public_names_are_annotated(name):
+    """Parameters and results of public functions, methods and properties; constructors too."""
+    for label, node in _public(TREES[name]):
+        if isinstance(node, ast.ClassDef):
+            inits = [x for x in node.body if isinstance(x, FUNCTIONS) and x.name == "__init__"]
+            for init in inits:
+                _check_annotated(f"{label}.__init__", init, result=False)
+            continue
+        decorators = {re.split(r"[.(]", ast.unparse(each))[-1] for each in node.decorator_list}
+        if not decorators & COMPILED:
+            _check_annotated(label, node, result=True)
+
+
+def _check_annotated(label, node, *, result):
+    given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+    if "." in label and given and given[0].arg in ("self", "cls"):
+        given = given[1:]
+    missing = [each.arg for each in given if each.annotation is None]
+    assert not missing, f"{label} has no annotation of {', '.join(missing)}"
+    if result:
+        assert node.returns is not None, f"{label} has no annotation of its result"
+
+
+def test_the_front_door_is_visible_to_type_checkers():
+    """Every lazy name is imported under TYPE_CHECKING."""
+    tree = TREES["attitude"]
+    guarded = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+        for inner in ast.walk(node)
+        if isinstance(inner, ast.ImportFrom)
+        for alias in inner.names
+    }
+    assert set(attitude.__all__) - {"AttitudeError"} <= guarded
