@@ -1,4 +1,4 @@
-"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+"""Free rotations joined by instantaneous changes, their state at each joint in two doubles.
 
 >>> import numpy as np
 >>> from attitude import Body, Spin
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import epochs, frames, pairs, propagation
-from attitude.arcs.changes import Impulse, InertiaChange, added_momentum
+from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from attitude.history import AttitudeHistory
     from attitude.motion import RateBounds
 
-    Change = Impulse | InertiaChange
     Pair = tuple[float, float]  # seconds since the epoch of the spin, high and low part
 
 __all__ = ["Arcs", "Impulse", "InertiaChange"]
@@ -100,13 +99,13 @@ class Arcs(Motion):
                 "Arcs takes a Body, a Spin and a list of changes; given were "
                 f"{type(body).__name__} and {type(spin).__name__}."
             )
-        if isinstance(changes, (Impulse, InertiaChange)):
+        if isinstance(changes, Change):
             changes = (changes,)
         self._set("body", body)
         self._set("spin", spin)
         self._set("changes", tuple(changes))
         for k, change in enumerate(self.changes):
-            if not isinstance(change, (Impulse, InertiaChange)):
+            if not isinstance(change, Change):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
@@ -123,7 +122,7 @@ class Arcs(Motion):
         return len(self.joints) + 1
 
     @property
-    def epoch(self) -> Instant:  # type: ignore[override]  # no attribute of a Motion is written
+    def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
@@ -250,7 +249,7 @@ class Arcs(Motion):
                 end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
                 time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
             self._check_reach(time, name)
-            added = added_momentum(change, partial(self._before, time), name)
+            added = change.added_momentum(partial(self._before, time), name)
             body = self._join(change, added, body, time, starts[k], records[k], q, w)
             bodies.append(body)
             try:

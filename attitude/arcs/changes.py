@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from attitude import frames, validation
 from attitude.body import Body
@@ -19,8 +19,61 @@ if TYPE_CHECKING:
     MomentumFunction = Callable[[AttitudeHistory], Reals]
 
 
+class Change(Immutable):
+    """Base of `Impulse` and `InertiaChange`.
+
+    Attributes
+    ----------
+    at : epoch, seconds or Trigger
+        As given.
+    angular_momentum : (3,) array, or function
+        kg m2/s.
+    frame : str
+    """
+
+    at: Epoch | Real | Trigger
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str
+
+    def _set_change(
+        self,
+        at: Epoch | Real | Trigger,
+        angular_momentum: Reals | MomentumFunction,
+        frame: str,
+    ) -> None:
+        """Check and keep the attributes, while the object is constructed."""
+        self._set("at", at)
+        self._set("frame", frame if frame == "body" else frames.known(frame))
+        if not callable(angular_momentum):
+            angular_momentum = frozen(
+                validation.real(angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s")
+            )
+        self._set("angular_momentum", angular_momentum)
+
+    def added_momentum(self, before: Callable[[], AttitudeHistory], name: str) -> FloatArray:
+        """Angular momentum (3,) that the change adds, kg m2/s in its frame.
+
+        Parameters
+        ----------
+        before : function
+            Returns the history of the epoch of the change, before it.
+        name : str
+            Of the change in error messages.
+
+        Raises
+        ------
+        AttitudeError
+            If a function returns another shape or unit, or numbers that are not finite.
+        """
+        momentum = self.angular_momentum
+        if not callable(momentum):
+            return momentum
+        value = momentum(before())
+        return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+
+
 @dataclass(frozen=True, eq=False, init=False)
-class Impulse(Immutable):
+class Impulse(Change):
     """Angular momentum added in an instant.
 
     Parameters
@@ -56,13 +109,11 @@ class Impulse(Immutable):
         angular_momentum: Reals | MomentumFunction,
         frame: str = "body",
     ) -> None:
-        self._set("at", at)
-        self._set("frame", _known(frame))
-        self._set("angular_momentum", _momentum(angular_momentum))
+        self._set_change(at, angular_momentum, frame)
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class InertiaChange(Immutable):
+class InertiaChange(Change):
     """The body becomes another in an instant: a boom is deployed, a servicer docks.
 
     Body axes, attitude and angular momentum stay; the angular velocity follows from them.
@@ -105,37 +156,5 @@ class InertiaChange(Immutable):
     ) -> None:
         if not isinstance(body, Body):
             raise AttitudeError(f"body is {type(body).__name__}; give a Body.")
-        self._set("at", at)
         self._set("body", body)
-        self._set("frame", _known(frame))
-        self._set("angular_momentum", _momentum(angular_momentum))
-
-
-def added_momentum(
-    change: Impulse | InertiaChange, before: Callable[[], AttitudeHistory], name: str
-) -> FloatArray:
-    """Angular momentum (3,) that a change adds, in its frame.
-
-    Parameters
-    ----------
-    change : Impulse or InertiaChange
-    before : function
-        Returns the history of the epoch of the change, before it.
-    name : str
-        Of the change in error messages.
-    """
-    momentum = change.angular_momentum
-    if not callable(momentum):
-        return momentum
-    value = momentum(before())
-    return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
-
-
-def _momentum(given: Any) -> FloatArray | MomentumFunction:
-    if callable(given):
-        return given
-    return frozen(validation.real(given, "angular_momentum", shape=(3,), unit="kg m2/s"))
-
-
-def _known(frame: str) -> str:
-    return frame if frame == "body" else frames.known(frame)
+        self._set_change(at, angular_momentum, frame)

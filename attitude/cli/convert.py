@@ -164,7 +164,7 @@ def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
 
 
 def _write_motion(
-    arguments: argparse.Namespace, kind: str, motion: Motion, said: Mapping[str, Any]
+    arguments: argparse.Namespace, kind: str, motion: Motion, labels: Mapping[str, Any]
 ) -> None:
     """Write a spin file, an APM or a DAMIT file."""
     from attitude.formats import detect
@@ -181,30 +181,30 @@ def _write_motion(
         settings = {"frame": arguments.frame, "version": arguments.version or "2.0"}
         settings["time_system"] = arguments.time_system or "UTC"
         settings["inertia"] = not motion.body.relative
-        settings |= _names(said)
+        settings |= _names(labels)
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
-        settings = _labels(said) if kind == "spin" else {}
+        settings = _spin_labels(labels) if kind == "spin" else {}
     detect.write_motion(arguments.output, motion, **settings)
 
 
-def _names(said: Mapping[str, Any]) -> dict[str, Any]:
+def _names(labels: Mapping[str, Any]) -> dict[str, Any]:
     """The names and comments of messages and tables, from those of IN."""
-    names = {key: said[key] for key in ("object_name", "object_id", "center") if said.get(key)}
-    if said.get("name"):
-        names["object_name"] = said["name"]
-    lines = [line for key in ("source", "note") for line in (said.get(key) or "").splitlines()]
+    names = {key: labels[key] for key in ("object_name", "object_id", "center") if labels.get(key)}
+    if labels.get("name"):
+        names["object_name"] = labels["name"]
+    lines = [line for key in ("source", "note") for line in (labels.get(key) or "").splitlines()]
     lines = [" ".join(line.split()) for line in lines if line.strip()]
-    comments = [*said.get("comments", ()), *lines]
+    comments = [*labels.get("comments", ()), *lines]
     return names | ({"comments": tuple(comments)} if comments else {})
 
 
-def _labels(said: Mapping[str, Any]) -> dict[str, str]:
+def _spin_labels(labels: Mapping[str, Any]) -> dict[str, str]:
     """The labels of a spin file, from the names and comments of IN."""
-    name = said.get("name") or said.get("object_name")
-    note = said.get("note") or " ".join(said.get("comments", ()))
-    labels = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
-    return {key: text for key, text in (labels | {"note": note}).items() if text}
+    name = labels.get("name") or labels.get("object_name")
+    note = labels.get("note") or " ".join(labels.get("comments", ()))
+    found = {"name": name if name != "UNKNOWN" else None, "source": labels.get("source")}
+    return {key: text for key, text in (found | {"note": note}).items() if text}
 
 
 def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
@@ -217,7 +217,8 @@ def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
         ends = source.span
     else:
         _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
-        ends = [_moment(source, text) for text in _ends(arguments, source)]
+        start, stop = _ends(arguments, source)
+        ends = _moment(source, start), _moment(source, stop)
     made = ck.write(
         arguments.output,
         source,

@@ -73,9 +73,8 @@ class Grid:
         if self.uniform_in == "tdb":
             return seconds
         tt0 = _tt(self.start)
-        change = time_scales.difference_at(*pairs.add(tt0, *elapsed)) - time_scales.difference_at(
-            *tt0
-        )
+        then = time_scales.difference_at(*pairs.add(tt0, *elapsed))
+        change = then - time_scales.difference_at(np.float64(tt0[0]), np.float64(tt0[1]))
         # The difference from an array and from one number may differ by 5e-15 s.
         return pairs.add(seconds, np.where(number == 0.0, 0.0, change))
 
@@ -197,7 +196,8 @@ def _instant(
             found = epoch
         else:
             tt = pairs.add(_tt(epoch), hi, lo)
-            found = epochs.Instant(*map(float, time_scales.tdb_from("tt", *map(np.float64, tt))))
+            tdb = time_scales.tdb_from("tt", np.float64(tt[0]), np.float64(tt[1]))
+            found = epochs.Instant(float(tdb[0]), float(tdb[1]))
     if not _FIRST <= found.seconds < _LAST:
         raise _out_of_calendar(name, text)
     return found
@@ -209,12 +209,13 @@ def _out_of_calendar(name: str, text: str) -> AttitudeError:
     )
 
 
-def _tt(instant: epochs.Instant) -> Pair:
+def _tt(instant: epochs.Instant) -> tuple[float, float]:
     """TT seconds since J2000."""
-    return time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+    hi, lo = time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+    return float(hi), float(lo)
 
 
-def _exact(pair: Pair) -> Fraction:
+def _exact(pair: tuple[float, float]) -> Fraction:
     return Fraction(float(pair[0])) + Fraction(float(pair[1]))
 
 

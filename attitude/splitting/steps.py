@@ -86,7 +86,7 @@ class FixedSteps:
 
     def _revisited(self, segment: IntArray, number: IntArray, parts: FloatArray) -> FloatArray:
         used, place = np.unique(segment, return_inverse=True)
-        starts = np.array(pairs.product(used * self.every, self.h))
+        starts = np.array(pairs.product((used * self.every).astype(np.float64), self.h))
         steps = number - segment * self.every
         return self.system.revisit(self.kept[used], starts, self.h, place, steps, parts)
 

@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 # The largest turn between two torques: most torques vary with twice the attitude, and are aliased
 # where the body turns by more than this between samples.
-LARGEST_TURN = 0.5 * np.pi
+LARGEST_TURN: float = 0.5 * np.pi
 # s; no motion of a body needs others.
 _LEAST_STEP, _LONGEST_STEP = 1e-70, 1e40
-# What a double counts without a gap.
+# Up to here, a double holds every whole number.
 _MOST_STEPS = 2.0**53
 
 
 class System:
-    """What is integrated, and the calls of the compiled loops.
+    """The system that is integrated, and its compiled loops.
 
     Parameters
     ----------
@@ -210,9 +210,9 @@ class System:
         from attitude.solution.march import march
 
         if isinstance(start, tuple):
-            starts = np.array(pairs.add(pairs.product(np.arange(steps), h), *start))
+            starts = np.array(pairs.add(pairs.product(np.arange(float(steps)), h), *start))
         else:
-            starts = np.array(pairs.product(start + np.arange(steps), h))
+            starts = np.array(pairs.product(start + np.arange(float(steps)), h))
         times = self.kick_times(starts, h)
         rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, STATE_ENTRIES))
@@ -245,14 +245,15 @@ class System:
         from attitude.solution.march import revisit
 
         # Steps of length h from the starts, as many as the farthest epoch needs.
-        hi, lo = pairs.product(np.arange(max(int(steps.max()), 1)), h)
+        hi, lo = pairs.product(np.arange(max(float(steps.max()), 1.0)), h)
         whole = np.array(pairs.add((starts[0][:, None], starts[1][:, None]), hi, lo))
         times = self.kick_times(whole, h)
         rows = np.concatenate(
             [times[:, :, :, :-1].reshape(2, len(states), -1), times[:, :, -1:, -1]], axis=2
         )
         given = self.sampled(rows if steps.any() else rows[:, :, :1])
-        last = np.array(pairs.add(starts[:, place], *pairs.product(steps, h)))
+        begin = starts[0, place], starts[1, place]
+        last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
         start = np.ascontiguousarray(starts[0])

@@ -153,7 +153,7 @@ class TorquedRotation(Motion):
         return f"<TorquedRotation: {names}; {self.scheme.name}, {how}>"
 
     @property
-    def epoch(self) -> Instant:  # type: ignore[override]  # no attribute of a Motion is written
+    def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
