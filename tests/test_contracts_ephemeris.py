@@ -124,7 +124,7 @@ def test_a_source_that_is_taken_back_is_unknown():
     assert "circles" not in SOURCES
     with pytest.raises(AttitudeError, match="'circles' is not a file"):
         paths.ephemeris("circles")
-    with pytest.raises(AttitudeError, match="ephemeris is 'circles', which is no file"):
+    with pytest.raises(AttitudeError, match="ephemeris is 'circles', which is not a file"):
         mission.parse(MISSION)
 
 

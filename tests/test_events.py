@@ -8,7 +8,8 @@ import pytest
 from attitude import AttitudeError, Body, FreeRotation, Spin, events
 from attitude.arcs.arcs import Arcs, Impulse
 from attitude.attitude_table.table import AttitudeTable
-from attitude.events.directions import Aberrated, Fixed, source_of
+from attitude.events.directions import Aberrated, Fixed
+from attitude.events.moments import source_of
 from benchmarks import events as benchmark
 
 TURN = 2.0 * np.pi
@@ -451,7 +452,7 @@ def test_dates_and_several_conditions():
     [
         (lambda m: events.in_cone(m, (0, 0, 0), (1, 0, 0), 0.1), "axis is zero"),
         (lambda m: events.in_cone(m, (1, 0, 0), (1, 0, 0), 0.0), "half_angle"),
-        (lambda m: events.in_cone(m, (1, 0, 0), "sun", 0.1), "does not know where"),
+        (lambda m: events.in_cone(m, (1, 0, 0), "sun", 0.1), "has no position"),
         (
             lambda m: events.in_cone(7, (1, 0, 0), (1, 0, 0), 0.1),
             "motion is int; give a",
@@ -492,3 +493,13 @@ def test_dates_and_several_conditions():
 def test_bad_input_is_a_sentence(call, said):
     with pytest.raises(AttitudeError, match=said):
         call(spinning(0.5))
+
+
+def test_the_former_name_of_observable_warns():
+    """`Quantity`, as astropy calls another class, is still imported from attitude.events."""
+    with pytest.warns(DeprecationWarning, match=r"is now attitude\.events\.Observable"):
+        from attitude.events import Quantity
+    assert Quantity is events.Observable
+    assert isinstance(events.separation(spinning(), (1, 0, 0), (0, 1, 0)), Quantity)
+    with pytest.raises(AttributeError, match=r"'attitude\.events' has no attribute 'Quantities'"):
+        _ = events.Quantities

@@ -160,10 +160,13 @@ def test_a_name_that_was_taken_out_is_unknown():
     ("law", "sentence"),
     [
         ("hapkee", "law is 'hapkee'; give one of 'lambert', 'lommel-seeliger', "),
-        (Hapke, r"law is the class Hapke; give one of its values: Hapke\(...\)"),
+        (Hapke, r"law is the class Hapke; give an instance: Hapke\(...\)"),
         (Law, "law is the class Law"),
         (None, "law is None; give one of"),
-        ("material", r"has no usual diffuse; give attitude.scattering.materials.Material\(...\)"),
+        (
+            "material",
+            r"has no default for diffuse; give attitude.scattering.materials.Material\(...\)",
+        ),
     ],
 )
 def test_a_scene_refuses_what_is_no_law_when_it_is_made(law, sentence):
@@ -172,12 +175,12 @@ def test_a_scene_refuses_what_is_no_law_when_it_is_made(law, sentence):
 
 
 @reduction_subroutine
-def nothing(row, cos_half, sin_half, now):
+def nothing(row, cos_half, sin_half, phase_terms):
     """Writes nothing."""
 
 
 @reduction_subroutine
-def white(row, now, mu0, mu):
+def white(row, phase_terms, mu0, mu):
     """Lambert's law."""
     return 1.0 / np.pi
 
@@ -187,7 +190,7 @@ def white(row, now, mu0, mu):
     [
         {},
         {"of_phase": nothing},
-        {"of_phase": nothing, "element": lambda row, now, mu0, mu: 1.0},
+        {"of_phase": nothing, "element": lambda row, phase_terms, mu0, mu: 1.0},
         {"of_phase": nothing, "element": white, "weights": (0.0, 1.0)},
     ],
 )

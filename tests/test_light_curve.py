@@ -240,7 +240,7 @@ def test_out_and_progress():
                         progress=lambda done, total: heard.append((done, total)))  # fmt: skip
     assert result is out
     assert len(heard) == 3 and heard[-1] == (20000, 20000) and heard == sorted(heard)
-    with pytest.raises(AttitudeError, match="out must be a writable"):
+    with pytest.raises(AttitudeError, match=r"out is an array .* \(3,\); give a writable"):
         brightness(FACETS, "lambert", sun, observer, out=np.empty(3))
 
 

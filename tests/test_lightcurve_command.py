@@ -277,7 +277,7 @@ WRONG = [
     (changed('"3, 2, 1 m"', '"3, 2, 0 m"'), "must be greater than zero"),
     (changed('"3, 2, 1 m"', "[3, 2, nan]"), "[shape] ellipsoid holds nan"),
     (changed('"3, 2, 1 m"', '"moments"\ndiameter = -1'), "diameter is -1.0"),
-    (changed('ellipsoid = "3, 2, 1 m"', 'file = "none.obj"'), "no file"),
+    (changed('ellipsoid = "3, 2, 1 m"', 'file = "none.obj"'), "not a file"),
     (changed('ellipsoid = "3, 2, 1 m"', 'file = "open.obj"'), "facets 0 lie at a hole"),
     (
         changed('ellipsoid = "3, 2, 1 m"', 'file = "inward.obj"'),
@@ -301,7 +301,7 @@ WRONG = [
     (FIXED + "[scattering.materials.body]\ndiffuse = 0.1", "an ellipsoid has none"),
     (BOX + "[scattering.materials.bdy]\ndiffuse = 0.1", "'bdy', which no facet carries"),
     (BOX + "[scattering]\nmaterials = {}", "materials has no 'surface'"),
-    (BOX + "[scattering]\nmaterials = 3", "no table of tables"),
+    (BOX + "[scattering]\nmaterials = 3", "materials is 3; give a table for each group"),
     (FIXED + '[magnitude]\nkind = "apparent"', "needs sun_distance and observer_distance"),
     (FIXED + '[magnitude]\nkind = "absolute"', "kind is 'absolute'"),
     (FIXED + "[magnitude]\ng = 0.1", "has g but no h"),
@@ -313,7 +313,10 @@ WRONG = [
     (EARTH + '[magnitude]\nsun_distance = "1 AU"', "whose distance is known"),
     (changed("wxyz", "wxzy"), "did you mean 'wxyz'"),
     (changed("[body]\nmoments", "[other]\nmoments"), "a key 'other'"),
-    ('spin = "x.toml"\n' + changed("[spin]", "[times]").partition("[times]")[0], "[body] beside"),
+    (
+        'spin = "x.toml"\n' + changed("[spin]", "[times]").partition("[times]")[0],
+        "[body] and a spin",
+    ),
     ("threads = 0\n" + FIXED, "threads is 0"),
 ]
 

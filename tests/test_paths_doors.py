@@ -44,7 +44,7 @@ def test_differences_of_skyfield_keep_their_center(planets):
 
 
 def test_skyfield_outside_of_its_kernel_is_refused(planets):
-    with pytest.raises(AttitudeError, match="skyfield does not know"):
+    with pytest.raises(AttitudeError, match="skyfield does not cover every epoch of 499 MARS"):
         paths.from_skyfield(planets["mars"]).position(START, 1e10)
 
 
@@ -79,7 +79,9 @@ def test_bodies_of_astropy_are_its_own_numbers(body):
 def test_astropy_is_not_asked_for_what_it_would_download():
     with pytest.raises(AttitudeError, match=r"is not a file.*nothing is downloaded"):
         paths.from_astropy("mars", "de440")
-    with pytest.raises(AttitudeError, match="astropy has no body 'pluto' there; it has sun"):
+    with pytest.raises(
+        AttitudeError, match="astropy has no body 'pluto' in this ephemeris; give one of"
+    ):
         paths.from_astropy("pluto")
 
 

@@ -222,7 +222,7 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("= ICRF", "= ITRF-97", r"segment at line 5: REF_FRAME is ITRF-97"),
         ("= UTC", "= MRT", r"segment at line 5: TIME_SYSTEM is MRT"),
         ("OBJECT_ID", "OBJECT_IDD", r"line 7: OBJECT_IDD is no keyword"),
-        ("OBJECT_ID = 2026-001A", "OBJECT_NAME = X", r"line 7: OBJECT_NAME stands there twice"),
+        ("OBJECT_ID = 2026-001A", "OBJECT_NAME = X", r"line 7: OBJECT_NAME is given twice"),
         ("= LAGRANGE", "= SPLINE", r"INTERPOLATION is SPLINE"),
         ("DEGREE = 3", "DEGREE = x", r"INTERPOLATION_DEGREE is x"),
         ("DEGREE = 3", "DEGREE = 9", r"too few for lagrange polynomials of degree 9"),

@@ -9,7 +9,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, light_curv
 from attitude.epochs import time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.path import Path, julian
-from attitude.scene import Scene
+from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from tests.kernels import DATA, kernel
 
@@ -482,8 +482,17 @@ def test_pickle_and_table():
     table = view.table("phase_angle", "sun_direction", "observer_distance")
     assert table["phase_angle"].unit == "rad" and table["sun_direction"].shape == (2, 3)
     assert "de421" in table.meta["observer_line"]
-    with pytest.raises(AttitudeError, match="no quantity"):
+    with pytest.raises(AttitudeError, match="not a quantity"):
         view.table("phase")
+
+
+def test_every_quantity_describes_itself():
+    """`help(View.phase_angle)` shows the physics, the shape and the unit."""
+    for name, each in View.columns().items():
+        assert getattr(View, name) is each and each.__doc__.startswith(each.about[:40])
+        assert each.__doc__.endswith(f"{each.unit or 'pure number'}.")
+        assert all(part in each.__doc__ for part in each.parts)
+    assert "ICRF" in View.observer_velocity.__doc__ and not View.observer_velocity.is_column
 
 
 # Sentences ----------------------------------------------------------------------------------------

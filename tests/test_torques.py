@@ -366,7 +366,7 @@ def nothing(t, wxyz, omega):
         (lambda: SolarRadiation(Facets, still, diffuse=0.9, mirrored=0.2), "at most 1"),
         (lambda: CustomTorque(3), "function is 3"),
         (lambda: CustomTorque(nothing, slope=3), "slope is 3"),
-        (lambda: CustomTorque(nothing, slope=nothing), "force gradient is of torques that do not"),
+        (lambda: CustomTorque(nothing, slope=nothing), "takes no such torque"),
         (
             lambda: CustomTorque(nothing, False, slope=lambda t, q, y: (1, 2)),
             "the slope of a CustomTorque returned",

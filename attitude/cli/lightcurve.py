@@ -230,7 +230,7 @@ def _columns(mission: Mission, view: View) -> tuple[Column, ...]:
     if scene.observer.has_horizon:
         own.append(("elevation", "deg"))
     given = {each.name: each for each in mission.columns}
-    first = [given.pop(name, None) or Column(name, unit) for name, unit in own]
+    first = [given.pop(name) if name in given else Column(name, unit) for name, unit in own]
     return (*first, *given.values())
 
 

@@ -1,87 +1,104 @@
-"""How functions on numbers and arrays are compiled, or run in Python where compilation is off.
+"""Decorators of functions on numbers and arrays that are compiled, or run in Python.
 
-Two families.  `entry_point`, `subroutine` and `force_inlined` set no fastmath flag: error-free
-transforms rest on the order of every operation, and results are the same bits whether an epoch is
-evaluated alone, in an array or in a block of one; a product and a sum are fused only where `fma`
-says so.  `reduction` and its kin are for sums over facets: terms may be taken in any order,
-products and sums may be fused, NaN and infinity keep their meaning; the last digits then depend on
-the machine's instructions, but not on blocks or threads.
+There are two families.  `entry_point`, `inlined_entry_point`, `subroutine` and `force_inlined` set
+no fastmath flag: error-free transforms depend on the order of every operation, and an epoch has the
+same bits whether it is evaluated alone, in an array or in a block.  A product and a sum are fused
+only by `instructions.fma`.  The decorators named ``reduction`` are for sums over facets: terms may
+be added in any order, products and sums may be fused, NaN and infinity keep their meaning.  The
+last digits then depend on the instructions of the machine, but not on blocks or threads.
 
-numba is imported when the first entry point is called.  ``ATTITUDE_COMPILE=never``, or numba's own
-``NUMBA_DISABLE_JIT=1``, runs everything in Python instead: some thousand times slower, for
+numba is imported at the first call of an entry point.  ``ATTITUDE_COMPILE=never``, or numba's own
+``NUMBA_DISABLE_JIT=1``, runs everything in Python instead, some thousand times slower, for
 debuggers and coverage.
 """
+
+from __future__ import annotations
 
 import os
 import threading
 from types import FunctionType
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from attitude.compilation import ieee
 
-# Nothing is called through C.
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+# No caller needs the wrapper for C.
 _EXACT = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 _ANY_ORDER = {
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract", "arcp", "nsz"},
 }
-# Called from compiled code only: the machine code is part of the caller's cache entry, and leaving
-# out the entry from Python halves the time to compile.
+# Functions that only compiled code calls: their machine code is part of the cache entry of the
+# caller, and without the wrapper for Python compilation takes half the time.
 _INNER = {"no_cpython_wrapper": True}
 
 _lock = threading.RLock()
 
 
-def runs_uncompiled():
-    """Whether compilation is switched off for this process, read from the environment."""
+def runs_uncompiled() -> bool:
+    """Whether the environment variables of the process switch compilation off."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return True
     return os.environ.get("ATTITUDE_COMPILE", "") == "never"
 
 
-UNCOMPILED = runs_uncompiled()
+UNCOMPILED: bool = runs_uncompiled()
 
 
 class Compilable:
     """A function of numbers and arrays that numba can compile.
 
-    Called from Python, it runs in Python; compiled code that names it calls its machine code.
+    A call from Python runs the function in Python; compiled code calls its machine code.
 
     Parameters
     ----------
     python : function
-    options : dict
-        Of `numba.njit`.
+        The function in Python.
+    options : mapping
+        Options of `numba.njit`.
     kept : bool
         Whether the machine code is kept on disk.
+
+    Attributes
+    ----------
+    py_func : function
+        The function in Python.
+    targetoptions : mapping
+        Options of `numba.njit`.  numba reads both names of a global function to inline it.
     """
 
-    def __init__(self, python, options, kept=False):
+    def __init__(
+        self, python: Callable[..., Any], options: Mapping[str, Any], kept: bool = False
+    ) -> None:
         self.py_func = python
         self.targetoptions = options
         self._kept = kept
-        self._dispatcher = self._python = None
+        self._dispatcher: Any = None
+        self._python: Callable[..., Any] | None = None
         self.__name__, self.__doc__ = python.__name__, python.__doc__
         self.__module__, self.__qualname__ = python.__module__, python.__qualname__
         self.__wrapped__ = python
 
-    def __call__(self, *arguments):
+    def __call__(self, *arguments: Any) -> Any:
         if self._python is None:
             self._python = _with_ieee_math(self.py_func)
         return self._python(*arguments)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.__module__}.{self.__name__}>"
 
-    def __reduce__(self):
-        # By name, as functions are pickled: numba's cache tells closures apart by the hash of that.
+    def __reduce__(self) -> str:
+        # By name, as functions are pickled: numba's cache hashes it to distinguish closures.
         return self.__qualname__
 
     @property
-    def dispatcher(self):
-        """numba's dispatcher of the function, made when first asked for."""
+    def dispatcher(self) -> Any:
+        """numba's dispatcher of the function, created at the first access."""
         if self._dispatcher is None:
             with _lock:
                 if self._dispatcher is None:
@@ -93,96 +110,100 @@ class Compilable:
         return self._dispatcher
 
     @property
-    def _numba_type_(self):
-        # What numba asks of a global that it does not know: the type of the dispatcher.
+    def _numba_type_(self) -> Any:
+        # numba reads this attribute of a global object whose type it does not know.
         return self.dispatcher._numba_type_
 
 
 class EntryPoint(Compilable):
-    """A `Compilable` that is compiled at the first call from Python for each set of types."""
+    """A `Compilable` that Python calls too: compiled at the first call for each set of types."""
 
-    def __init__(self, python, options, kept=True):
+    def __init__(
+        self, python: Callable[..., Any], options: Mapping[str, Any], kept: bool = True
+    ) -> None:
         super().__init__(python, options, kept)
-        self._run = self._in_python if UNCOMPILED else self._first
+        self._run: Callable[..., Any] = self._in_python if UNCOMPILED else self._first
 
-    def __call__(self, *arguments):
+    def __call__(self, *arguments: Any) -> Any:
         return self._run(*arguments)
 
-    def _first(self, *arguments):
+    def _first(self, *arguments: Any) -> Any:
         self._run = self.dispatcher
         return self._run(*arguments)
 
-    def _in_python(self, *arguments):
-        # Compiled code divides by zero and overflows without a word.
+    def _in_python(self, *arguments: Any) -> Any:
+        # Compiled code neither raises nor warns at a division by zero or an overflow.
         with np.errstate(all="ignore"):
             return super().__call__(*map(_with_fields, arguments))
 
 
-def _with_ieee_math(function):
-    """The function with `ieee` in the place of `math`."""
+def _with_ieee_math(given: Callable[..., Any]) -> Callable[..., Any]:
+    """The function with `ieee` under the name ``math``."""
+    function = cast(FunctionType, given)
     names = {**function.__globals__, "math": ieee}
     return FunctionType(
         function.__code__, names, function.__name__, function.__defaults__, function.__closure__
     )
 
 
-def _with_fields(argument):
-    """Structured arrays and their elements with fields as attributes, as in compiled code."""
+def _with_fields(argument: Any) -> Any:
+    """A structured array or element with its fields as attributes, as in compiled code."""
     if isinstance(argument, np.ndarray) and argument.dtype.names:
         return argument.view(np.recarray)
     if isinstance(argument, np.void) and not isinstance(argument, np.record):
-        # an element is a view of its array: so is this one
+        # the result is a view of the array, as the element is
         return argument.view((np.record, argument.dtype))
     return argument
 
 
-def entry_point(function):
-    """Compile at the first call from Python, and keep the machine code on disk."""
+def entry_point(function: Callable[..., Any]) -> EntryPoint:
+    """Compile a function at its first call from Python, and keep the machine code on disk."""
     return EntryPoint(function, _EXACT)
 
 
-def inlined_entry_point(function):
-    """As `entry_point`; where compiled code calls it, it is inlined.
+def inlined_entry_point(function: Callable[..., Any]) -> EntryPoint:
+    """As `entry_point`; compiled callers inline the function.
 
-    Left apart from a compiled caller, the process that compiles the two would run a copy of the
-    loop that was made before its own callees were known, and which is not vectorised.
+    Without inlining, the process that compiles caller and function would run a copy of the loop
+    that was optimised before the callees of the loop were known, and which is not vectorised.
     """
     return EntryPoint(function, {**_EXACT, "forceinline": True})
 
 
-def subroutine(function):
-    """For functions that are called from compiled code only; LLVM decides whether to inline."""
+def subroutine(function: Callable[..., Any]) -> Compilable:
+    """For functions that only compiled code calls; LLVM decides whether to inline them."""
     return Compilable(function, {**_EXACT, **_INNER})
 
 
-def force_inlined(function):
-    """As `subroutine`, inlined whatever its length: for long code called once in a loop."""
+def force_inlined(function: Callable[..., Any]) -> Compilable:
+    """As `subroutine`, inlined regardless of length: for long functions with one call in a loop."""
     return Compilable(function, {**_EXACT, **_INNER, "forceinline": True})
 
 
-def reduction(function):
-    """As `entry_point`, where sums may be taken in any order."""
+def reduction(function: Callable[..., Any]) -> EntryPoint:
+    """As `entry_point`, for sums whose terms may be added in any order."""
     return EntryPoint(function, _ANY_ORDER)
 
 
-def reduction_over(*called):
-    """As `reduction`, for a closure over compilable functions, whose machine code is part of it.
+def reduction_over(*called: Compilable) -> Callable[[Callable[..., Any]], EntryPoint]:
+    """As `reduction`, for a closure over compilable functions, which are compiled into it.
 
-    It is kept on disk if all of them are the package's own: an edit of others would not be seen.
+    The machine code is kept on disk if all of `called` belong to the package: the cache is not
+    invalidated by edits of other functions.
     """
     own = __name__.partition(".")[0]
     kept = all(each.__module__.partition(".")[0] == own for each in called)
     return lambda function: EntryPoint(function, _ANY_ORDER, kept)
 
 
-def reduction_subroutine(function):
-    """As `reduction`, called from compiled code only, as a function of its own."""
+def reduction_subroutine(function: Callable[..., Any]) -> Compilable:
+    """As `reduction`, for functions that only compiled code calls; LLVM decides on inlining."""
     return Compilable(function, {**_ANY_ORDER, **_INNER, "no_cfunc_wrapper": True})
 
 
-def reduction_inlined(function):
-    """As `reduction`, copied into its callers before their types are known.
+def reduction_inlined(function: Callable[..., Any]) -> Compilable:
+    """As `reduction`, for functions that numba copies into their callers before it infers types.
 
-    A loop that calls anything is not vectorised, a factor of six.
+    A loop with a call is not vectorised and six times slower.
     """
     return Compilable(function, {**_ANY_ORDER, "inline": "always"})

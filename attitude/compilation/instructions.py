@@ -1,21 +1,28 @@
-"""Machine instructions that Python has no name for, each defined here in Python.
+"""Machine instructions without a name in Python, each defined here in Python.
 
-`attitude.compilation.lowering` gives compiled code the one instruction; both return the same bits.
+In compiled code `attitude.compilation.lowering` replaces each function by the one instruction; both
+return the same bits.
 """
+
+from __future__ import annotations
 
 import math
 import struct
 from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
 
 _DOUBLE, _INTEGER = struct.Struct("<d"), struct.Struct("<q")
 _WORD = (1 << 64) - 1
-# Within these bounds the products and sums of `_fma` neither overflow nor lose a bit to underflow.
+# Within these bounds the products and sums of `_fma` neither overflow nor lose bits by underflow.
 _SMALL, _LARGE = 1e-130, 1e130
 _SPLITTER = 134217729.0  # 2^27 + 1
 
 
-def fma(a, b, c):
-    """a b + c, rounded once; of doubles, and of SIMD vectors with doubles among them."""
+def fma(a: Any, b: Any, c: Any) -> Any:
+    """a b + c with one rounding, of doubles, of SIMD vectors (`simd.Lanes`), or of both mixed."""
     if type(a) is type(b) is type(c) is float:
         return _fma(a, b, c)
     for each in (a, b, c):
@@ -35,7 +42,7 @@ if hasattr(math, "fma"):
 else:
 
     def _fma(a, b, c):
-        """By error-free transforms and one sum rounded to odd.
+        """a b + c by error-free transforms and one sum rounded to odd.
 
         Source: Boldo & Melquiond, IEEE Trans. Comput. 57, 462 (2008), algorithm 5.
         """
@@ -67,7 +74,7 @@ else:
 
 
 def _fma_of_any(a, b, c):
-    """Of any doubles, by whole numbers; slow."""
+    """a b + c for any doubles, by rational arithmetic: slow."""
     if not (math.isfinite(a) and math.isfinite(b)) or a == 0.0 or b == 0.0:
         return a * b + c
     if not math.isfinite(c):
@@ -81,39 +88,41 @@ def _fma_of_any(a, b, c):
         return math.inf if exact > 0 else -math.inf
 
 
-def rint(a):
-    """The nearest whole number, ties to even."""
-    if not abs(a) < 4503599627370496.0:  # whole already, or NaN
+def rint(a: float) -> float:
+    """The nearest whole number as a double, ties to even."""
+    if not abs(a) < 4503599627370496.0:  # 2^52: a is a whole number, or NaN
         return a
     return math.copysign(float(round(a)), a)
 
 
-def as_bits(a):
-    """The 64 bits of a double as a signed whole number."""
-    return _INTEGER.unpack(_DOUBLE.pack(a))[0]
+def as_bits(a: float) -> int:
+    """The 64 bits of a double as a signed integer."""
+    bits: int = _INTEGER.unpack(_DOUBLE.pack(a))[0]
+    return bits
 
 
-def from_bits(n):
-    """The double that has these 64 bits."""
-    return _DOUBLE.unpack((n & _WORD).to_bytes(8, "little"))[0]
+def from_bits(n: int) -> float:
+    """The double with the 64 bits of an integer."""
+    double: float = _DOUBLE.unpack((n & _WORD).to_bytes(8, "little"))[0]
+    return double
 
 
-def larger(a, b):
-    """The larger of two doubles; the builtin max takes ten times as long to compile."""
+def larger(a: float, b: float) -> float:
+    """The larger of two doubles; the built-in max takes ten times as long to compile."""
     return a if a > b else b
 
 
-def fence(a):
-    """The double itself, as a value across which no sum or product is taken in another order."""
+def fence(a: float) -> float:
+    """The double itself; the compiler does not reorder or fuse sums and products across it."""
     return a
 
 
-def bits_set(a):
-    """How many bits of a byte are set."""
+def bits_set(a: int | np.uint8) -> int:
+    """The number of bits set in a byte."""
     return int(a).bit_count()
 
 
-def lowest_bit(a):
-    """The place of the lowest bit that is set in a word that is not zero."""
+def lowest_bit(a: np.uint64) -> np.uint64:
+    """The index of the lowest bit that is set in a word; the word must not be zero."""
     word = int(a)
     return type(a)((word & -word).bit_length() - 1)

@@ -1,8 +1,11 @@
-"""The one-instruction forms of `instructions` and `pointers` for numba; imported with numba."""
+"""The machine instructions of `instructions` and `pointers`; imported at the first compilation."""
+
+from __future__ import annotations
 
 import inspect
 from contextlib import suppress
 from pickle import PickleError
+from typing import TYPE_CHECKING, Any
 
 import numba
 from llvmlite import ir
@@ -13,29 +16,32 @@ from numba.extending import lower_builtin, overload, type_callable
 from attitude.compilation import instructions, pointers, simd_lowering
 from attitude.compilation.disk_cache import kept_on_disk
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
 _DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
 _F8, _I8 = types.float64, types.int64
 _POINTER = types.CPointer(_F8)
 _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 
 
-def dispatcher(function, options, kept):
+def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: bool) -> Any:
     """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
     return kept_on_disk(function, options) if kept else numba.njit(**options)(function)
 
 
-def c_function(function, fastmath, kept):
-    """numba's C function of `pointers.C_FUNCTION`'s type; with `kept`, on disk where possible."""
-    options = {"error_model": "numpy", "fastmath": fastmath}
+def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: bool) -> Any:
+    """numba's C function of the type `pointers.C_FUNCTION`; with `kept`, on disk where possible."""
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": fastmath}
     if kept:
-        # no place for it, a full disk, a torn file
+        # no folder for the cache, a full disk, a torn file
         with suppress(RuntimeError, OSError, EOFError, PickleError):
             return numba.cfunc(_C_FUNCTION, cache=True, **options)(function)
     return numba.cfunc(_C_FUNCTION, **options)(function)
 
 
 def _instruction(function, signature):
-    """Register the lowering of a function of doubles and whole numbers."""
+    """Decorator that registers the instructions of a function of doubles and integers."""
 
     @type_callable(function)
     def typed(context):
@@ -49,6 +55,7 @@ def _instruction(function, signature):
 
 
 def _llvm(builder, name, arguments):
+    """Call LLVM's intrinsic function of doubles with a name."""
     function = builder.module.declare_intrinsic(
         name, [_DOUBLE], ir.FunctionType(_DOUBLE, [_DOUBLE] * len(arguments))
     )
@@ -150,6 +157,7 @@ def _put_three(context, builder, signature, arguments):
 
 
 def _place(builder, kind, address, k):
+    """A pointer to the k-th number of a type at an address."""
     return builder.gep(builder.inttoptr(address, kind.as_pointer()), [k])
 
 

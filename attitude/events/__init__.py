@@ -1,4 +1,4 @@
-"""What happens between samples: events on the exact motion, none missed.
+"""Events between samples: where conditions change on the exact motion, and extrema.
 
 >>> from attitude import Body, FreeRotation, Spin, events
 >>> motion = FreeRotation(
@@ -8,12 +8,22 @@
 >>> lit = events.illuminated(motion, (0, 0, 1), sun=(1, 0, 1))
 >>> times, values = events.find_discrete(0, 10, lit)
 
-`find_discrete`, `find_maxima` and `find_minima` are called as in skyfield: with two epochs and
-what is sought.
+`find_discrete`, `find_maxima` and `find_minima` are called as in skyfield: with two epochs and a
+condition or an observable.
+
+conditions     `Condition`, and what makes one; `channels`, the functions whose signs it takes
+extrema        `Observable`, `find_maxima`, `find_minima`; `peaks`, of a plain function
+discrete       `find_discrete`, of conditions and of plain functions
+moments        a motion or scene at a block of epochs; `directions` that are compared with body axes
+search         all sign changes of channels; `rate_bounds` of the motion, `root_finding` in brackets
+events         `Events`, the result
 """
 
+import warnings
+from typing import TYPE_CHECKING, Any
+
+from attitude.events.channels import SUN_RADIUS
 from attitude.events.conditions import (
-    SUN_RADIUS,
     Condition,
     beyond_plane,
     glint,
@@ -25,7 +35,7 @@ from attitude.events.conditions import (
 from attitude.events.directions import Moving
 from attitude.events.discrete import find_discrete, shadow_state, stream
 from attitude.events.events import Events
-from attitude.events.extrema import Quantity, brightness, find_maxima, find_minima, separation
+from attitude.events.extrema import Observable, brightness, find_maxima, find_minima, separation
 from attitude.events.search import TOUCH
 
 __all__ = [
@@ -34,7 +44,7 @@ __all__ = [
     "Condition",
     "Events",
     "Moving",
-    "Quantity",
+    "Observable",
     "beyond_plane",
     "brightness",
     "find_discrete",
@@ -49,3 +59,16 @@ __all__ = [
     "stream",
     "visible",
 ]
+
+if not TYPE_CHECKING:  # so that type checkers know that there are no other names
+
+    def __getattr__(name: str) -> Any:
+        """The class `Observable` under its former name."""
+        if name == "Quantity":
+            warnings.warn(
+                "attitude.events.Quantity is now attitude.events.Observable; use that name.",
+                DeprecationWarning,
+                stacklevel=2,
+            )
+            return Observable
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

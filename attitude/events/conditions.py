@@ -1,58 +1,86 @@
-"""What can be true of an attitude at an epoch: conditions that `find_discrete` searches.
+"""Conditions: what is true or false of an attitude at each epoch, searched by `find_discrete`.
 
-A condition is one or several signs of smooth functions, the channels.  Each channel knows bounds
-of its first two derivatives from the rates of the motion and the drift of the directions.
+A condition is a logical function of the signs of one or several channels.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.events.directions import Aberrated, direction_of, source_of, values_at
-from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SUN_RADIUS_M
+from attitude.events.channels import SUN_RADIUS, Channel, Cone, Height, Mirrored
+from attitude.events.directions import Aberrated, direction_of
+from attitude.events.moments import source_of, values_at
 from attitude.validation import unit_vector
 
-# The nominal radius of the Sun over the astronomical unit, 959.2 arcsec (IAU 2015 B3, 2012 B2).
-SUN_RADIUS = np.arcsin(SUN_RADIUS_M / ASTRONOMICAL_UNIT_M)
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import BoolArray, Epochs, FloatArray, Real, Reals
+    from attitude.epochs import Instant
+    from attitude.events.directions import AnyDirection, VectorFunction
+    from attitude.events.moments import AnyMotion, Moment, Source
 
 
 class Condition:
-    """True or False at every epoch; made by the functions of this file.
+    """True or False at every epoch; made by `in_cone`, `glint` and the other functions here.
 
-    ``condition(t)`` tells it at epochs (as of ``motion.at``); ``&``, ``|`` and ``~`` combine
-    conditions of the same motion or scene.
+    ``condition(t)`` evaluates it; ``&``, ``|`` and ``~`` combine conditions of the same motion or
+    scene.
+
+    Attributes
+    ----------
+    source : Source
+        The motion or scene.
+    channels : tuple of Channel
     """
 
-    def __init__(self, source, channels, logic):
+    def __init__(
+        self,
+        source: Source,
+        channels: Sequence[Channel],
+        logic: Callable[[Sequence[BoolArray]], BoolArray],
+    ) -> None:
         self.source, self.channels, self._logic = source, tuple(channels), logic
 
     @property
-    def epoch(self):
+    def epoch(self) -> Instant:
+        """The epoch of the motion, from which plain seconds count."""
         return self.source.epoch
 
-    def __call__(self, t, low=None):
+    def __call__(self, t: Epochs, low: ArrayLike | None = None) -> BoolArray:
+        """Whether the condition holds at epochs of any shape, as ``motion.at`` takes them."""
         return values_at(self.source, lambda moment: self.states(self.signs(moment)), t, low)
 
-    def signs(self, moment):
+    def signs(self, moment: Moment) -> list[BoolArray]:
+        """For each channel, whether its values (N,) are not negative."""
         return [channel.value(moment) >= 0.0 for channel in self.channels]
 
-    def states(self, signs):
-        """True or False from the signs of the channels."""
+    def states(self, signs: Sequence[BoolArray]) -> BoolArray:
+        """Whether the condition holds (N,), from the signs of the channels."""
         return self._logic(signs)
 
-    def __and__(self, other):
+    def __and__(self, other: Condition) -> Condition:
         return self._joined(other, np.logical_and)
 
-    def __or__(self, other):
+    def __or__(self, other: Condition) -> Condition:
         return self._joined(other, np.logical_or)
 
-    def __invert__(self):
+    def __invert__(self) -> Condition:
         return Condition(self.source, self.channels, lambda signs: ~self._logic(signs))
 
-    def _joined(self, other, operation):
+    def _joined(
+        self, other: Condition, operation: Callable[[BoolArray, BoolArray], BoolArray]
+    ) -> Condition:
         if not isinstance(other, Condition) or not same_source(self.source, other.source):
             raise AttitudeError(
-                "only conditions of the same motion or scene can be combined with & and |."
+                "only conditions of the same motion or scene can be combined with & and |; make "
+                "both from one."
             )
         count = len(self.channels)
         return Condition(
@@ -62,19 +90,25 @@ class Condition:
         )
 
 
-def in_cone(motion, axis, direction, half_angle):
+def in_cone(motion: AnyMotion, axis: Reals, direction: AnyDirection, half_angle: Real) -> Condition:
     """Whether a direction lies within a cone about a body axis: the field of view of a sensor.
 
     Parameters
     ----------
-    motion : FreeRotation, anything else with ``.at(t)``, or Scene
+    motion : Motion, other object with ``.at(t)``, or Scene
     axis : (3,) array_like
         In body axes, of any length.
-    direction : (3,) array_like, function, or text
-        Over ICRF axes; a function of seconds since the motion's epoch, (N,) -> (N, 3), or
-        `Moving` with known bounds; with a Scene "sun" or "observer".
+    direction : (3,) array_like, Direction, function, `Moving`, or text
+        On ICRF axes, of any length; a function of TDB seconds since the motion's epoch,
+        (N,) -> (N, 3), or `Moving` with known bounds of its rates; with a Scene "sun" or
+        "observer".
     half_angle : float or Quantity
         rad, above 0 and below pi.
+
+    Raises
+    ------
+    AttitudeError
+        For an angle out of range, and vectors that are zero or not finite.
 
     >>> from attitude import Body, FreeRotation, Spin
     >>> from attitude.events import find_discrete
@@ -92,90 +126,117 @@ def in_cone(motion, axis, direction, half_angle):
     return _of_one(source, Cone(unit_vector(axis, "axis"), seen, angle))
 
 
-def illuminated(motion, normal, sun=None):
-    """Whether the Sun shines on a facet: its direction is less than 90 deg from the normal.
+def illuminated(motion: AnyMotion, normal: Reals, sun: AnyDirection | None = None) -> Condition:
+    """Whether the Sun shines on a facet: less than 90 deg between the Sun and the normal.
 
     Parameters
     ----------
-    motion : as of `in_cone`
+    motion : as in `in_cone`
     normal : (3,) array_like
         Outward, in body axes, of any length.
-    sun : as direction of `in_cone`
-        Need not be given with a Scene.
+    sun : as direction in `in_cone`
+        Optional with a Scene: the Sun of the scene.
     """
     source = source_of(motion)
     return _of_one(source, Height(unit_vector(normal, "normal"), direction_of(sun, "sun", source)))
 
 
-def visible(motion, normal, observer=None):
-    """Whether the observer sees a facet's front; see `illuminated`."""
+def visible(motion: AnyMotion, normal: Reals, observer: AnyDirection | None = None) -> Condition:
+    """Whether the observer sees the front of a facet: less than 90 deg from the normal.
+
+    Parameters
+    ----------
+    motion, normal : as in `illuminated`
+    observer : as direction in `in_cone`
+        Optional with a Scene: the observer of the scene.
+    """
     source = source_of(motion)
     seen = direction_of(observer, "observer", source)
     return _of_one(source, Height(unit_vector(normal, "normal"), seen))
 
 
-def beyond_plane(motion, axis, normal):
-    """Whether a body axis points to that side of a plane in space to which its normal points.
+def beyond_plane(motion: AnyMotion, axis: Reals | None, normal: AnyDirection) -> Condition:
+    """Whether a body axis points to the side of an inertial plane to which its normal points.
 
     Parameters
     ----------
-    motion : as of `in_cone`
+    motion : as in `in_cone`
     axis : (3,) array_like or None
-        In body axes; None is the long axis, that of least inertia.
-    normal : as direction of `in_cone`
+        In body axes; None is the long axis, that of least moment of inertia.
+    normal : as direction in `in_cone`
     """
     source = source_of(motion)
     seen = direction_of(normal, "normal", source)
     return _of_one(source, Height(axis_or_long(axis, source), seen))
 
 
-def past_meridian(motion, axis, direction, pole=None):
+def past_meridian(
+    motion: AnyMotion, axis: Reals | None, direction: Reals, pole: Reals | None = None
+) -> Condition:
     """Whether a body axis is less than half a turn past the meridian of a direction.
 
-    It becomes True where the axis transits the half plane from the pole through the direction,
-    turning with the right hand about the pole, and False at the transit of the opposite half.
+    The condition becomes True where the axis transits the half plane from the pole through the
+    direction, turning right-handed about the pole, and False where it transits the opposite half.
 
     Parameters
     ----------
-    motion, axis : as of `beyond_plane`
+    motion, axis : as in `beyond_plane`
     direction : (3,) array_like
-        Over ICRF axes.
-    pole : (3,) array_like
-        Over ICRF axes; the angular momentum of the motion unless given.
+        On ICRF axes, of any length.
+    pole : (3,) array_like, optional
+        On ICRF axes; the angular momentum of the motion by default.
+
+    Raises
+    ------
+    AttitudeError
+        For a direction along the pole, and a motion without constant momentum if no pole is given.
     """
     source = source_of(motion)
     if pole is None:
         if source.motion.momentum is None:
             raise AttitudeError("this motion has no constant momentum; give a pole.")
         pole = source.motion.momentum
-    pole = unit_vector(pole, "pole")
-    east = np.cross(pole, unit_vector(direction, "direction"))
+    east = np.cross(unit_vector(pole, "pole"), unit_vector(direction, "direction"))
     if not np.sqrt(east @ east) > 1e-12:
         raise AttitudeError("direction is along the pole, which is on no meridian; give another.")
     return beyond_plane(motion, axis, east)
 
 
-def glint(motion, normal, sun=None, observer=None, *, sun_radius=None, velocity=None):
+def glint(
+    motion: AnyMotion,
+    normal: Reals,
+    sun: AnyDirection | None = None,
+    observer: AnyDirection | None = None,
+    *,
+    sun_radius: Real | None = None,
+    velocity: Reals | VectorFunction | None = None,
+) -> Condition:
     """Whether a flat mirror shows the observer a point of the Sun's disc.
 
-    The observer's direction, mirrored in the normal, lies on the disc, and the mirror's front is
-    turned to the observer.
+    It does if the observer's direction, mirrored in the normal, lies on the disc, and the
+    mirror's front faces the observer.
 
     Parameters
     ----------
-    motion : as of `in_cone`
+    motion : as in `in_cone`
     normal : (3,) array_like
         Outward, in body axes, of any length.
-    sun, observer : as direction of `in_cone`
-        Need not be given with a Scene.
-    sun_radius : float or Quantity
-        rad; unless given that of the Sun's disc at its distance in a Scene, or at 1 au.  Widen it
-        by the half width of the lobe of a mirror that is not flat.
+    sun, observer : as direction in `in_cone`
+        Optional with a Scene: the Sun and the observer of the scene.
+    sun_radius : float or Quantity, optional
+        rad; by default the radius of the Sun's disc at its distance in a Scene, otherwise at 1 au.
+        For a mirror that is not flat, add the half width of its lobe.
     velocity : (3,) array_like, function (N,) -> (N, 3), or "center", optional
-        m/s over ICRF axes, of the body relative to where the directions are at rest ("center":
-        that of a Scene's center): takes aberration into account, of the light that comes and,
-        with the other sign, of that which is sent.  A mirror that moves in its own plane reflects
-        as one at rest.
+        Velocity of the body in the frame of the directions, m/s on ICRF axes; "center": the
+        barycentric velocity of the Scene's center.  It adds the aberration of the incoming light
+        and, with opposite sign, of the reflected light.  A mirror that moves in its own plane
+        reflects as one at rest.
+
+    Raises
+    ------
+    AttitudeError
+        For a radius out of range, vectors that are zero or not finite, and "center" without a
+        Scene that has a center.
 
     Notes
     -----
@@ -183,130 +244,42 @@ def glint(motion, normal, sun=None, observer=None, *, sun_radius=None, velocity=
     / 2) and n.o > 0.
     """
     source = source_of(motion)
-    radius = sun_radius
+    radius = None
     if sun_radius is not None:
         radius = validation.number(sun_radius, "sun_radius", unit="rad")
     elif source.scene is None or source.scene.sun.is_direction:
         radius = SUN_RADIUS
     if radius is not None and not 0.0 < radius < 0.5 * np.pi:
         raise AttitudeError(f"sun_radius is {radius!r} rad; give one above 0 and below pi/2.")
-    sun = direction_of(sun, "sun", source)
-    observer = direction_of(observer, "observer", source)
+    to_sun = direction_of(sun, "sun", source)
+    to_observer = direction_of(observer, "observer", source)
     if velocity is not None:
-        sun = Aberrated(sun, velocity, source, sent=False)
-        observer = Aberrated(observer, velocity, source, sent=True)
-    normal = unit_vector(normal, "normal")
-    channels = Mirrored(normal, sun, observer, radius), Height(normal, observer)
+        to_sun = Aberrated(to_sun, velocity, source, sent=False)
+        to_observer = Aberrated(to_observer, velocity, source, sent=True)
+    unit = unit_vector(normal, "normal")
+    channels = Mirrored(unit, to_sun, to_observer, radius), Height(unit, to_observer)
     return Condition(source, channels, lambda signs: signs[0] & signs[1])
 
 
-# The channels -------------------------------------------------------------------------------------
-
-
-class Height:
-    """u.a of a direction u and a body axis a."""
-
-    noise = 4e-16
-
-    def __init__(self, axis, direction):
-        self.axis, self.directions = axis, (direction,)
-
-    def value(self, moment):
-        return dot(moment.body(self.directions[0]), self.axis)
-
-    def bounds(self, rates, drifts):
-        return turning(rates, drifts[0])[:2]
-
-
-class Cone(Height):
-    """u.a - cos(angle), as a difference of squared chords: exact for narrow cones too."""
-
-    def __init__(self, axis, direction, angle):
-        super().__init__(axis, direction)
-        # From the nearer end of the axis, where chords are short.
-        self._end = 1.0 if angle <= 0.5 * np.pi else -1.0
-        nearer = angle if angle <= 0.5 * np.pi else np.pi - angle
-        self._square = 2.0 * np.sin(0.5 * nearer) ** 2
-        self.noise = 1e-15 * (np.sin(nearer) + 1e-16)
-
-    def value(self, moment):
-        u = moment.body(self.directions[0])
-        return self._end * (self._square - 0.5 * chord_squared(u, self._end * self.axis))
-
-
-class Mirrored:
-    """r.s - cos(radius) of the mirrored observer r = 2 (n.o) n - o and the Sun s, by chords.
-
-    Without a radius the Sun's is that at its distance in the scene.
-    """
-
-    def __init__(self, normal, sun, observer, radius):
-        self._normal, self.directions = normal, (sun, observer)
-        self._radius = radius
-        self.noise = 2e-15 * np.sin(SUN_RADIUS if radius is None else radius)
-
-    def value(self, moment):
-        sun, observer = (moment.body(each) for each in self.directions)
-        twice = 2.0 * dot(observer, self._normal)
-        square = 0.0
-        for k in range(3):
-            part = twice * self._normal[k] - observer[..., k] - sun[..., k]
-            square = square + part * part
-        return self._reach(moment) - 0.5 * square
-
-    def _reach(self, moment):
-        """1 - cos(radius)."""
-        if self._radius is not None:
-            return 2.0 * np.sin(0.5 * self._radius) ** 2
-        sine = SUN_RADIUS_M / moment.view.sun_distance
-        return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
-
-    def bounds(self, rates, drifts):
-        # r.s = 2 (n.o)(n.s) - o.s, the last of which moves among the stars alone.
-        s1, s2, _ = turning(rates, drifts[0])
-        o1, o2, _ = turning(rates, drifts[1])
-        s, o = drifts
-        return (
-            2.0 * (s1 + o1) + s.first + o.first,
-            2.0 * (s2 + 2.0 * s1 * o1 + o2) + s.second + o.second + 2.0 * s.first * o.first,
-        )
-
-
-def turning(rates, drift):
-    """Bounds of the first three derivatives of u.a, u with a drift and a on the turning body."""
-    a1, a2, a3 = rates
-    d1, d2, d3 = drift
-    return (
-        a1 + d1,
-        a2 + 2.0 * a1 * d1 + d2,
-        a3 + (3.0 * a2 * d1 if d1 else 0.0) + 3.0 * a1 * d2 + d3,
-    )
-
-
-def dot(u, a):
-    """Component by component, so that an epoch has the same bits in every block."""
-    return u[..., 0] * a[0] + u[..., 1] * a[1] + u[..., 2] * a[2]
-
-
-def chord_squared(u, a):
-    x, y, z = u[..., 0] - a[0], u[..., 1] - a[1], u[..., 2] - a[2]
-    return x * x + y * y + z * z
-
-
-def same_source(one, other):
+def same_source(one: Source, other: Source) -> bool:
+    """Whether two sources are of the same motion or scene object."""
     if one.scene is not None or other.scene is not None:
         return one.scene is other.scene
     return one.motion is other.motion
 
 
-def _of_one(source, channel):
-    return Condition(source, (channel,), lambda signs: signs[0])
-
-
-def axis_or_long(axis, source):
+def axis_or_long(axis: Reals | None, source: Source) -> FloatArray:
+    """The unit vector (3,) along a body axis; for None, the axis of least moment of inertia."""
     if axis is not None:
         return unit_vector(axis, "axis")
     body = source.motion.body
     if body is None:
-        raise AttitudeError("this motion has no body, whose long axis could be told; give an axis.")
+        raise AttitudeError(
+            "axis is None, the long axis, but this motion has no body from which it follows; give "
+            "an axis."
+        )
     return np.array(body.principal_axes[:, int(np.argmin(body.moments))])
+
+
+def _of_one(source: Source, channel: Channel) -> Condition:
+    return Condition(source, (channel,), lambda signs: signs[0])

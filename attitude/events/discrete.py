@@ -1,4 +1,8 @@
-"""Where conditions begin and cease."""
+"""The epochs at which conditions begin and cease."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,62 +13,96 @@ from attitude.events.events import Events
 from attitude.events.search import crossings, difference, one_source
 from attitude.scene.scene import Scene
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from typing import TypeAlias
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import Epoch, FloatArray, IntArray, Real
+    from attitude.events.channels import Channel
+    from attitude.events.moments import Pair
+
+    # A state (N,) at seconds (N,).
+    StateFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
+
 # Samples of a plain function in a block.
 _BLOCK = 8192
 
 
-def find_discrete(start, stop, f, *, step=None, epoch=None, tolerance=None):
-    """When a condition begins and ceases.
+def find_discrete(
+    start: Epoch | Real,
+    stop: Epoch | Real,
+    f: Condition | Sequence[Condition] | StateFunction,
+    *,
+    step: Real | None = None,
+    epoch: Epoch | None = None,
+    tolerance: Real | None = None,
+) -> Events:
+    """The epochs at which a condition begins and ceases.
 
     Parameters
     ----------
     start, stop : epochs or seconds
-        TDB seconds since the motion's epoch, or any epochs that ``motion.at`` takes.
+        TDB seconds since the motion's epoch, or epochs of any type that ``motion.at`` takes.
     f : Condition, list of Conditions of one motion, or function
-        A function takes seconds (N,) and returns an integer or a bool for each: what
-        `shadow_state` makes, for example.
+        A function takes seconds (N,) and returns an integer or a bool for each, for example one
+        made by `shadow_state`.
     step : float or Quantity
-        s; for a function only: its samples.  What happens and is over between two samples is
-        missed.
+        s; for a function only: the spacing of its samples.  A change that is reversed between two
+        samples is missed.
     epoch : epoch, optional
-        For a function only: from which seconds are counted, so that dates can be given and told.
+        For a function only: the epoch from which its seconds count; start and stop may then be
+        dates, and the events have dates.
     tolerance : float or Quantity, optional
-        s; for a function only: how well events are located; 1e-9 of the step unless given.
+        s; for a function only: the accuracy of the epochs; 1e-9 of the step by default.
 
     Returns
     -------
     Events
-        ``times, values = find_discrete(...)``: values are what begins, True or False (the new
-        state of a function).  Empty where nothing changes.
+        ``times, values = find_discrete(...)``: values are the new states, True or False, or those
+        of the function.  Empty if nothing changes.
 
     Raises
     ------
     AttitudeError
-        For a span that ends before it begins, and where attitudes are not known.
+        For a span that ends before it begins, and epochs at which an attitude or a direction is
+        unknown.
 
     Notes
     -----
-    Of a free rotation and of arcs no event is missed, but for pairs nearer to each other than
-    TOUCH = 1e-6 rad of the fastest rotation; epochs are good to 1e-12 of a turn and more, where
-    the crossing is not a touch.  benchmarks/events.py compares with samples.  Motions that are
-    known at epochs only (tables, torques), and directions by functions without bounds, are
-    sampled for their rates, which is an estimate.
+    For free rotations and arcs all events are found, except pairs nearer to each other than
+    TOUCH = 1e-6 rad of the fastest rotation; the error of epochs is below 1e-12 of a turn where
+    the crossing is not a touch.  benchmarks/events.py compares with samples.  For motions that are
+    known at epochs only (tables, torques), and for directions by functions without bounds, the
+    rates are estimated from samples.
     """
     if not isinstance(f, Condition) and callable(f):
         return _of_function(start, stop, f, step, epoch, tolerance)
     if step is not None or epoch is not None or tolerance is not None:
-        raise AttitudeError("step, epoch and tolerance go with a plain function; leave them out.")
+        raise AttitudeError(
+            "step, epoch and tolerance are for a plain function, not for conditions; leave them "
+            "out."
+        )
     parts = list(stream(start, stop, f))
     conditions = [f] if isinstance(f, Condition) else f
     return Events.joined(conditions[0].epoch, parts)
 
 
-def stream(start, stop, f):
-    """The same, block by block: yields `Events` in order, for spans whose events fill memory.
+def stream(
+    start: Epoch | Real, stop: Epoch | Real, f: Condition | Sequence[Condition]
+) -> Iterator[Events]:
+    """The events of `find_discrete` block by block, for spans with more events than memory holds.
 
     Parameters
     ----------
-    start, stop, f : as of `find_discrete`, but for a function
+    start, stop : as in `find_discrete`
+    f : Condition, or list of Conditions of one motion
+
+    Yields
+    ------
+    Events
+        In order of time.
     """
     if not isinstance(f, (Condition, list, tuple)):
         raise AttitudeError(
@@ -75,14 +113,15 @@ def stream(start, stop, f):
     if not conditions:
         raise AttitudeError("the list of conditions is empty; give one or more.")
     source = one_source(conditions)
-    start, stop = span(source.epoch, start, stop)
-    channels, owner, offset = [], [], []
-    for k, each in enumerate(conditions):
-        offset.append(len(channels))
+    begin, end = span(source.epoch, start, stop)
+    channels: list[Channel] = []
+    for each in conditions:
         channels += each.channels
-        owner += [k] * len(each.channels)
-    owner, offset = np.array(owner), np.array(offset)
-    for hi, lo, channel, rising in crossings(source, channels, start, stop):
+    # The condition of each channel, and the first channel of each condition.
+    count = [len(each.channels) for each in conditions]
+    owner = np.repeat(np.arange(len(conditions)), count)
+    offset = np.cumsum([0, *count[:-1]])
+    for hi, lo, channel, rising in crossings(source, channels, begin, end):
         which = owner[channel]
         values, kept = np.zeros(len(hi), bool), np.zeros(len(hi), bool)
         for k in np.unique(which):
@@ -94,15 +133,15 @@ def stream(start, stop, f):
             yield Events(source.epoch, hi[kept], lo[kept], values[kept], which[kept])
 
 
-def shadow_state(lit):
+def shadow_state(lit: Scene | StateFunction) -> ShadowState:
     """A function of seconds for `find_discrete`: 0 in full light, 1 in penumbra, 2 in umbra.
 
     Parameters
     ----------
     lit : Scene, or function
-        A function of seconds (N,) that returns the fraction (N,) of the Sun's disc that is seen;
-        of a Scene it is ``lit_fraction`` at the epochs of reception, and seconds and dates are
-        those of its motion.
+        A function of seconds (N,) returns the fraction (N,) of the Sun's disc that is seen.  For a
+        Scene the fraction is ``lit_fraction`` at epochs of reception, and seconds count from the
+        epoch of its motion.
 
     >>> lit = lambda t: np.clip(0.5 + np.cos(0.001 * t), 0, 1)
     >>> times, states = find_discrete(0, 6000, shadow_state(lit), step=60)
@@ -117,19 +156,27 @@ def shadow_state(lit):
 
 
 class ShadowState:
-    """0 in full light, 1 in penumbra, 2 in umbra, at seconds (N,) since its epoch."""
+    """0 in full light, 1 in penumbra, 2 in umbra, at seconds (N,); made by `shadow_state`.
 
-    def __init__(self, lit, epoch=None):
+    Attributes
+    ----------
+    lit : Scene or function
+        Gives the fraction of the Sun's disc that is seen.
+    epoch : Instant or None
+        From which seconds count, if `lit` is a Scene with a motion.
+    """
+
+    def __init__(self, lit: Scene | StateFunction, epoch: epochs.Instant | None = None) -> None:
         self.lit, self.epoch = lit, epoch
 
-    def __call__(self, t):
+    def __call__(self, t: FloatArray) -> IntArray:
         lit = self.lit.at(t).lit_fraction if isinstance(self.lit, Scene) else self.lit(t)
         fraction = np.asarray(lit, dtype=np.float64)
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
 
 
 def _changes(condition, moment, channel, rising):
-    """Whether crossings of one of its channels change a condition, and to what."""
+    """For crossings of one channel each: whether they change the condition, and the new states."""
     if len(condition.channels) == 1:
         after = condition.states([rising])
         return np.ones(len(rising), bool), after
@@ -142,25 +189,38 @@ def _changes(condition, moment, channel, rising):
     return condition.states(before) != after, after
 
 
-def span(epoch, start, stop):
-    """Both ends as pairs of seconds since an epoch."""
+def span(epoch: epochs.Instant, start: Epoch | Real, stop: Epoch | Real) -> tuple[Pair, Pair]:
+    """Start and stop as pairs of TDB seconds since an epoch.
+
+    Raises
+    ------
+    AttitudeError
+        For ends that are not one finite epoch each, and a stop before the start.
+    """
     ends = []
     for value, name in ((start, "start"), (stop, "stop")):
         hi, lo = epochs.seconds_since(epoch, value, name=name)
         if hi.shape != () or not np.isfinite(hi):
             raise AttitudeError(f"{name} is {value!r}; give one finite epoch.")
         ends.append((float(hi), 0.0 if lo is None else float(lo)))
-    if difference(*ends) < 0.0:
-        raise AttitudeError(f"stop is {-difference(*ends):.9g} s before start; exchange them.")
-    return ends
+    begin, end = ends
+    if difference(begin, end) < 0.0:
+        raise AttitudeError(f"stop is {-difference(begin, end):.9g} s before start; exchange them.")
+    return begin, end
 
 
-def plain_step(step):
-    """The spacing in s at which a plain function is sampled; it must be given."""
+def plain_step(step: Real | None) -> float:
+    """The spacing of samples of a plain function, s.
+
+    Raises
+    ------
+    AttitudeError
+        For a step that is not given, or not positive.
+    """
     if step is None:
         raise AttitudeError(
-            "a plain function does not say how fast it changes; give step=, the spacing in s at "
-            "which it is sampled."
+            "the rate of change of a plain function is unknown; give step=, the spacing of its "
+            "samples in s."
         )
     return validation.positive(step, "step", unit="s")
 
@@ -186,12 +246,14 @@ def _of_function(start, stop, f, step, epoch, tolerance):
     return Events(epoch, seconds, np.zeros(len(seconds)), values)
 
 
-def plain_span(start, stop, epoch):
-    """Both ends in seconds, and the epoch or None."""
+def plain_span(
+    start: Epoch | Real, stop: Epoch | Real, epoch: Epoch | None
+) -> tuple[float, float, epochs.Instant | None]:
+    """Start and stop for a plain function in seconds, and the epoch from which they count."""
     if epoch is not None:
-        epoch = epochs.instant(epoch)
-        begin, end = (hi + lo for hi, lo in span(epoch, start, stop))
-        return begin, end, epoch
+        instant = epochs.instant(epoch)
+        begin, end = (hi + lo for hi, lo in span(instant, start, stop))
+        return begin, end, instant
     begin = validation.number(start, "start", unit="s")
     end = validation.number(stop, "stop", unit="s")
     if end < begin:
@@ -200,7 +262,7 @@ def plain_span(start, stop, epoch):
 
 
 def _bisected(f, t, states, tolerance):
-    """Epochs and new states of all changes that samples show, and of those seen on the way."""
+    """Epochs and new states of all changes between samples and between points of the bisection."""
     k = np.flatnonzero(states[1:] != states[:-1])
     a, b, p, q = t[k], t[k + 1], states[k], states[k + 1]
     times, values = [], []

@@ -1,6 +1,9 @@
-"""What a search returns: epochs in two doubles, and what happens at each."""
+"""The result of a search: epochs in two doubles, and what happens at each."""
+
+from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,26 +11,45 @@ from attitude import epochs
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from astropy.time import Time
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray, IntArray
+
 
 class Events(Immutable):
-    """Events in order of time; ``times, values = events`` takes them apart.
+    """Events in order of time; ``times, values = events`` unpacks seconds and values.
 
     Attributes
     ----------
     epoch : Instant or None
-        From which seconds are counted; None where a plain function of seconds was searched.
+        From which seconds count; None if a plain function of seconds was searched.
     seconds, low : (N,) arrays
         TDB seconds since `epoch`: seconds + low.
     values : (N,) array
-        What begins there: True or False of a condition, the state of a plain function; of an
-        extremum, the value that is reached.
+        The new state of a condition (True or False) or of a plain function; for an extremum, the
+        value that is reached, in the unit of the quantity.
     which : (N,) array of int
-        Number of the condition, where several were searched at once; else zeros.
-    time : astropy Time
-        The epochs in TDB (made when first asked for).
+        Index of the condition, if several were searched at once; otherwise zeros.
     """
 
-    def __init__(self, epoch, seconds, low, values, which=None):
+    epoch: epochs.Instant | None
+    seconds: FloatArray
+    low: FloatArray
+    values: NDArray[Any]
+    which: IntArray
+
+    def __init__(
+        self,
+        epoch: epochs.Instant | None,
+        seconds: FloatArray,
+        low: FloatArray,
+        values: NDArray[Any],
+        which: IntArray | None = None,
+    ) -> None:
         self._set("epoch", epoch)
         self._set("seconds", frozen(seconds))
         self._set("low", frozen(low))
@@ -35,15 +57,24 @@ class Events(Immutable):
         self._set("which", frozen(np.zeros(len(seconds), int) if which is None else which))
 
     @classmethod
-    def joined(cls, epoch, parts, kind=bool):
-        """The events of several searches, one after the other, as one."""
+    def joined(
+        cls, epoch: epochs.Instant | None, parts: Sequence[Events], kind: type = bool
+    ) -> Events:
+        """The events of successive searches in one object; without any, values of a given type."""
         if not parts:
             return cls(epoch, np.zeros(0), np.zeros(0), np.zeros(0, kind), np.zeros(0, int))
         columns = zip(*((p.seconds, p.low, p.values, p.which) for p in parts), strict=True)
         return cls(epoch, *(np.concatenate(column) for column in columns))
 
     @cached_property
-    def time(self):
+    def time(self) -> Time:
+        """The epochs (N,) as an astropy Time in TDB.
+
+        Raises
+        ------
+        AttitudeError
+            If `epoch` is None.
+        """
         if self.epoch is None:
             raise AttitudeError(
                 "the epoch is not known, since a plain function of seconds was searched; give "
@@ -51,28 +82,36 @@ class Events(Immutable):
             )
         return epochs.times(self.epoch, self.seconds, self.low)
 
-    def __iter__(self):
-        """The two arrays (times, values); the times are `seconds`."""
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        """The two arrays (seconds, values)."""
         return iter((self.seconds, self.values))
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.seconds)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Events:
         """Some of the events: events[:10], events[events.values], events[events.which == 2]."""
         index = np.atleast_1d(np.arange(len(self))[index])
         return Events(
             self.epoch, self.seconds[index], self.low[index], self.values[index], self.which[index]
         )
 
-    def at(self, source):
-        """What a motion or a scene is at these epochs."""
+    def at(self, source: Any) -> Any:
+        """``source.at(...)`` at these epochs: the AttitudeHistory of a motion, the View of a Scene.
+
+        The source has the `epoch` of the events.
+        """
         return source.at(self.seconds, self.low)
 
-    def spans(self):
-        """Of one condition: (begin, end) in seconds of each span that is within the search, (M, 2).
+    def spans(self) -> FloatArray:
+        """Begin and end (M, 2) in seconds of each span in which a condition holds.
 
-        A span that is cut by an end of the search is left out.
+        A span that begins or ends outside of the search is left out.
+
+        Raises
+        ------
+        AttitudeError
+            For events of several conditions, and events that are not those of conditions.
         """
         if self.values.dtype != bool or len(np.unique(self.which)) > 1:
             raise AttitudeError(
@@ -82,6 +121,6 @@ class Events(Immutable):
         begins = np.flatnonzero(self.values[:-1] & ~self.values[1:])
         return np.stack([self.seconds[begins], self.seconds[begins + 1]], axis=-1)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         start = "" if self.epoch is None else f" from {self.epoch.utc_iso} UTC"
         return f"<{len(self)} Events, seconds{start}>"

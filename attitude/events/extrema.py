@@ -1,50 +1,86 @@
-"""Where a quantity is greatest or least: nearest approaches, and extrema of brightness."""
+"""The maxima and minima of an observable: nearest approaches, extrema of brightness."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.events.conditions import axis_or_long, chord_squared, dot, turning
-from attitude.events.directions import Fixed, direction_of, source_of, values_at
+from attitude.events.channels import Channel, chord_squared, dot, turning
+from attitude.events.conditions import axis_or_long
+from attitude.events.directions import Fixed, direction_of
 from attitude.events.discrete import plain_span, plain_step, span
 from attitude.events.events import Events
+from attitude.events.moments import source_of, values_at
 from attitude.events.peaks import peaks
 from attitude.events.rate_bounds import Sampled, pieces
 from attitude.events.search import crossings
 
-# Samples of a quantity whose derivatives have no bounds, in rad of the rotation.
-_SAMPLES = 0.05
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import TypeAlias
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import Epoch, Epochs, FloatArray, Real, Reals
+    from attitude.epochs import Instant
+    from attitude.events.directions import AnyDirection
+    from attitude.events.moments import AnyMotion, Drift, Moment, Pair, SearchDirection, Source
+    from attitude.motion import RateBounds
+    from attitude.scene.scene import Scene
+
+    # Values (N,) at seconds (N,).
+    ValueFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
+
+# Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
+_SPACING = 0.05
 # Derivatives by differences: 6th order over this many rad of the fastest rotation.
 _STENCIL = 4e-3
 _WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
 
 
-class Quantity:
-    """A number at every epoch, of which `find_maxima` and `find_minima` are sought.
+class Observable:
+    """A number at every epoch, whose extrema `find_maxima` and `find_minima` find.
 
-    ``quantity(t)`` tells it; `slope` is a channel with the sign of its growth, or None.
+    Made by `separation` and `brightness`; ``observable(t)`` evaluates it.
+
+    Attributes
+    ----------
+    source : Source
+        The motion or scene.
+    slope : Channel or None
+        A channel with the sign of the derivative.
     """
 
-    def __init__(self, source, value, slope=None):
+    def __init__(
+        self,
+        source: Source,
+        value: Callable[[Moment], FloatArray],
+        slope: Channel | None = None,
+    ) -> None:
         self.source, self._value, self.slope = source, value, slope
 
     @property
-    def epoch(self):
+    def epoch(self) -> Instant:
+        """The epoch of the motion, from which plain seconds count."""
         return self.source.epoch
 
-    def __call__(self, t, low=None):
+    def __call__(self, t: Epochs, low: ArrayLike | None = None) -> FloatArray:
+        """The values at epochs of any shape, as ``motion.at`` takes them."""
         return values_at(self.source, self._value, t, low)
 
 
-def separation(motion, axis, direction):
-    """The angle between a body axis and a direction, rad: its minima are conjunctions.
+def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -> Observable:
+    """The angle between a body axis and a direction, rad: its minima are nearest approaches.
 
     Parameters
     ----------
-    motion : FreeRotation, anything else with ``.at(t)``, or Scene
+    motion : Motion, other object with ``.at(t)``, or Scene
     axis : (3,) array_like or None
-        In body axes; None is the long axis, that of least inertia.
-    direction : as of `in_cone`
+        In body axes; None is the long axis, that of least moment of inertia.
+    direction : as in `in_cone`
 
     >>> from attitude import Body, FreeRotation, Spin
     >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
@@ -54,20 +90,25 @@ def separation(motion, axis, direction):
     (array([15.70796327]), array([0.46364761]))
     """
     source = source_of(motion)
-    axis = axis_or_long(axis, source)
+    unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
 
-    def angle(moment):
+    def angle(moment: Moment) -> FloatArray:
         u = moment.body(seen)
-        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, axis)), np.sqrt(chord_squared(u, -axis)))
+        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, unit)), np.sqrt(chord_squared(u, -unit)))
 
-    return Quantity(source, angle, Receding(axis, seen))
+    return Observable(source, angle, Receding(unit, seen))
 
 
-def brightness(scene):
-    """What the observer of a Scene receives, m2/sr times the fraction of the Sun that is free.
+def brightness(scene: Scene) -> Observable:
+    """The brightness of a body in the shadow of others: brightness times lit fraction, m2/sr.
 
     See ``view.brightness`` and ``view.lit_fraction``; the scene needs a shape.
+
+    Raises
+    ------
+    AttitudeError
+        For a motion instead of a Scene.
     """
     source = source_of(scene)
     if source.scene is None:
@@ -76,107 +117,144 @@ def brightness(scene):
             "or a function of seconds to the search."
         )
 
-    def value(moment):
+    shadow_of = source.scene.shadow_of
+
+    def value(moment: Moment) -> FloatArray:
         view = moment.view
-        return view.brightness * view.lit_fraction if source.scene.shadow_of else view.brightness
+        return view.brightness * view.lit_fraction if shadow_of else view.brightness
 
-    return Quantity(source, value)
+    return Observable(source, value)
 
 
-def find_maxima(start, stop, f, *, step=None, epoch=None):
-    """The local maxima of a quantity strictly within a span.
+def find_maxima(
+    start: Epoch | Real,
+    stop: Epoch | Real,
+    f: Observable | ValueFunction,
+    *,
+    step: Real | None = None,
+    epoch: Epoch | None = None,
+) -> Events:
+    """The local maxima of an observable strictly within a span.
 
     Parameters
     ----------
     start, stop : epochs or seconds
-        As of `find_discrete`.
-    f : Quantity or function
-        What `separation` and `brightness` make, or a function of seconds (N,) that returns (N,)
-        numbers.
+        As in `find_discrete`.
+    f : Observable or function
+        An Observable of `separation` or `brightness`, or a function of seconds (N,) that returns
+        numbers (N,).
     step : float or Quantity, optional
-        s; of samples, for a function and for a brightness: a twentieth of a radian of rotation
-        (the default of a brightness) is right for light curves.  Maxima that lie between samples
-        which do not show them are missed.
+        s; the spacing of samples, for a function (required) and for a brightness: by default 0.05
+        rad of rotation, which resolves light curves.  Maxima that the samples do not show are
+        missed.
     epoch : epoch, optional
-        For a function only: from which seconds are counted.
+        For a function only: the epoch from which its seconds count.
 
     Returns
     -------
     Events
-        ``times, values = find_maxima(...)``; the values are those of f.  Of a flat top the middle
-        is returned.
+        ``times, values = find_maxima(...)``; the values are those of f.  For a flat top, its
+        middle.
+
+    Raises
+    ------
+    AttitudeError
+        For a span that ends before it begins, a function without a step, and epochs at which an
+        attitude or a direction is unknown.
 
     Notes
     -----
     Extrema of a separation are zeros of its exact derivative, bracketed by bounds of the next
-    ones: for free rotations none is missed but pairs within TOUCH rad of the rotation, and epochs
-    are good to 1e-12 of a turn.  Those of a function are searched by its values: where these are
-    smooth, epochs are good to 1e-10 of the time scale in which they change, at kinks to rounding.
+    derivatives: for free rotations all are found, except pairs within TOUCH rad of the rotation,
+    and the error of epochs is below 1e-12 of a turn.  Extrema of a function are searched by its
+    values: the error of epochs is 1e-10 of the time scale on which smooth values change, and
+    rounding at kinks.
     """
     return _extrema(start, stop, f, step, epoch, 1.0)
 
 
-def find_minima(start, stop, f, *, step=None, epoch=None):
-    """The local minima of a quantity strictly within a span; see `find_maxima`."""
+def find_minima(
+    start: Epoch | Real,
+    stop: Epoch | Real,
+    f: Observable | ValueFunction,
+    *,
+    step: Real | None = None,
+    epoch: Epoch | None = None,
+) -> Events:
+    """The local minima of an observable strictly within a span; see `find_maxima`."""
     return _extrema(start, stop, f, step, epoch, -1.0)
 
 
-def _extrema(start, stop, f, step, epoch, sign):
-    if not isinstance(f, Quantity):
+def _extrema(
+    start: Epoch | Real,
+    stop: Epoch | Real,
+    f: Observable | ValueFunction,
+    step: Real | None,
+    epoch: Epoch | None,
+    sign: float,
+) -> Events:
+    if not isinstance(f, Observable):
         if not callable(f):
             raise AttitudeError(
                 f"f is {f!r}; give events.separation(...) or a function of seconds."
             )
-        step = plain_step(step)
-        begin, end, epoch = plain_span(start, stop, epoch)
+        spacing = plain_step(step)
+        first, last, instant = plain_span(start, stop, epoch)
         return _joined(
-            epoch, peaks(lambda t, low: f(t + low), (begin, 0.0), (end, 0.0), step, sign)
+            instant, peaks(lambda t, low: f(t + low), (first, 0.0), (last, 0.0), spacing, sign)
         )
     if epoch is not None:
-        raise AttitudeError("epoch goes with a plain function; leave it out.")
+        raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
     begin, end = span(f.source.epoch, start, stop)
     limit = pieces(f.source, begin, end)[0][2]
-    if step is None and f.slope is not None and not _is_rough(limit):
-        return Events.joined(f.epoch, list(_by_slope(f, begin, end, sign)), float)
+    # Interpolated attitudes have kinks: there the slope has no bounded derivative.
+    has_kinks = isinstance(limit, Sampled) and not limit.smooth
+    if step is None and f.slope is not None and not has_kinks:
+        return Events.joined(f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float)
     if step is None:
         rate = limit.guess(f.source, begin)
-        step = _SAMPLES / rate if rate > 0.0 else max(end[0] - begin[0], 1.0) / 64.0
-    step = validation.positive(step, "step", unit="s")
-    return _joined(f.epoch, peaks(f, begin, end, step, sign))
+        step = _SPACING / rate if rate > 0.0 else max(end[0] - begin[0], 1.0) / 64.0
+    spacing = validation.positive(step, "step", unit="s")
+    return _joined(f.epoch, peaks(f, begin, end, spacing, sign))
 
 
-def _is_rough(limit):
-    return isinstance(limit, Sampled) and not limit.smooth
-
-
-def _by_slope(f, begin, end, sign):
-    # The slope is that of the cosine: where it begins to grow the angle is greatest.
-    for hi, lo, _, rising in crossings(f.source, [f.slope], begin, end):
-        wanted = rising if sign > 0.0 else ~rising
-        hi, lo = hi[wanted], lo[wanted]
+def _by_slope(
+    f: Observable, slope: Channel, begin: Pair, end: Pair, sign: float
+) -> Iterator[Events]:
+    # The slope is that of the cosine: where it changes to positive, the angle has its maximum.
+    for hi, lo, _, rising in crossings(f.source, [slope], begin, end):
+        chosen = rising if sign > 0.0 else ~rising
+        hi, lo = hi[chosen], lo[chosen]
         yield Events(f.epoch, hi, lo, f(hi, lo))
 
 
-def _joined(epoch, found):
+def _joined(
+    epoch: Instant | None, found: Iterable[tuple[FloatArray, FloatArray, FloatArray]]
+) -> Events:
     parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
     return Events.joined(epoch, parts, float)
 
 
-class Receding:
-    """The rate of change of u.a, of a direction u and a body axis a: rises at greatest angles."""
+class Receding(Channel):
+    """The derivative of u.a, of a direction u and a body axis a; rises where the angle is greatest.
 
-    def __init__(self, axis, direction):
-        self._axis, self.directions, self._rate = axis, (direction,), None
-        # Differences lose what the spacing divides by; in units of the greatest rate.
+    Exact for a constant direction; by differences otherwise.
+    """
+
+    def __init__(self, axis: FloatArray, direction: SearchDirection) -> None:
+        self._axis, self.directions = axis, (direction,)
+        self._rate: float | None = None
+        # Division by the spacing amplifies rounding; in units of the largest rate.
         self.noise = 0.0 if isinstance(direction, Fixed) else 1e-12
 
-    def value(self, moment):
+    def value(self, moment: Moment) -> FloatArray:
+        """The derivative (N,), 1/s."""
         direction = self.directions[0]
         u = moment.body(direction)
         if isinstance(direction, Fixed):
             w = moment.history.angular_velocity
             a = self._axis
-            # u' = u x w over body axes, times a.
+            # u' = u x w in body axes, times a.
             return (
                 u[..., 0] * (w[..., 1] * a[2] - w[..., 2] * a[1])
                 + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
@@ -184,11 +262,11 @@ class Receding:
             )
         return self._by_differences(moment)
 
-    def _by_differences(self, moment):
+    def _by_differences(self, moment: Moment) -> FloatArray:
         source, direction = moment.source, self.directions[0]
         rate = self._stencil_rate(moment)
         d = _STENCIL / rate
-        total = 0.0
+        total = np.zeros(moment.hi.shape)
         for k, weight in _WEIGHTS:
             ahead, behind = (
                 dot(source.at(moment.hi, moment.lo + side * k * d).body(direction), self._axis)
@@ -197,13 +275,14 @@ class Receding:
             total = total + weight * (ahead - behind)
         return total / d
 
-    def _stencil_rate(self, moment):
-        # The same spacing for all blocks, so that an epoch has one value.
+    def _stencil_rate(self, moment: Moment) -> float:
+        # The same spacing in all blocks, so that an epoch has the same value in each.
         if self._rate is None:
             start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
             limit = pieces(moment.source, start, start)[0][2]
             self._rate = limit.guess(moment.source, start) or 1.0
         return self._rate
 
-    def bounds(self, rates, drifts):
+    def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
+        """Upper bounds of the first two derivatives, those of u.a one order higher."""
         return turning(rates, drifts[0])[1:]

@@ -1,4 +1,8 @@
-"""Local maxima of a function that is known by its values alone."""
+"""Local maxima of a function from its values alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -6,11 +10,19 @@ from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.events.search import difference, shifted
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+    from attitude.events.moments import Pair
+
 _BLOCK = 8192
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-# Sections of a bracket, to 1e-9 of it.
+# Golden sections of a bracket, to 1e-9 of its length.
 _SECTIONS = 44
-# A smooth peak is polished by the zero of its derivative, from differences over so much of a step.
+# A smooth peak is refined as the zero of its derivative, by differences over this part of a step.
 _STENCIL = 0.08
 _WEIGHTS = np.array([-1.0 / 60.0, 0.15, -0.75, 0.0, 0.75, -0.15, 1.0 / 60.0])
 _SIXTH = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
@@ -18,20 +30,36 @@ _SMOOTH = 1e-5
 _PLACES = np.arange(-3, 4)
 
 
-def peaks(f, start, stop, step, sign):
-    """Maxima of sign * f between samples one step apart, block by block.
+def peaks(
+    f: Callable[[FloatArray, FloatArray], ArrayLike],
+    start: Pair,
+    stop: Pair,
+    step: float,
+    sign: float,
+) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    """The maxima of sign * f between samples one step apart, block by block.
 
     Parameters
     ----------
     f : callable
-        Of (hi, lo), arrays (N,): values (N,).
+        Returns values (N,) at seconds (hi, lo), arrays (N,).
     start, stop : pairs of doubles
+        s.
     step : float
+        s; shortened so that it divides the span.
     sign : 1.0 or -1.0
 
     Yields
     ------
-    hi, lo, values : (N,) arrays
+    hi, lo : (N,) arrays
+        Seconds of the maxima.
+    values : (N,) array
+        f there.
+
+    Raises
+    ------
+    AttitudeError
+        If f returns another shape.
     """
     total = difference(start, stop)
     count = max(2, int(np.ceil(total / step)))
@@ -39,7 +67,7 @@ def peaks(f, start, stop, step, sign):
     base, done = start, 0
     while done < count and total > 0.0:
         size = min(_BLOCK, count - done)
-        # One sample more on either side, since a peak is told by its neighbours.
+        # One more sample on either side, since a peak shows by its neighbours.
         first = -1 if done else 0
         last = size + 1 if done + size < count else size
         s = np.arange(first, last + 1) * step
@@ -55,8 +83,8 @@ def peaks(f, start, stop, step, sign):
 
         y = value(s)
         left, right = _tops(y)
-        # Neighbouring blocks share three samples: a peak is that of the block which holds the
-        # last of its samples, the first sample of a block excepted.
+        # Neighbouring blocks share three samples: a peak belongs to the block that holds the
+        # last of its samples, unless that is the first sample of the block.
         own = (right + first >= 2) & (right + first <= size + 1)
         found = _refined(value, s[left[own]], s[right[own]], step)
         if len(found):
@@ -66,9 +94,9 @@ def peaks(f, start, stop, step, sign):
 
 
 def _tops(y):
-    """Indices (left, right) of the neighbours of each sample, or pair of equal ones, above them.
+    """Indices (left, right) of the neighbours of each sample, or pair of equal samples, above both.
 
-    NaN is below everything.  Three equal samples and more are a plateau, which has no maximum.
+    NaN counts as -inf.  Three or more equal samples are a plateau, which has no maximum.
     """
     y = np.where(np.isnan(y), -np.inf, y)
     begin = np.concatenate([[0], np.flatnonzero(y[1:] != y[:-1]) + 1])
@@ -87,7 +115,7 @@ def _refined(value, a, b, step):
     for _ in range(_SECTIONS):
         c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
         p, q = value(c), value(d)
-        # Equal values have the top between them.
+        # The maximum lies between equal values.
         a, b = np.where(p > q, a, c), np.where(p >= q, d, b)
         if np.all(b - a <= 1e-10 * step):
             break
@@ -96,7 +124,7 @@ def _refined(value, a, b, step):
 
 
 def _polished(value, x, left, right, step):
-    """Newton steps on differences, kept where they stay within the flat of a smooth top."""
+    """Newton steps on the derivative by differences, kept within the flat part of a smooth top."""
     h = _STENCIL * step
     inside = (x - 6.0 * h > left) & (x + 6.0 * h < right)
     y = x.copy()
@@ -107,7 +135,7 @@ def _polished(value, x, left, right, step):
         with np.errstate(divide="ignore", invalid="ignore"):
             move = -slope / bend
         y = np.where(inside & (bend < 0.0) & (np.abs(move) < h), y + move, y)
-    # The formula errs by sixth differences; where these are not small beside the second, the top is
-    # not smooth on this scale, and the section's answer stands.
+    # The error of the formula is in sixth differences; where these are not small against the second
+    # difference, the top is not smooth on this scale, and the result of the sections is kept.
     smooth = np.abs(_SIXTH @ around) < _SMOOTH * np.abs(bend) * h * h
     return np.where(inside & smooth, y, x)

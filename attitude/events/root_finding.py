@@ -1,31 +1,49 @@
-"""Zeros within brackets, many at once, to the last places of time."""
+"""Zeros within brackets, many at once, to the resolution of a double of time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-_MOST = 120
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude.annotations import FloatArray
+
+_MOST_STEPS = 120
 
 
-def refined(evaluate, a, b, p, q):
-    """The zeros (N,) of functions in brackets with f(a) f(b) < 0.
+def refined(
+    evaluate: Callable[[FloatArray], FloatArray],
+    a: FloatArray,
+    b: FloatArray,
+    p: FloatArray,
+    q: FloatArray,
+) -> FloatArray:
+    """The zeros (N,) of a function in brackets with f(a) f(b) < 0.
 
     Chandrupatla's method (Advances in Engineering Software 28, 145, 1997): inverse quadratic
-    interpolation where it can be trusted, else halving; each step is one call for all that are
-    still open.
+    interpolation where its conditions hold, bisection otherwise.  Each step is one call for all
+    brackets that have not converged.
 
     Parameters
     ----------
     evaluate : callable
-        Of times (K,) -> values (K,); one function for all.
-    a, b, p, q : (N,) arrays
-        Ends and values there.
+        Times (K,) to values (K,).
+    a, b : (N,) arrays
+        Ends of the brackets.
+    p, q : (N,) arrays
+        Values at a and b.
     """
     x = np.where(np.abs(p) < np.abs(q), a, b)
     open_ = np.flatnonzero((p != 0.0) & (q != 0.0))
     x[p == 0.0] = a[p == 0.0]
-    # x2 is the newest end, x1 the other, x3 the one before.
+    # x1 and x2 are the ends of the brackets, x1 the newer of them; x3 is the end
+    # that the last step replaced.
     x1, x2, f1, f2 = a[open_], b[open_], p[open_], q[open_]
     part = np.clip(f1 / (f1 - f2), 0.001, 0.999)
-    for _ in range(_MOST):
+    for _ in range(_MOST_STEPS):
         if not len(open_):
             break
         new = x1 + part * (x2 - x1)
@@ -49,7 +67,7 @@ def refined(evaluate, a, b, p, q):
 
 
 def _next(x1, x2, x3, f1, f2, f3):
-    """Where between x1 (0) and x2 (1) to look next."""
+    """The next point, as a fraction of the way from x1 (0) to x2 (1)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         xi = (x1 - x2) / (x3 - x2)
         phi = (f1 - f2) / (f3 - f2)

@@ -1,19 +1,24 @@
-"""Every sign change of smooth functions, none missed: subdivision with bounds of derivatives.
+"""All sign changes of smooth functions: subdivision with bounds of derivatives.
 
-Between two knots h apart, with |f''| <= M and values p, q at the ends:
+Between two knots h apart, with |f''| <= M and values p, q at the ends, there is
 
-* no zero, if p and q have one sign and the least that f can be is on their side of zero:
+* no zero, if p and q have one sign and the least possible |f| is positive:
   (|p| + |q|)/2 - M h^2/8 - (|q| - |p|)^2 / (2 M h^2), or the lesser of |p|, |q| if these differ by
   M h^2/2 and more;
 * exactly one, if they have opposite signs and |q - p| > M h^2/2, since then f' does not vanish;
 * with |f'| <= B alone: none, if they have one sign and |p| + |q| > B h.
 
-Anything else is divided, down to TOUCH radians of the fastest rotation.  What is left there with
-one sign at both ends is a touch, or two crossings nearer to each other than that.
+Any other interval is divided, down to TOUCH radians of the fastest rotation.  An interval of that
+length with one sign at both ends holds a touch, or two crossings nearer to each other than that.
 
-Time within a block is a single double from the block's start, a pair of doubles: a block spans
-13000 radians at most, so that epochs have 2e-12 rad at any distance from the motion's epoch.
+Time within a block is a single double, counted from the block's start, a pair of doubles: a block
+spans at most 13000 radians, so that epochs are resolved to 2e-12 rad at any distance from the
+motion's epoch.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -24,30 +29,54 @@ from attitude.events.rate_bounds import pieces
 from attitude.events.root_finding import refined
 from attitude.motion import RateBounds
 
-# Crossings nearer to each other than this, in rad of the fastest rotation, may be taken for none.
-TOUCH = 1e-6
-# A scene's directions jump by up to 4e-10 rad where its Chebyshev pieces meet, so that nearer pairs
-# than this (a chord of a depth of 1e-9 rad) cannot be told from a touch; and its values' noise.
-SCENE_TOUCH = 1e-4
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from attitude.annotations import BoolArray, FloatArray, IntArray
+    from attitude.events.channels import Channel
+    from attitude.events.moments import Moment, Pair, Source
+
+# Pairs of crossings nearer to each other than this, in rad of the fastest rotation, may be missed.
+TOUCH: Final = 1e-6
+# The directions of a scene jump by up to 4e-10 rad where its Chebyshev pieces meet: pairs of
+# crossings nearer to each other than this (a chord 1e-9 rad deep) look like a touch.
+SCENE_TOUCH: Final = 1e-4
+# Rounding error of a channel in a scene, over that of the channel alone.
 _SCENE_NOISE = 2.5e6
-# Intervals of the first look in a block.
-BLOCK = 16384
+# Largest and least number of intervals between the first knots of a block.
+BLOCK: Final = 16384
 _LEAST = 32
 _PARTS = 4
-# A scene's attitudes are those of a light time ago, which changes by v/c a second; this covers the
-# third power of it, and what the Sun's disc grows.
+# The attitudes of a scene are those at emission, whose epochs run faster than those of reception by
+# up to v/c.  This factor covers the third power of 1 + v/c, and the growth of the Sun's disc.
 _DOPPLER = 1.01
 
 
-def crossings(source, channels, start, stop):
-    """Sign changes of channels, block after block in order of time.
+def crossings(
+    source: Source, channels: Sequence[Channel], start: Pair, stop: Pair
+) -> Iterator[tuple[FloatArray, FloatArray, IntArray, BoolArray]]:
+    """The sign changes of channels, block by block in order of time.
+
+    Parameters
+    ----------
+    source : Source
+    channels : sequence of Channel
+    start, stop : pairs of doubles
+        TDB seconds since the epoch of the source.
 
     Yields
     ------
     hi, lo : (N,) arrays
-        Epochs in order.
+        Seconds of the sign changes, in order.
     channel : (N,) array of int
+        Index of the channel.
     rising : (N,) array of bool
+        Whether the sign changes to positive.
+
+    Raises
+    ------
+    AttitudeError
+        If a value is not finite.
     """
     for base, moment, knots, bounds in blocks(source, channels, start, stop):
         values = np.stack([channel.value(moment) for channel in channels])
@@ -62,7 +91,9 @@ def crossings(source, channels, start, stop):
         for k, channel in enumerate(channels):
             first, second, fastest = bounds[k]
 
-            def evaluate(s, channel=channel, base=base):
+            def evaluate(
+                s: FloatArray, channel: Channel = channel, base: Pair = base
+            ) -> FloatArray:
                 return channel.value(source.at(*shifted(base, s)))
 
             noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)
@@ -75,10 +106,13 @@ def crossings(source, channels, start, stop):
             yield *shifted(base, s[order]), which[order], rising[order]
 
 
-def blocks(source, channels, start, stop):
-    """Blocks of knots: (base pair, Moment, knots from base, bounds of each channel).
+def blocks(
+    source: Source, channels: Sequence[Channel], start: Pair, stop: Pair
+) -> Iterator[tuple[Pair, Moment, FloatArray, list[tuple[float, float, float]]]]:
+    """Blocks of knots: base pair, Moment, knots in seconds from the base, bounds of each channel.
 
-    The knots are `limit.spacing` rad apart at the rate that bounds rotation and directions.
+    The knots are `limit.spacing` rad apart at the rate that bounds rotation and directions.  The
+    bounds are those of the first two derivatives, then that rate.
     """
     directions = list(dict.fromkeys(d for channel in channels for d in channel.directions))
     total = difference(start, stop)
@@ -86,11 +120,11 @@ def blocks(source, channels, start, stop):
     for begin, end, limit in pieces(source, start, stop):
         base, rate = begin, limit.guess(source, begin) + drift
         while (remaining := difference(base, end)) > 0.0:
-            wanted = remaining * rate / limit.spacing
-            count = int(min(BLOCK, max(_LEAST, np.ceil(wanted)))) if rate > 0.0 else _LEAST
-            last = wanted <= BLOCK
+            needed = remaining * rate / limit.spacing
+            count = int(min(BLOCK, max(_LEAST, np.ceil(needed)))) if rate > 0.0 else _LEAST
+            last = needed <= BLOCK
             length = remaining if last else BLOCK * (limit.spacing / rate)
-            knots = np.arange(count + 1) * (length / count)
+            knots = np.arange(count + 1, dtype=np.float64) * (length / count)
             knots[-1] = length
             moment = source.at(*shifted(base, knots), step=length / count)
             rates = limit.of(moment)
@@ -99,7 +133,7 @@ def blocks(source, channels, start, stop):
             drifts = {d: d.drift(moment) for d in directions}
             fastest = rates.first + max((d.first for d in drifts.values()), default=0.0)
             if fastest > 2.0 * rate and fastest * length / count > limit.spacing:
-                rate = fastest  # faster than was thought: look again, with nearer knots
+                rate = fastest  # the guess was too slow: once more, with nearer knots
                 continue
             if fastest > 0.0:
                 yield (
@@ -115,8 +149,30 @@ def blocks(source, channels, start, stop):
             rate = fastest if fastest > 0.0 else rate
 
 
-def isolated(evaluate, knots, values, first, second, touch, noise):
-    """Brackets (a, b, f(a), f(b)) of single sign changes, each (N,), in no order."""
+def isolated(
+    evaluate: Callable[[FloatArray], FloatArray],
+    knots: FloatArray,
+    values: FloatArray,
+    first: float,
+    second: float,
+    touch: float,
+    noise: float,
+) -> FloatArray:
+    """Brackets of single sign changes: rows a, b, f(a), f(b) (4, N), not in order.
+
+    Parameters
+    ----------
+    evaluate : callable
+        f, times (K,) to values (K,).
+    knots, values : (M,) arrays
+        Times in ascending order, and f there.
+    first, second : float
+        Upper bounds of |f'| and |f''|.
+    touch : float
+        Length of the shortest intervals.
+    noise : float
+        Rounding error of f.
+    """
     a, b, p, q = knots[:-1], knots[1:], values[:-1], values[1:]
     found = []
     while len(a):
@@ -131,7 +187,7 @@ def isolated(evaluate, knots, values, first, second, touch, noise):
 
 
 def _free_of_zeros(h, p, q, first, second, noise):
-    """Of values with one sign and magnitudes p, q: whether no zero lies between."""
+    """Whether no zero lies between two values with one sign and magnitudes p, q."""
     by_rate = p + q > first * h
     if not np.isfinite(second):
         return by_rate
@@ -144,7 +200,7 @@ def _free_of_zeros(h, p, q, first, second, noise):
 
 
 def _divided(evaluate, a, b, p, q):
-    """Each interval in _PARTS, flat."""
+    """The intervals, each divided into _PARTS: a, b, f(a), f(b), flat."""
     if not len(a):
         return a, b, p, q
     s = a + (b - a) * (np.arange(_PARTS + 1) / _PARTS)[:, None]
@@ -155,25 +211,34 @@ def _divided(evaluate, a, b, p, q):
     return s[:-1].ravel(), s[1:].ravel(), f[:-1].ravel(), f[1:].ravel()
 
 
-def shifted(base, s):
-    """The pairs base + s."""
+def shifted(base: Pair, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The pairs base + s, as arrays (N,)."""
     hi, lo = pairs.add(base, s)
     return hi, np.broadcast_to(lo, hi.shape) + 0.0
 
 
-def difference(start, stop):
+def difference(start: Pair, stop: Pair) -> float:
+    """stop - start, rounded once."""
     hi, lo = pairs.add(stop, -start[0], -start[1])
     return float(hi + lo)
 
 
-def one_source(conditions):
-    """The source that all conditions share."""
+def one_source(conditions: Sequence[Condition]) -> Source:
+    """The source that all conditions share.
+
+    Raises
+    ------
+    AttitudeError
+        For entries that are not conditions, and conditions of different motions.
+    """
     for each in conditions:
         if not isinstance(each, Condition):
             raise AttitudeError(
-                f"{type(each).__name__} is given in a list of conditions; make them with "
-                "events.in_cone, events.glint and the like."
+                f"the list of conditions holds {type(each).__name__}; give conditions, such as "
+                "events.in_cone(...), only."
             )
         if not same_source(each.source, conditions[0].source):
-            raise AttitudeError("the conditions are of different motions; search them apart.")
+            raise AttitudeError(
+                "the conditions are of different motions; search each motion separately."
+            )
     return conditions[0].source

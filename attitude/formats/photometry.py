@@ -1,27 +1,30 @@
-"""What a mission file says of a body's looks: [shape], [scattering] and [magnitude].
+"""Sections [shape], [scattering] and [magnitude] of mission files: shape, law and magnitudes.
 
 ==============  ====================================================================================
 [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
                 the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
                 ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
-                STL, PLY; with ``unit``, ``format``).  ``facets``: how many an ellipsoid gets
-                where the law has no closed form (1000).  ``divided``: how often facets are cut in
-                four, for finer shadows.  ``shadows = false`` leaves out those that a body casts on
-                itself.
-[scattering]    ``law``: a name of `scattering.laws` ("lommel-seeliger" unless given), with the
+                STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an
+                ellipsoid if the law has no closed form (1000).  ``divided``: number of times that
+                each facet is cut in four, for finer shadows.  ``shadows = false`` leaves out the
+                shadows that a body casts on itself.
+[scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the
                 fields of that law as keys; or ``materials``, a table for each group of facets with
                 the fields of `scattering.Material`.
 [magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
                 ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with ``g1``
-                and ``g2``: the mean over all orientations follows that phase function, and shape
-                and law tell the variation alone.  ``sun_distance``, ``observer_distance``: where
-                they are directions.
+                and ``g2``: the mean over all orientations follows that phase function; shape and
+                law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
+                for apparent magnitudes if Sun or observer is a direction.
 ==============  ====================================================================================
 
-Numbers are SI and radians, or text with a unit.
+Numbers are in SI units and radians, or text with a unit.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,7 +34,16 @@ from attitude.light_curve import magnitudes
 from attitude.textfiles import quantities
 from attitude.textfiles.toml import refuse_unknown, way_of
 
-# What leads each way to give a shape, and what may go with it.
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from attitude.annotations import FilePath, FloatArray
+    from attitude.body import Body
+    from attitude.scattering import Law
+    from attitude.scene.scene import Scene
+    from attitude.scene.view import View
+
+# The key of each kind of shape, with the further keys that it allows.
 _SHAPES = {
     "ellipsoid": ("diameter", "facets"),
     "box": (),
@@ -40,9 +52,9 @@ _SHAPES = {
     "file": ("unit", "format"),
 }
 _ANY_SHAPE = ("divided", "shadows")
-# Units of the numbers that tables of parts hold; None for words and whole numbers.
-_CYLINDER = {"radius": "m", "height": "m", "sides": None, "axis": None}
-_BOX_WING = {
+# Units of the numbers in tables of dimensions; None for words and whole numbers.
+_CYLINDER: dict[str, str | None] = {"radius": "m", "height": "m", "sides": None, "axis": None}
+_BOX_WING: dict[str, str | None] = {
     "body": "m",
     "wing": "m",
     "gap": "m",
@@ -51,48 +63,58 @@ _BOX_WING = {
     "wing_angle": "rad",
     "wings": None,
 }
+# Facets of an ellipsoid by default.
 _FACETS = 1000
 
 
 @dataclass(frozen=True)
 class Magnitude:
-    """Which magnitudes a light curve is in.
+    """The kind of magnitudes of a light curve.
 
     Attributes
     ----------
     kind : str
         "apparent" or "reduced".
     sun_distance, observer_distance : float or None
-        m; where the scene has directions.
+        Distances of the body, m, for a Sun or an observer that the scene has as a direction.
     """
 
     kind: str
-    sun_distance: float = None
-    observer_distance: float = None
+    sun_distance: float | None = None
+    observer_distance: float | None = None
 
-    def of(self, view):
-        """The magnitudes of a View, (S,); inf where nothing of the body is both lit and seen."""
+    def of(self, view: View) -> FloatArray:
+        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen."""
         if self.kind == "reduced":
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
             return view.magnitude
-        far = [
-            getattr(view, name) if getattr(self, name) is None else getattr(self, name)
-            for name in ("sun_distance", "observer_distance")
-        ]
-        found = view.reduced_magnitude + magnitudes.distance_modulus(*far)
+        sun = view.sun_distance if self.sun_distance is None else self.sun_distance
+        observer = view.observer_distance
+        if self.observer_distance is not None:
+            observer = self.observer_distance
+        found = view.reduced_magnitude + magnitudes.distance_modulus(sun, observer)
         return found + magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
 
 
-def shape_of(given, body, opened):
-    """The shape of a section [shape], and what else of it a Scene takes: a dict.
+def shape_of(
+    given: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
+) -> dict[str, Any]:
+    """The arguments ``shape`` and, if given, ``shadows`` of a Scene from a section [shape].
 
     Parameters
     ----------
     given : dict
+        The section.
     body : Body or None
+        The body of the motion, for an ellipsoid of its moments.
     opened : callable
-        Of a file name and what it is called, the path.
+        Function of a file name and of its key in error messages that returns the path.
+
+    Raises
+    ------
+    AttitudeError
+        For unknown keys, keys that exclude each other, and wrong values.
     """
     if not isinstance(given, dict):
         raise AttitudeError(f"shape is {given!r}; give a section that begins [shape].")
@@ -102,24 +124,23 @@ def shape_of(given, body, opened):
     for key in given:
         if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
             raise AttitudeError(f"[shape] {key} does not go with {way}; leave it out.")
-    found = {}
+    found: dict[str, Any] = {}
     if "shadows" in given:
         found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
     if way == "file":
         path = opened(given["file"], "[shape] file")
-        rest = {key: given[key] for key in ("unit", "format") if key in given}
-        found["shape"] = shape.read(path, **rest)
+        options = {key: given[key] for key in ("unit", "format") if key in given}
+        found["shape"] = shape.read(path, **options)
     elif way == "ellipsoid":
         found["shape"] = _ellipsoid(given, body)
     elif way == "box":
         found["shape"] = shape.box(_number(given["box"], "[shape] box", "m"))
+    elif way == "cylinder":
+        needed = ("radius", "height")
+        found["shape"] = shape.cylinder(**_table(given[way], "[shape] cylinder", _CYLINDER, needed))
     else:
-        table = _table(given[way], f"[shape] {way}", _CYLINDER if way == "cylinder" else _BOX_WING)
-        needed = ("radius", "height") if way == "cylinder" else ("body", "wing")
-        for key in needed:
-            if key not in table:
-                raise AttitudeError(f"[shape] {way} has no {key}; give it, in m.")
-        found["shape"] = getattr(shape, way)(**table)
+        needed = ("body", "wing")
+        found["shape"] = shape.box_wing(**_table(given[way], "[shape] box_wing", _BOX_WING, needed))
     if "divided" in given:
         if way == "ellipsoid":
             raise AttitudeError("[shape] divided does not go with ellipsoid; give facets.")
@@ -127,8 +148,13 @@ def shape_of(given, body, opened):
     return found
 
 
-def facets_for(given, found, law):
-    """The shape itself, or the facets of an ellipsoid that a law has no closed form for."""
+def facets_for(
+    given: Mapping[str, Any], found: shape.Ellipsoid | shape.Mesh, law: Law
+) -> shape.Ellipsoid | shape.Mesh:
+    """The shape itself, or the facets of an ellipsoid if the law has no closed form for it.
+
+    Facets are also made if the section [shape] `given` has a number of them.
+    """
     if isinstance(found, shape.Ellipsoid) and not law.has_ellipsoid_form:
         return found.facets(given.get("facets", _FACETS))
     if "facets" in given and isinstance(found, shape.Ellipsoid):
@@ -136,8 +162,15 @@ def facets_for(given, found, law):
     return found
 
 
-def law_of(given, found):
-    """The law of a section [scattering], for a shape."""
+def law_of(given: Any, found: shape.Ellipsoid | shape.Mesh) -> Law:
+    """The law of a section [scattering], for the shape `found`.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown law, unknown keys, values out of range, and materials that do not match the
+        facets.
+    """
     if not isinstance(given, dict):
         raise AttitudeError(f"scattering is {given!r}; give a section that begins [scattering].")
     if "materials" in given:
@@ -153,26 +186,38 @@ def law_of(given, found):
     return _law(known[name], rest, "[scattering]")
 
 
-def scale_of(given):
-    """Of a section [magnitude], what a Scene takes: sun_magnitude, phase_function; a dict."""
+def scale_of(given: Any) -> dict[str, Any]:
+    """The arguments ``phase_function`` and ``sun_magnitude`` of a Scene from a [magnitude] section.
+
+    Raises
+    ------
+    AttitudeError
+        For unknown keys, keys that exclude each other, and wrong values.
+    """
     if not isinstance(given, dict):
         raise AttitudeError(f"magnitude is {given!r}; give a section that begins [magnitude].")
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
     refuse_unknown(given, known, "[magnitude]")
-    found = {"phase_function": _phase_function(given)}
+    found: dict[str, Any] = {"phase_function": _phase_function(given)}
     if "sun_magnitude" in given:
         band = given["sun_magnitude"]
         found["sun_magnitude"] = validation.number(band, "[magnitude] sun_magnitude", unit="mag")
     if found["phase_function"] is not None and "sun_magnitude" in given:
         raise AttitudeError(
-            "[magnitude] has both h and sun_magnitude, but h tells the brightness by itself; leave "
-            "one out."
+            "[magnitude] has both h and sun_magnitude, but h alone sets the scale of magnitudes; "
+            "leave one out."
         )
     return found
 
 
-def magnitude_of(given, scene):
-    """The `Magnitude` of a section [magnitude], of what is seen in a Scene."""
+def magnitude_of(given: Mapping[str, Any], scene: Scene) -> Magnitude:
+    """The `Magnitude` of a section [magnitude], for a Scene.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown kind, and for distances that are missing, not needed or not positive.
+    """
     distances = {}
     for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
         if key in given:
@@ -192,78 +237,85 @@ def magnitude_of(given, scene):
     validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
     if kind == "apparent" and far:
         raise AttitudeError(
-            f"an apparent magnitude needs {' and '.join(far)} where there is a direction; give it "
-            'in [magnitude], or kind = "reduced".'
+            f"[magnitude] kind is apparent, which needs {' and '.join(far)} for a direction; give "
+            'it in [magnitude], or kind = "reduced".'
         )
     return Magnitude(kind, **distances)
 
 
-def _ellipsoid(given, body):
+def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape.Ellipsoid:
     axes = given["ellipsoid"]
     if axes != "moments":
         if "diameter" in given:
             raise AttitudeError('[shape] diameter goes with ellipsoid = "moments"; leave it out.')
         return shape.Ellipsoid(_number(axes, "[shape] ellipsoid", "m"))
     if body is None:
-        raise AttitudeError('[shape] ellipsoid is "moments", but there is no spin with a body.')
+        raise AttitudeError(
+            '[shape] ellipsoid is "moments", but there is no spin with a body; give one, or three '
+            "semi-axes."
+        )
     if np.any(body.tensor != np.diag(np.diag(body.tensor))):
         raise AttitudeError(
-            '[shape] ellipsoid is "moments", but the principal axes of the body are not its axes; '
+            '[shape] ellipsoid is "moments", but the inertia tensor of the body is not diagonal; '
             "give three semi-axes."
         )
     diameter = _number(given.get("diameter", 1.0), "[shape] diameter", "m")
     return shape.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
 
 
-def _law(made, given, where):
-    """A law of a class by the keys of a table, which are the fields of the class."""
+def _law(made: type[Law], given: Mapping[str, Any], where: str) -> Law:
+    """A law of a class from a table whose keys are the fields of the class."""
     parameters = made.parameters()
     refuse_unknown(given, list(parameters), f"{where} ({made.name})")
-    rest = {}
+    values = {}
     for key, value in given.items():
         each = parameters[key]
-        rest[key] = value if each.words else _number(value, f"{where} {key}", each.unit)
+        values[key] = value if each.words else _number(value, f"{where} {key}", each.unit)
     for key in made.required():
-        if key not in rest:
+        if key not in values:
             raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
     try:
-        return made(**rest)
+        return made(**values)
     except AttitudeError as err:
         raise AttitudeError(f"{where} {err}") from err
 
 
-def _materials(given, found):
+def _materials(given: Any, found: shape.Ellipsoid | shape.Mesh) -> scattering.Materials:
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
         raise AttitudeError(
-            "[scattering] materials is no table of tables; give a section for each group of "
+            f"[scattering] materials is {validation.shown(given)}; give a table for each group of "
             "facets, as in [scattering.materials.body]."
         )
     if isinstance(found, shape.Ellipsoid):
         raise AttitudeError(
-            "[scattering] materials are those of groups of facets, and an ellipsoid has none; give "
-            "a law."
+            "[scattering] has materials, which belong to groups of facets, but an ellipsoid has "
+            "none; give a law."
         )
     carried = sorted(set(found.materials))
     for name in given:
         if name not in carried:
             raise AttitudeError(
-                f"[scattering] materials has {name!r}, which no facet carries; the shape's facets "
-                f"are of {', '.join(map(repr, carried))}."
+                f"[scattering] materials has {name!r}, which no facet carries; the facets of the "
+                f"shape carry {', '.join(map(repr, carried))}."
             )
     for name in carried:
         if name not in given:
             raise AttitudeError(
-                f"[scattering] materials has no {name!r}, of which the shape has facets; give it."
+                f"[scattering] materials has no {name!r}, which facets of the shape carry; give it."
             )
     return scattering.Materials(
-        {
-            key: _law(scattering.Material, value, f"[scattering] {key}")
-            for key, value in given.items()
-        }
+        {key: _material(value, f"[scattering] {key}") for key, value in given.items()}
     )
 
 
-def _phase_function(given):
+def _material(given: Mapping[str, Any], where: str) -> scattering.Material:
+    material = _law(scattering.Material, given, where)
+    assert isinstance(material, scattering.Material)
+    return material
+
+
+def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
+    """Reduced magnitude as a function of the phase angle (rad); None without h."""
     names = [key for key in ("g", "g1", "g2") if key in given]
     if "h" not in given:
         if names:
@@ -278,7 +330,7 @@ def _phase_function(given):
         for key in ("h", *names)
     }
     if names in ([], ["g"]):
-        made = scattering.hg
+        made: Callable[..., FloatArray] = scattering.hg
     elif names == ["g1", "g2"]:
         made = scattering.hg1g2
     else:
@@ -286,26 +338,33 @@ def _phase_function(given):
             f"[magnitude] has h with {' and '.join(names)}; give h and g, or h, g1 and g2."
         )
 
-    def function(alpha):
+    def function(alpha: FloatArray) -> FloatArray:
         return made(alpha, **numbers)
 
-    function(np.zeros(1))  # parameters out of range are told now
+    function(np.zeros(1))  # raises now for parameters out of range
     return function
 
 
-def _table(given, where, units):
+def _table(
+    given: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
+) -> dict[str, Any]:
+    """The dimensions of a shape from a table, in SI units and radians."""
     if not isinstance(given, dict):
         keys = ", ".join(units)
         raise AttitudeError(f"{where} is {given!r}; give a table of {keys}, in braces.")
     refuse_unknown(given, tuple(units), where)
-    return {
+    found = {
         key: value if units[key] is None else _number(value, f"{where} {key}", units[key])
         for key, value in given.items()
     }
+    for key in needed:
+        if key not in found:
+            raise AttitudeError(f"{where} has no {key}; give it, in m.")
+    return found
 
 
-def _number(value, name, unit):
-    """A number or list of a file, or text with a unit, as floats in the unit."""
+def _number(value: Any, name: str, unit: str | None) -> Any:
+    """A number or list of a file, or text with a unit, as a float or an array in the unit."""
     if isinstance(value, str):
         return quantities.in_unit(value, name, unit)[()]
     return validation.real(value, name, unit=unit)[()]

@@ -1,8 +1,17 @@
 """Brightness of a body from the directions of the Sun and the observer in its own axes.
 
-Arrays in, arrays out: nothing here knows of motion, ephemerides or time.  Brightness is in m2/sr,
-the intensity that the body sends to the observer over the Sun's irradiance on it; a flat white
-Lambert disc of radius R, face on, has R^2.
+Functions take and return arrays; motion, ephemerides and time belong to `scene`.  Brightness is in
+m2/sr, the intensity that the body sends to the observer over the Sun's irradiance on it; a flat
+white Lambert disc of radius R, face on, has R^2.
+
+brightness   the sum over facets, or the closed form of an ellipsoid, for many directions
+magnitudes   reduced and apparent magnitudes
+orientations the mean over all orientations, for the phase functions of asteroids
+visibility   the table of shadows that a body casts on itself; `painting`, its compiled loops
+raycast      the same shadows by casting rays
+sums         the compiled sums; `clusters`, the layout of facets for them
+closed_form  the compiled brightness of an ellipsoid
+directions   checks of directions; `blocks`, division of the work among threads
 """
 
 from attitude.light_curve.brightness import brightness, stream

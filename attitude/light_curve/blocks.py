@@ -1,18 +1,35 @@
-"""Work cut into blocks, for one thread or several, with word of how far it has come."""
+"""Division of work into blocks, for one thread or several, with reports of progress."""
+
+from __future__ import annotations
 
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def in_blocks(work, total, size, threads, progress=None):
-    """Call ``work(begin, end)`` for consecutive ranges of at most `size` up to `total`.
 
-    With several threads `work` must release the lock of the interpreter; blocks then end in any
-    order, and results are the same bits.  ``progress(done, total)`` is called in the caller's
-    thread after each block; an exception from it, or from `work`, stops what has not begun.
+def in_blocks(
+    work: Callable[[int, int], object],
+    total: int,
+    size: int,
+    threads: int,
+    progress: Callable[[int, int], object] | None = None,
+) -> None:
+    """Call ``work(begin, end)`` for consecutive ranges of at most `size` from 0 to `total`.
+
+    Several threads gain time only if `work` releases the interpreter lock.  Their blocks end in any
+    order; results are the same bits.  ``progress(done, total)`` is called in the caller's thread
+    after each block; an exception from it, or from `work`, cancels the blocks not yet begun.
+
+    Raises
+    ------
+    AttitudeError
+        For threads that is not a whole number of at least 1.
     """
     if not (isinstance(threads, (int, np.integer)) and threads >= 1):
         raise AttitudeError(f"threads is {threads!r}; give a whole number, at least 1.")
@@ -26,16 +43,16 @@ def in_blocks(work, total, size, threads, progress=None):
                 progress(done, total)
         return
     with ThreadPoolExecutor(int(threads)) as pool:
-        waiting = {pool.submit(work, *pair): pair for pair in ranges}
+        pending = {pool.submit(work, *pair): pair for pair in ranges}
         try:
-            while waiting:
-                ready, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            while pending:
+                ready, _ = wait(pending, return_when=FIRST_COMPLETED)
                 for future in ready:
-                    begin, end = waiting.pop(future)
+                    begin, end = pending.pop(future)
                     future.result()
                     done += end - begin
                     if progress is not None:
                         progress(done, total)
         finally:
-            for future in waiting:
+            for future in pending:
                 future.cancel()

@@ -1,6 +1,9 @@
-"""Brightness of a shape under a law, for many directions: the door to the kernels."""
+"""Brightness of a shape under a law, for arrays of directions: input checks, choice of the loop."""
+
+from __future__ import annotations
 
 import weakref
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,52 +16,74 @@ from attitude.scattering import law as known_law
 from attitude.scattering import laws
 from attitude.shape import Ellipsoid, Mesh
 
-# Epochs in a block: some 0.5 MB of temporaries, and a few milliseconds of work.
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from typing import Any
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+    from attitude.light_curve.clusters import Clusters
+    from attitude.scattering import Law
+
+# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
 BLOCK = 8192
 
-# A table that was made for a mesh lives as long as the mesh.
-_visibility = weakref.WeakKeyDictionary()
+# Tables of shadows; each lives as long as its mesh.
+_visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()
 
 
-def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, progress=None):
-    """What a body sends to the observer for each pair of directions.
+def brightness(
+    shape: Ellipsoid | Mesh,
+    law: str | Law,
+    sun: ArrayLike,
+    observer: ArrayLike,
+    *,
+    shadows: bool | Visibility = True,
+    threads: int = 1,
+    out: FloatArray | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> FloatArray:
+    """Intensity that a body sends to the observer, over the Sun's irradiance on it.
 
     Parameters
     ----------
     shape : Ellipsoid or Mesh
-        An ellipsoid takes the Lommel-Seeliger law, in closed form; for any other law ask it for
-        its facets.
+        An ellipsoid needs a law with a closed form (Lommel-Seeliger); for other laws give its
+        facets, `Ellipsoid.facets`.
     law : str or Law
-        See `attitude.scattering`.
+        A law of `attitude.scattering`, or its name.
     sun, observer : (..., 3) array_like
-        Unit vectors from the body to Sun and observer in body axes.  Views (N, 3) of
+        Unit vectors from the body to Sun and observer in body axes.  Arrays (N, 3) of float64 in
         component-major memory are read in place; others are copied block by block.
     shadows : bool or Visibility
         Whether facets of a mesh that is not convex shade and hide each other.  True makes a table
         at the first use of a mesh (seconds for 2000 facets) and keeps it as long as the mesh;
         `Visibility.of` makes one beforehand.  Convex meshes need none.
     threads : int
-        Results are the same bits for any number.
+        Number of threads; it does not change the bits of the result.
     out : (...) float64 array, optional
-        To be filled and returned.
+        Output array in C order.
     progress : callable, optional
-        Called with (epochs done, epochs in all) after each block.
+        Called with (number of epochs done, number of epochs) after each block.
 
     Returns
     -------
     (...) array
-        m2/sr; see `attitude.light_curve.reduced_magnitude`.  0 where nothing is both lit and seen.
+        m2/sr, 0 where no facet is both lit and seen; for magnitudes see
+        `attitude.light_curve.reduced_magnitude`.
 
     Raises
     ------
     AttitudeError
-        For vectors that are not unit to 1e-6 or not finite, shapes that do not fit, inside-out
-        meshes, materials without a law, and laws that a shape cannot take.
+        For vectors that are not unit to 1e-6 or not finite, arrays that do not broadcast,
+        inside-out meshes, facets whose material the law lacks, and ellipsoids under a law without
+        a closed form.
 
     Notes
     -----
-    Memory beyond the arguments and the result: 2 MB, and the table of shadows (at most 256 MiB
-    unless asked).  Measured speed and accuracy: benchmarks/light_curve.py.
+    Memory beyond the arguments and the result: 2 MB, and the table of shadows (by default at most
+    256 MiB).  Speed and accuracy are measured by benchmarks/light_curve.py.
 
     Examples
     --------
@@ -70,7 +95,7 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
     np.float64(0.667)
     """
     law = known_law(law)
-    sun, observer, shape_out = paired(sun, observer)
+    suns, observers, shape_out = paired(sun, observer)
     kernel = _kernel(shape, law, shadows, threads)
     if out is None:
         out = np.empty(shape_out)
@@ -82,27 +107,43 @@ def brightness(shape, law, sun, observer, *, shadows=True, threads=1, out=None, 
         and out.flags.writeable
     ):
         raise AttitudeError(
-            f"out must be a writable float64 array of shape {shape_out} in C order."
+            f"out is {_described(out)}; give a writable float64 array of shape {shape_out} in C "
+            "order."
         )
     flat = out.reshape(-1)
-    if law.has_phase:
+    has_phase, phase = law.has_phase, law.phase
+    if has_phase:
         from attitude.solution.vectors import separation
 
-    def work(begin, end):
-        parts = components(sun, observer, begin, end)
+    def work(begin: int, end: int) -> None:
+        parts = components(suns, observers, begin, end)
         kernel(*parts, flat[begin:end])
-        if law.has_phase:
-            flat[begin:end] *= law.phase(separation(*parts))
+        if has_phase:
+            flat[begin:end] *= phase(separation(*parts))
 
     in_blocks(work, flat.size, BLOCK, threads, progress)
     return out if out.ndim else out[()]
 
 
-def stream(shape, law, blocks, *, shadows=True, threads=1, progress=None):
-    """Yield the brightness of each (sun, observer) pair of arrays as it comes.
+def stream(
+    shape: Ellipsoid | Mesh,
+    law: str | Law,
+    blocks: Iterable[tuple[ArrayLike, ArrayLike]],
+    *,
+    shadows: bool | Visibility = True,
+    threads: int = 1,
+    progress: Callable[[int], object] | None = None,
+) -> Iterator[FloatArray]:
+    """Yield the brightness (m2/sr) of each pair of direction arrays, for curves longer than memory.
 
-    For curves that are longer than memory: attitudes, directions and brightness of one block are
-    all that exists at a time.  ``progress(epochs done)`` is called after each block.
+    Parameters
+    ----------
+    shape, law, shadows, threads : as of `brightness`
+    blocks : iterable of pairs (sun, observer)
+        Arrays (..., 3) as of `brightness`.  Only one block is in memory at a time if the iterable
+        is lazy.
+    progress : callable, optional
+        Called with the number of epochs done after each block.
     """
     done = 0
     for sun, observer in blocks:
@@ -113,8 +154,17 @@ def stream(shape, law, blocks, *, shadows=True, threads=1, progress=None):
         yield part
 
 
-def _kernel(shape, law, shadows, threads):
-    """A function of six components and an output, for one block."""
+def _described(out: object) -> str:
+    """Type, element type and shape of what was given as output array."""
+    if not isinstance(out, np.ndarray):
+        return f"a {type(out).__name__}"
+    return f"an array of {out.dtype} of shape {out.shape}"
+
+
+def _kernel(
+    shape: object, law: Law, shadows: bool | Visibility, threads: int
+) -> Callable[..., object]:
+    """The function of six components and an output array that evaluates one block."""
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
     if not isinstance(shape, Mesh):
@@ -127,24 +177,26 @@ def _kernel(shape, law, shadows, threads):
     return _fused_kernel(shape, law, table)
 
 
-def _ellipsoid_kernel(shape, law):
+def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
     if not law.has_ellipsoid_form:
         names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
         raise AttitudeError(
-            f"an ellipsoid has a closed form under the law {names} only, not under {law!r}: give "
+            f"law is {law!r}, but an ellipsoid has a closed form under the law {names} only; give "
             "its facets, Ellipsoid.facets(count), or that law."
         )
     from attitude.light_curve.closed_form import ellipsoid
 
-    axes = tuple(float(axis) for axis in shape.semi_axes)
-    return lambda *arrays: ellipsoid(*axes, law.weights[0], *arrays)
+    assert law.weights is not None
+    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
+    return lambda *arrays: ellipsoid(*axes, factor, *arrays)
 
 
-def _table(mesh, shadows, threads):
+def _table(mesh: Mesh, shadows: bool | Visibility, threads: int) -> Visibility | None:
+    """The table of shadows of a mesh; None if nothing casts a shadow or shadows are off."""
     if isinstance(shadows, Visibility):
         if not shadows.is_of(mesh):
             raise AttitudeError(
-                "shadows is the Visibility of another mesh; make one with Visibility.of(mesh)."
+                "shadows is the Visibility of another mesh; give Visibility.of(mesh)."
             )
         return shadows
     if shadows is not True and shadows is not False:
@@ -156,43 +208,49 @@ def _table(mesh, shadows, threads):
     return _visibility[mesh]
 
 
-def _fused_kernel(mesh, law, table):
+def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+    """The sum for laws with weights: the weights are part of the rows of each facet."""
     from attitude.light_curve import sums
 
     clusters = clusters_of(mesh)
     blocks = clusters.rows()
     height, area = blocks[:, 2], blocks[:, 3] / (1 if table is None else POINTS)
+    assert law.weights is not None
     seeliger, lambert = law.weights
     blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
-    rest = aligned(blocks), *_looked_up(clusters, table)
+    rest = aligned(blocks), *_tables(clusters, table)
     return _times(clusters.area, lambda *arrays: sums.fused(*rest, *arrays))
 
 
-def _facet_kernel(mesh, law, table):
+def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+    """The sum for laws that are evaluated facet by facet."""
     from attitude.light_curve import sums
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, 0, number[clusters.order])
-    rest = clusters.blocks, *_looked_up(clusters, table), rows, which
+    rest = clusters.blocks, *_tables(clusters, table), rows, which
+    assert law.of_phase is not None and law.element is not None
     summed = sums.by_facet(law.of_phase, law.element)
     return _times(clusters.area, lambda *arrays: summed(*rest, *arrays))
 
 
-def _times(area, summed):
-    """The kernel of a sum over areas that are parts of the whole.
+def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
+    """The kernel of a sum over facet areas in units of the whole area.
 
-    What counts as nothing in a sum is then the same for a pebble and for a planet.
+    The sums treat totals below a fixed bound as 0; with these units it fits bodies of any size.
     """
 
-    def kernel(*arrays):
+    def kernel(*arrays: FloatArray) -> None:
         summed(*arrays)
         arrays[-1][:] *= area
 
     return kernel
 
 
-def _looked_up(clusters, table):
-    """What a kernel asks for each direction: which clusters show, and which points are free."""
-    free = (None, 0) if table is None else (table.masks.view(np.uint64), table.resolution)
+def _tables(clusters: Clusters, table: Visibility | None) -> tuple[Any, ...]:
+    """The arguments by which a sum finds the clusters that face a direction and the free points."""
+    free: tuple[Any, int] = (
+        (None, 0) if table is None else (table.masks.view(np.uint64), table.resolution)
+    )
     return clusters.axes, clusters.sky, clusters.cells, *free

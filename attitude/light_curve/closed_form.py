@@ -1,17 +1,17 @@
 """Brightness of a Lommel-Seeliger ellipsoid in closed form, compiled.
 
-Muinonen & Lumme, A&A 584, A23, 2015, eq. 12, rewritten so that nothing cancels.  With p = s/a and
+Muinonen & Lumme, A&A 584, A23, 2015, eq. 12, rewritten without cancellation.  With p = s/a and
 q = o/a by components, P = |p|, Q = |q|, S = P + Q, x = |p + q|/S and y = 1 - x^2,
 
     integral of mu0 mu / (mu0 + mu) dA = (pi a b c / 4) (m / S) G(x),
     m = 2 (P Q + p.q),    y = 2 (P Q - p.q) / S^2,    G = (x - y atanh x) / x^3,
 
-where G falls from 1 (opposition of a sphere) to 2/3 (backlit), and all of the dimming is in m.
-Backlit, p and q are nearly opposite: p + q is then taken as (s + o)/a, where s + o is exact, and
-m as 2 |p x (p + q)|^2 / (P Q - p.q).
+where G falls from 1 (opposition of a sphere) to 2/3 (backlit), and m falls to 0.  Backlit, p and q
+are nearly opposite: p + q is then computed as (s + o)/a, where s + o is exact, and m as
+2 |p x (p + q)|^2 / (P Q - p.q).
 
 Measured against 60 digits: 1.2e-14 at worst, for axes up to 10 : 2 : 1 and phase angles from 0 to
-pi - 1e-8.  Compiled without fastmath, so that no sum is taken in another order.
+pi - 1e-8.  Compiled without fastmath, which would reorder sums.
 """
 
 import math
@@ -20,14 +20,18 @@ from attitude.compilation.decorators import entry_point, reduction_inlined
 from attitude.compilation.instructions import as_bits, from_bits
 
 _LN2 = 0.6931471805599453
-# The bits of sqrt(1/2), and those of the exponent.
+# The bits of sqrt(1/2), and the mask of sign and exponent.
 _ROOT = 0x3FE6A09E667F3BCD
 _EXPONENT = -0x10000000000000
 
 
 @entry_point
 def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
-    """factor times the integral, for each epoch; no branch and no call in the loop."""
+    """factor times the integral (m2) for each epoch, into out (N,).
+
+    a, b, c are the semi-axes (m); the unit vectors s and o come as components (N,).  A branch or a
+    call in the loop would keep it from being vectorised.
+    """
     ia, ib, ic = 1.0 / a, 1.0 / b, 1.0 / c
     scale = 0.25 * math.pi * a * b * c * factor
     for t in range(out.size):
@@ -41,7 +45,7 @@ def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
         vx, vy, vz = py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx
         apart = both - dot
         cross = vx * vx + vy * vy + vz * vz
-        # apart is at least P Q where the second form is taken, and any number elsewhere.
+        # The second form applies where apart >= P Q; the bound avoids a division by 0 elsewhere.
         m = both + dot if dot > 0.0 else cross / max(apart, both)
         inverse = 1.0 / (p + q)
         square = (dx * dx + dy * dy + dz * dz) * inverse * inverse
@@ -51,9 +55,9 @@ def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
 
 @reduction_inlined
 def _dimming(square, y):
-    """G from x^2 and 1 - x^2: the series below x = 1/4, where the closed form would lose digits.
+    """G from x^2 and 1 - x^2: a series below x = 1/4, where the closed form loses digits.
 
-    At the switch both are good to 1e-14, so G is continuous to that.
+    At x = 1/4 both have errors below 1e-14, so the step of G is as small.
     """
     x = math.sqrt(square)
     near = square if square < 0.0625 else 0.0625
@@ -82,10 +86,10 @@ def _series(u):
 
 @reduction_inlined
 def _log(r):
-    """Natural logarithm of a positive normal number, to 2e-16 or 2e-16 of it.
+    """Natural logarithm of a positive normal number, with an absolute or relative error of 2e-16.
 
-    Written out because a call would keep the loop from being vectorised: r = 2^k z with z within
-    sqrt(2) of 1, and log z = 2 atanh((z - 1)/(z + 1)) by 11 terms.
+    A call of math.log would keep the loop from being vectorised.  r = 2^k z with z from 1/sqrt(2)
+    to sqrt(2), and log z = 2 atanh((z - 1)/(z + 1)) by 11 terms.
     """
     bits = as_bits(r)
     k = (bits - _ROOT) >> 52

@@ -1,89 +1,108 @@
-"""Facets in clusters of like normals, so that those turned away are passed over together.
+"""Facets in clusters of similar normals, so that clusters turned away are skipped together.
 
-A branch for each facet costs three times what it saves: it breaks the vector instructions.  One
-bit for eight facets does not.  Which clusters a direction can light is looked up in a table of
-small cells around the sphere; the clusters of the Sun and those of the observer are words of bits,
-and what both share is summed.  With directions at random that is 35% of 1000 facets, where a
-quarter of the facets are both lit and seen.
+A branch for each facet costs three times what it saves, since it breaks the vector instructions;
+one bit for eight facets does not.  A table of small cells around the sphere gives the clusters that
+face a direction, as words of bits; the sum runs over the clusters that face both Sun and observer.
+With random directions these hold 35% of 1000 facets, where a quarter of the facets are both lit and
+seen.
 
-The facets of a cluster all rise along one axis: x, y, z or one of their opposites.  So a normal is
-kept as the two slopes that are left when it is divided by its component along that axis, and the
-cosine of an angle, over that component, is two products instead of three.
+All normals of a cluster have a positive component along one axis: x, y, z or one of their
+opposites.  Divided by this component, the height, a normal is two slopes and 1: the cosine between
+normal and direction, over the height, takes two products instead of three.
 """
+
+from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-# Facets in a cluster: one vector instruction (`compilation.simd`).  More would leave more of them.
+if TYPE_CHECKING:
+    from typing import Any
+
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.shape import Mesh
+
+# Facets in a cluster, one SIMD vector (`compilation.simd`).  Larger ones are skipped less often.
 SIZE = 8
-# Numbers kept of a facet, each in rows of SIZE: two slopes, height along the axis, area.
+# Numbers of each facet, in rows of SIZE: two slopes, height along the axis, area.
 ROWS = 4
-# Clusters in a word of the table.
+# Bits, one for each cluster, in a word of the table.
 WORD = 64
-# Cells along an edge of the cube from -1 to 1 in which directions are looked up, and what the
-# table may take; coarser cells keep more clusters that turn out dark.
+# Cells along an edge of the cube from -1 to 1 that divides the directions, and the upper bound of
+# the table in bytes; coarser cells skip fewer clusters.
 _CELLS = 32
 _LARGEST = 1 << 26
-# So that a component of 1, and a little more, still falls in the last cell.
+# Scale by which components of 1, and directions with a rounded length, stay in the last cell.
 _INSET = 1.0 - 1e-5
-# The least component along the axis of a cluster; a single facet has at least 0.57.
+# Lower bound of the height of a facet in its cluster; of a single facet it is at least 0.57.
 _LEAST_HEIGHT = 0.25
-# What directions may miss the unit sphere by, and single precision a cosine.
+# Tolerance of the length of directions, and of cosines in single precision.
 _SLACK = 1e-5
 
-_made = weakref.WeakKeyDictionary()
+_made: weakref.WeakKeyDictionary[Mesh, Clusters] = weakref.WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """A mesh laid out for the kernels.
+    """The facets of a mesh in the memory layout of the compiled sums: C clusters of SIZE places.
 
-    blocks : (C * ROWS * SIZE,), cluster by cluster: the slopes of normals along the two axes that
-    follow that of the cluster, their heights along it, and areas in units of the whole area; in
-    empty places the area is 0.
-    axes : (C, 2) uint64: where, in (x, y, z, x, y, -x, -y, -z) of a direction, the first of its
-    two components along the following axes stands, and that along the cluster's own.
-    sky : (cells^3, C / WORD) uint64, a bit for each cluster that has a facet turned to some
-    direction of the cell; cells away from the unit sphere are empty.
-    cells : along an edge.
-    order : (C * SIZE,), the facet in each place, -1 in empty ones.
-    area : the whole area, m2.
+    Attributes
+    ----------
+    blocks : (C * ROWS * SIZE,) array
+        Cluster by cluster: the slopes of normals along the two axes that follow the axis of the
+        cluster, their heights along it, and areas in units of the whole area.  Areas are 0 in
+        empty places.
+    axes : (C, 2) uint64 array
+        Indices into (x, y, z, x, y, -x, -y, -z) of a direction: of the first of its components
+        along the two following axes, and of its component along the axis of the cluster.
+    sky : (cells^3, C / WORD) uint64 array
+        A bit for each cluster with a facet that faces some direction of the cell; 0 in cells away
+        from the unit sphere.
+    cells : int
+        Number of cells along an edge of the cube.
+    order : (C * SIZE,) array
+        The facet in each place, -1 in empty places.
+    area : float
+        The whole area, m2.
     """
 
-    blocks: np.ndarray
-    axes: np.ndarray
-    sky: np.ndarray
+    blocks: FloatArray
+    axes: NDArray[np.uint64]
+    sky: NDArray[np.uint64]
     cells: int
-    order: np.ndarray
+    order: IntArray
     area: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for array in (self.blocks, self.axes, self.sky, self.order):
             array.flags.writeable = False
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return Clusters, (self.blocks, self.axes, self.sky, self.cells, self.order, self.area)
 
     @property
-    def count(self):
-        """How many clusters; words of `sky` have room for more."""
+    def count(self) -> int:
+        """Number of clusters; the words of `sky` may have unused bits beyond."""
         return len(self.axes)
 
-    def rows(self):
-        """A copy of `blocks` as (C, ROWS, SIZE), to be weighted and given to `aligned`."""
+    def rows(self) -> FloatArray:
+        """A writable copy of `blocks` as (C, ROWS, SIZE), for weights and then `aligned`."""
         return self.blocks.reshape(-1, ROWS, SIZE).copy()
 
 
-def clusters_of(mesh):
-    """The facets of a mesh as the kernels want them; made once, and kept as long as the mesh."""
+def clusters_of(mesh: Mesh) -> Clusters:
+    """The clusters of a mesh; computed once and kept as long as the mesh."""
     if mesh not in _made:
         _made[mesh] = clustered(mesh.normals, mesh.areas)
     return _made[mesh]
 
 
-def clustered(normals, areas):
+def clustered(normals: FloatArray, areas: FloatArray) -> Clusters:
     """`Clusters` of (F, 3) unit normals and (F,) areas."""
     groups = _halved(normals, np.arange(len(normals)))
     total = float(np.sum(areas))
@@ -103,32 +122,32 @@ def clustered(normals, areas):
     return Clusters(aligned(blocks), axes, sky, cells, order.reshape(-1), total)
 
 
-def aligned(blocks):
-    """A flat read-only copy that begins at a multiple of 64 bytes: whole vectors, 5% faster."""
-    room = np.empty(blocks.size + 8)
-    skip = -room.ctypes.data // 8 % 8
-    copy = room[skip : skip + blocks.size]
+def aligned(blocks: FloatArray) -> FloatArray:
+    """A flat read-only copy in 64-byte alignment, by which vector loads are 5% faster."""
+    padded = np.empty(blocks.size + 8)
+    skip = -padded.ctypes.data // 8 % 8
+    copy = padded[skip : skip + blocks.size]
     copy[:] = blocks.reshape(-1)
     copy.flags.writeable = False
     return copy
 
 
-def cell_scale(cells):
-    """A component times this, plus cells/2, is its place along an edge: see `sums`."""
+def cell_scale(cells: int) -> float:
+    """The factor s by which a component x of a direction is in cell int(s x + cells/2)."""
     return 0.5 * cells * _INSET
 
 
-def _common_axis(normals):
-    """The axis along which the lowest rises most, whether it is the opposite one, and how much."""
+def _common_axis(normals: FloatArray) -> tuple[int, int, float]:
+    """The axis with the largest minimum height, 1 if it is the opposite one, and that height."""
     rise = np.concatenate([np.min(normals, axis=0), np.min(-normals, axis=0)])
     best = int(np.argmax(rise))
     return best % 3, best // 3, rise[best]
 
 
-def _halved(normals, members):
-    """Groups of at most SIZE with an axis in common: split at the median along the widest axis.
+def _halved(normals: FloatArray, members: IntArray) -> list[IntArray]:
+    """Groups of at most SIZE facets with a common axis, by recursive splits along the widest axis.
 
-    Full groups first.
+    A split leaves a multiple of SIZE on the left, so that most groups are full.
     """
     few = len(members) <= SIZE
     if few and _common_axis(normals[members])[2] >= _LEAST_HEIGHT:
@@ -139,7 +158,8 @@ def _halved(normals, members):
     return _halved(normals, members[:half]) + _halved(normals, members[half:])
 
 
-def _sky(normals, order):
+def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]:
+    """Cells along an edge, and the table of clusters by cell; see `Clusters.sky`."""
     words = -(-len(order) // WORD)
     cells = _CELLS
     while cells > 8 and cells**3 * words * 8 > _LARGEST:
@@ -151,7 +171,7 @@ def _sky(normals, order):
     farthest = np.linalg.norm(np.abs(centers) + half, axis=1)
     near = np.flatnonzero((nearest <= 1.0 + _SLACK) & (farthest >= 1.0 - _SLACK))
     looking = centers[near].astype(np.float32)
-    # How much higher than in the middle a normal stands in the best corner of a cell.
+    # The cosine with a normal exceeds that at the middle of the cell by at most this.
     spare = (half * np.sum(np.abs(normals), axis=1) + _SLACK).astype(np.float32)
     sky = np.zeros((cells**3, words), dtype=np.uint64)
     for word in range(words):

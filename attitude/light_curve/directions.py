@@ -1,15 +1,34 @@
-"""Directions of Sun and observer as kernels take them: by component, checked, in blocks."""
+"""Directions of Sun and observer, checked, as one array per component for the compiled loops."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 
-# How far the square of a unit vector's length may be from 1.
+if TYPE_CHECKING:
+    from typing import Any
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude.annotations import FloatArray
+
+# Tolerance of the squared length of a unit vector.
 _UNIT = 1e-6
 
 
-def paired(sun, observer):
-    """Both as arrays (N, 3) without a copy where that is possible, and the shape of the answer."""
+def paired(
+    sun: ArrayLike, observer: ArrayLike
+) -> tuple[NDArray[Any], NDArray[Any], tuple[int, ...]]:
+    """Both directions as arrays (N, 3), if possible without a copy, and the shape of the result.
+
+    Raises
+    ------
+    AttitudeError
+        For shapes that are not (..., 3) or do not broadcast, and elements that are not numbers.
+    """
     arrays = []
     for value, name in ((sun, "sun"), (observer, "observer")):
         try:
@@ -27,32 +46,38 @@ def paired(sun, observer):
         raise AttitudeError(
             f"sun has shape {arrays[0].shape} and observer {arrays[1].shape}; they must broadcast."
         ) from err
-    # Two axes without a copy where there are two already; one direction for all stays one.
+    # A reshape would copy a broadcast direction: skip it for arrays of two axes.
     flat = [
         np.broadcast_to(a, shape) if len(shape) == 2 else np.broadcast_to(a, shape).reshape(-1, 3)
         for a in arrays
     ]
-    return *flat, shape[:-1]
+    return flat[0], flat[1], shape[:-1]
 
 
-def components(sun, observer, begin, end):
-    """Six contiguous float64 arrays of a block, checked to be unit vectors."""
+def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) -> list[FloatArray]:
+    """Six contiguous float64 arrays of a block: x, y, z of the Sun, then of the observer.
+
+    Raises
+    ------
+    AttitudeError
+        For a vector whose squared length differs from 1 by more than 1e-6, or that is not finite.
+    """
     from attitude.light_curve.sums import stray
 
     parts = []
     for array, name in ((sun, "sun"), (observer, "observer")):
         own = [np.ascontiguousarray(array[begin:end, k], dtype=np.float64) for k in range(3)]
-        # The sum of squares of |v|^2 - 1: NaN, or any single vector beyond the bound, shows in it.
+        # The sum of (|v|^2 - 1)^2 exceeds the bound if any single vector does; NaN stays NaN.
         if not stray(*own) <= _UNIT**2:
             _refuse_the_first(own, name, begin)
         for part in own:
-            part.flags.writeable = False  # one type for the kernels, and compiled once
+            part.flags.writeable = False  # read-only everywhere: one compiled version
         parts.extend(own)
     return parts
 
 
-def _refuse_the_first(own, name, begin):
-    """Raise for the first vector beyond the bound; many rounded ones may add up to it too."""
+def _refuse_the_first(own: list[FloatArray], name: str, begin: int) -> None:
+    """Raise for the first vector beyond the bound, if any: the sum of many may exceed it too."""
     excess = own[0] ** 2 + own[1] ** 2 + own[2] ** 2 - 1.0
     wrong = np.flatnonzero(~(np.abs(excess) <= _UNIT))
     if len(wrong):

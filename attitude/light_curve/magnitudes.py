@@ -1,5 +1,9 @@
 """Magnitudes from brightness in m2/sr."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import validation
@@ -7,12 +11,14 @@ from attitude.errors import AttitudeError
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
 from attitude.scattering.parameters import together
 
-# The astronomical unit (IAU 2012 B2), m.
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray, Real, Reals
+
 # The Sun in Johnson V, Vega magnitudes: Willmer, ApJS 236, 47, 2018, table 3.
-SUN_V = -26.76
+SUN_V: float = -26.76
 
 
-def reduced_magnitude(brightness, *, sun_magnitude=SUN_V):
+def reduced_magnitude(brightness: Reals, *, sun_magnitude: Real = SUN_V) -> FloatArray:
     """Magnitude at 1 au from Sun and observer: V(1, 1, alpha).
 
     Parameters
@@ -20,18 +26,18 @@ def reduced_magnitude(brightness, *, sun_magnitude=SUN_V):
     brightness : (...) array_like
         m2/sr, not negative.
     sun_magnitude : float
-        Of the Sun at 1 au in the band at hand; Johnson V unless given.
+        Magnitude of the Sun at 1 au in the band of the result; by default Johnson V.
 
     Returns
     -------
     (...) array
-        ``sun_magnitude - 2.5 log10(brightness / au^2)``.  A body that shows nothing, because
-        no facet is both lit and seen, has brightness 0 and magnitude inf: fainter than any number.
+        ``sun_magnitude - 2.5 log10(brightness / au^2)``.  A body without a facet that is both lit
+        and seen has brightness 0 and magnitude inf.
 
     Raises
     ------
     AttitudeError
-        For brightness that is negative or NaN.
+        For brightness that is negative, infinite or NaN.
 
     Examples
     --------
@@ -40,7 +46,7 @@ def reduced_magnitude(brightness, *, sun_magnitude=SUN_V):
     >>> round(float(reduced_magnitude(1.0 * 664.5e3**2)), 2)
     0.0
     """
-    array = validation.real(brightness, "brightness", unit="m2/sr", finite=False)
+    array: FloatArray = validation.real(brightness, "brightness", unit="m2/sr", finite=False)
     if not np.all((array >= 0.0) & (array < np.inf)):
         bad = array[~((array >= 0.0) & (array < np.inf))].flat[0]
         raise AttitudeError(f"brightness holds {bad}; it must be finite and not negative, m2/sr.")
@@ -49,12 +55,34 @@ def reduced_magnitude(brightness, *, sun_magnitude=SUN_V):
         return sun_magnitude + 5.0 * np.log10(ASTRONOMICAL_UNIT_M) - 2.5 * np.log10(array)
 
 
-def apparent_magnitude(brightness, sun_distance, observer_distance, *, sun_magnitude=SUN_V):
-    """Magnitude as seen, with distances of the body from Sun and observer in m.
+def apparent_magnitude(
+    brightness: Reals,
+    sun_distance: Reals,
+    observer_distance: Reals,
+    *,
+    sun_magnitude: Real = SUN_V,
+) -> FloatArray:
+    """Magnitude as seen by the observer: reduced + 5 log10(sun_distance observer_distance / au^2).
 
-    ``reduced + 5 log10(sun_distance observer_distance / au^2)``: for a satellite as for an
-    asteroid, so long as both are far away compared with the body's size.  Arrays broadcast; inf
-    where the body shows nothing.  See `reduced_magnitude`.
+    It holds for asteroids and satellites whose distances from both are large compared with the
+    size of the body.
+
+    Parameters
+    ----------
+    brightness, sun_magnitude : as of `reduced_magnitude`
+    sun_distance, observer_distance : (...) array_like
+        Distances of the body from Sun and observer, m.
+
+    Returns
+    -------
+    (...) array
+        Of the shape to which the arrays broadcast; inf where the brightness is 0.
+
+    Raises
+    ------
+    AttitudeError
+        For brightness that is negative, infinite or NaN, distances that are not greater than zero,
+        and shapes that do not broadcast.
     """
     reduced = reduced_magnitude(brightness, sun_magnitude=sun_magnitude)
     modulus = distance_modulus(sun_distance, observer_distance)
@@ -62,8 +90,16 @@ def apparent_magnitude(brightness, sun_distance, observer_distance, *, sun_magni
     return reduced + modulus
 
 
-def distance_modulus(sun_distance, observer_distance):
-    """Apparent minus reduced magnitude, 5 log10 of the product of both distances (m) in au."""
+def distance_modulus(sun_distance: Reals, observer_distance: Reals) -> FloatArray:
+    """Apparent minus reduced magnitude: 5 log10 of the product of both distances in au.
+
+    Distances are given in m.
+
+    Raises
+    ------
+    AttitudeError
+        For distances that are not greater than zero, and shapes that do not broadcast.
+    """
     moduli = {}
     for value, name in ((sun_distance, "sun_distance"), (observer_distance, "observer_distance")):
         array = validation.real(value, name, unit="m")
@@ -74,7 +110,10 @@ def distance_modulus(sun_distance, observer_distance):
     return one + other
 
 
-def dimming(lit):
-    """Magnitudes by which a body is fainter that a fraction of the Sun's disc lights; inf for 0."""
+def dimming(lit: Reals) -> FloatArray:
+    """Magnitudes by which a body is fainter if only a fraction of the Sun's disc lights it.
+
+    The fraction `lit` is 0 to 1, of any shape; the result is inf for 0.
+    """
     with np.errstate(divide="ignore"):
         return -2.5 * np.log10(validation.real(lit, "lit", finite=False))

@@ -1,68 +1,95 @@
-"""The mean over all orientations, by which a phase function of an asteroid gives magnitudes.
+"""The mean brightness over all orientations, which relates phase functions to shapes.
 
-H, G and H, G1, G2 describe an asteroid by one number a phase angle; shape and law say how it varies
-about that.  In the mean over all orientations each facet of a convex body looks everywhere alike,
-so that the body is as bright as a sphere of the same surface.
+H, G and H, G1, G2 give one magnitude for each phase angle; shape and law give the variation about
+it.  In the mean over all orientations every facet of a convex body contributes alike, so that the
+body is as bright as a sphere of the same surface area.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.light_curve.brightness import brightness as brightness_of
-from attitude.scattering import LommelSeeliger
+from attitude.scattering import Law, LommelSeeliger
 from attitude.scattering import law as known_law
 from attitude.scattering.parameters import together
 from attitude.shape import Ellipsoid, Mesh
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def mean_brightness(shape, law, alpha):
-    """Brightness of a convex body in the mean over all orientations, m2/sr, in closed form.
+    from attitude.annotations import FloatArray, Reals
+
+
+def mean_brightness(shape: Ellipsoid | Mesh, law: str | Law, alpha: Reals) -> FloatArray:
+    """Mean brightness of a convex body over all orientations, in closed form.
 
     Parameters
     ----------
     shape : Ellipsoid or Mesh
-        Of one that shades itself the mean without shadows is returned.
+        For a shape that casts shadows on itself the result is the mean without shadows.
     law : str or Law
-        Lambert, Lommel-Seeliger, or both: those that are a phase function times
-        mu0 mu [a / (mu0 + mu) + b].
+        A law with ``weights``: Lambert, Lommel-Seeliger, or their sum.
     alpha : (...) array_like
         Phase angle, rad, 0 to pi.
 
+    Returns
+    -------
+    (...) array
+        m2/sr.
+
+    Raises
+    ------
+    AttitudeError
+        For a law without weights, phase angles out of range, and other shapes.
+
     Notes
     -----
-    The surface over 4 pi times what a sphere of radius 1 sends: Muinonen & Lumme, A&A 584, A23,
-    2015, for the first term, (2/3) [sin alpha + (pi - alpha) cos alpha] for the second.
+    The surface area over 4 pi times the brightness of a sphere of radius 1: Muinonen & Lumme,
+    A&A 584, A23, 2015, for the Lommel-Seeliger term, (2/3) [sin alpha + (pi - alpha) cos alpha]
+    for Lambert's.
 
     >>> round(1.5 * mean_brightness(Ellipsoid((1, 1, 1)), "lambert", 0.0), 12)
     np.float64(1.0)
     """
     law = known_law(law)
-    if law.weights is None:
+    weights = law.weights
+    if weights is None:
         raise AttitudeError(
-            f"the mean over all orientations is known for Lambert's and Lommel-Seeliger's laws, "
-            f"not for {law!r}; it has a phase function of its own, so ask for magnitudes without H."
+            f"law is {law!r}, which has a phase function of its own: the mean over all "
+            "orientations is known for Lambert's and Lommel-Seeliger's laws only; give one of "
+            "these, or compute magnitudes without H."
         )
     alpha = validation.real(alpha, "alpha", unit="rad")
     if not np.all((alpha >= 0.0) & (alpha <= np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
     if not isinstance(shape, (Ellipsoid, Mesh)):
         raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
-    seeliger, lambert = law.weights
+    seeliger, lambert = weights
     observer = np.stack([np.sin(alpha), np.zeros_like(alpha), np.cos(alpha)], axis=-1)
-    one = brightness_of(Ellipsoid((1, 1, 1)), LommelSeeliger(), [0.0, 0.0, 1.0], observer)
+    one = brightness_of(Ellipsoid(np.ones(3)), LommelSeeliger(), [0.0, 0.0, 1.0], observer)
     other = 2.0 / 3.0 * (np.sin(alpha) + (np.pi - alpha) * np.cos(alpha))
     sphere = seeliger * 4.0 * np.pi * one + lambert * np.maximum(other, 0.0)
     return law.phase(alpha) * shape.area / (4.0 * np.pi) * sphere
 
 
-def phased_magnitude(brightness, shape, law, alpha, function):
-    """Reduced magnitudes that follow a phase function in the mean over all orientations.
+def phased_magnitude(
+    brightness: Reals,
+    shape: Ellipsoid | Mesh,
+    law: str | Law,
+    alpha: Reals,
+    function: Callable[[FloatArray], FloatArray],
+) -> FloatArray:
+    """Reduced magnitudes whose mean over all orientations follows a phase function.
 
     Parameters
     ----------
     brightness : (...) array_like
-        m2/sr, of the shape under the law; neither its size nor its albedo enters the result.
+        Brightness of the shape under the law, m2/sr.  Size and albedo cancel in the result.
     shape, law, alpha : as of `mean_brightness`
     function : callable
         Reduced magnitude at phase angles in rad, such as
@@ -71,8 +98,14 @@ def phased_magnitude(brightness, shape, law, alpha, function):
     Returns
     -------
     (...) array
-        ``function(alpha) - 2.5 log10(brightness / mean_brightness)``; inf where the body shows
-        nothing.
+        ``function(alpha) - 2.5 log10(brightness / mean_brightness)``; inf where the brightness
+        is 0.
+
+    Raises
+    ------
+    AttitudeError
+        For brightness that is negative or not finite, shapes that do not broadcast, and as
+        `mean_brightness`.
     """
     brightness = validation.real(brightness, "brightness", unit="m2/sr")
     if np.any(brightness < 0.0):

@@ -1,4 +1,4 @@
-"""The painting of `visibility`, compiled: triangles onto the faces of a cube, in rows."""
+"""The compiled loops of `visibility`: triangles are painted onto the faces of a cube, by rows."""
 
 import numpy as np
 
@@ -8,7 +8,11 @@ from attitude.light_curve.sums import evened
 
 @reduction
 def paint(corners, normals, points, members, shift, resolution, both, masks, place):
-    """Fill the columns of `masks` from `place` on: those of the facets `members` (-1: empty)."""
+    """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
+
+    corners (F, 3, 3), normals (F, 3) and points (F, POINTS, 3) are in m; shift (POINTS, 2) is in
+    cells; masks (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
+    """
     sky = np.empty((members.size, masks.shape[0]), np.uint8)
     above = np.empty(corners.shape[0], np.int64)
     size = np.max(np.abs(corners))
@@ -32,7 +36,7 @@ def paint(corners, normals, points, members, shift, resolution, both, masks, pla
 
 @reduction_subroutine
 def _risen(corners, normal, origin, size, above):
-    """Which facets have a corner above the plane; within rounding of it is not above."""
+    """Indices of facets with a corner above the plane by more than rounding, into `above`."""
     count = 0
     for g in range(corners.shape[0]):
         height = -np.inf
@@ -53,8 +57,8 @@ def _hide(triangle, own, normal, both, shift, resolution, clear, sky):
     ax, ay, az = triangle[0, 0] - own[0], triangle[0, 1] - own[1], triangle[0, 2] - own[2]
     bx, by, bz = triangle[1, 0] - own[0], triangle[1, 1] - own[1], triangle[1, 2] - own[2]
     cx, cy, cz = triangle[2, 0] - own[0], triangle[2, 1] - own[1], triangle[2, 2] - own[2]
-    # Normals of the planes through the point and an edge; all three look inward for a triangle
-    # seen from its back, so a negative determinant is the side that faces the point.
+    # Normals of the planes through the point and an edge.  For a triangle seen from its back all
+    # three point inward, so a negative determinant means that its front faces the point.
     e0 = (by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx)
     e1 = (cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax)
     e2 = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
@@ -78,7 +82,7 @@ def _cycled(v):
 
 @reduction_subroutine
 def _on_faces(axis, pw, pu, pv, e0, e1, e2, n, turn, shift, resolution, clear, sky):
-    """Both faces of one axis; components are (along the axis, the next, the one after)."""
+    """Paint both faces of one axis; components are along this axis, the next and the one after."""
     for side in range(2):
         sign = 1.0 - 2.0 * side
         w0, w1, w2 = sign * pw[0], sign * pw[1], sign * pw[2]
@@ -111,7 +115,7 @@ def _on_faces(axis, pw, pu, pv, e0, e1, e2, n, turn, shift, resolution, clear, s
 
 @reduction_inlined
 def _cut(slope, level, left, right):
-    """The part of left..right where slope u + level > 0."""
+    """The part of the interval (left, right) where slope u + level > 0."""
     if slope > 0.0:
         return max(left, -level / slope), right
     if slope < 0.0:
@@ -121,12 +125,12 @@ def _cut(slope, level, left, right):
 
 @reduction_inlined
 def _next(u, half, shift):
-    """The first cell whose place on the face is not below u."""
+    """The first cell of a row whose tangent is not below u."""
     return int(np.ceil((1.0 + evened(u)) * half - 0.5 - shift))
 
 
 @reduction_inlined
 def _tangent(s):
-    """The inverse of `evened`."""
+    """The tangent at a place on a face; the inverse of `evened`."""
     u = ((1.0 + abs(s)) * (1.0 + abs(s)) - 1.0) / 3.0
     return u if s >= 0.0 else -u

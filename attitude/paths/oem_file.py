@@ -1,11 +1,14 @@
 """CCSDS orbit ephemeris messages (OEM) in keyword = value notation.
 
-Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5 (versions 1 to 3).  Lengths are in km and
-km/s there.  Covariances and accelerations are read over.
+Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5 (versions 1 to 3).  Its units are km and
+km/s.  Covariances and accelerations are ignored.
 """
+
+from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +21,18 @@ from attitude.paths.tabulated import table
 from attitude.textfiles import kvn
 from attitude.textfiles.lines import opened
 
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath
+    from attitude.paths.ephemeris_source import EphemerisLike
+    from attitude.paths.path import Path
+
 _NEEDED = ("OBJECT_NAME", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "START_TIME", "STOP_TIME")
 _KNOWN = (
     *_NEEDED,
     *("OBJECT_ID", "REF_FRAME_EPOCH", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),
     *("INTERPOLATION", "INTERPOLATION_DEGREE"),
 )
-# Names of the standard that stand for one of our frames.
+# The frame in `frames.FRAMES` for each supported name of the standard.
 _FRAMES = {"ICRF": "icrf", "GCRF": "gcrf", "GCRF1": "gcrf", "EME2000": "eme2000", "ICRF2": "icrf",
            "ICRF3": "icrf", "ECLIPJ2000": "ecliptic"}  # fmt: skip
 _SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
@@ -32,39 +40,41 @@ _SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
 
 @dataclass
 class _Segment:
-    """The lines of one segment."""
+    """The lines of one segment: its metadata, and epochs and states with their line numbers."""
 
     line: int
-    given: dict = field(default_factory=dict)
-    times: list = field(default_factory=list)
-    states: list = field(default_factory=list)
-    lines: list = field(default_factory=list)
+    given: dict[str, str] = field(default_factory=dict)
+    times: list[str] = field(default_factory=list)
+    states: list[list[float]] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
 
 
-def oem(file, *, ephemeris=None, degree=None):
+def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None = None) -> Path:
     """The path in an OEM file.
 
     Parameters
     ----------
     file : path
-        Of one object; any number of segments, each interpolated on its own as it says (Hermite or
-        Lagrange polynomials; Hermite of degree 7 where it says nothing).
+        A message about one object; any number of segments, each interpolated on its own by its
+        keywords INTERPOLATION and INTERPOLATION_DEGREE (Hermite or Lagrange polynomials; Hermite
+        of degree 7 without them).
     ephemeris : Ephemeris, path of a kernel, or None
-        See `ephemeris`; needed where segments have different centers.
+        See `ephemeris`; used if the segments have different centers.
     degree : int, optional
-        Instead of the degree in the file.
+        Replaces the degree in the file.
 
     Returns
     -------
     Path
-        ``center`` is that of the segments, or "ssb" where they differ.  At an epoch that two
-        segments cover, the later one in the file counts.
+        ``center`` is that of the segments, or "ssb" if they differ.  At an epoch that two
+        segments cover, the later one in the file is used.
 
     Raises
     ------
     AttitudeError
-        With file, line and keyword, for what is missing, unknown or cannot be read; for a frame
-        or a time system that is not known; for segments of several objects.
+        With file, line and keyword, for a keyword that is missing or unknown and a value that
+        cannot be read; for a frame or a time system that is not supported; for segments of several
+        objects.
     """
     with opened(file) as lines:
         segments = _segments(lines)
@@ -121,18 +131,20 @@ def _segments(lines):
 
 
 def _closed(segment, where, lines):
+    """The part of the message after META_STOP; the metadata must be complete."""
     if where != "metadata":
         raise lines.fault("META_STOP has no META_START before it.")
     for keyword in _NEEDED:
         if keyword not in segment.given:
             raise lines.fault(
-                f"the metadata from line {segment.line} on lack {keyword}, which every segment "
-                "needs."
+                f"the metadata from line {segment.line} on lack {keyword}, which is required in "
+                "every segment."
             )
     return "data"
 
 
 def _keyword(segment, line, lines):
+    """Add a line KEYWORD = value to the metadata of a segment."""
     keyword, value = kvn.pair(lines, line)
     if not value:
         raise lines.fault(f"{keyword} has no value.")
@@ -141,11 +153,12 @@ def _keyword(segment, line, lines):
             f"{keyword} is no keyword of OEM metadata; these are {', '.join(_KNOWN)}."
         )
     if keyword in segment.given:
-        raise lines.fault(f"{keyword} stands there twice.")
+        raise lines.fault(f"{keyword} is given twice.")
     segment.given[keyword] = value
 
 
 def _state(segment, text, lines):
+    """Add a line with an epoch and a state to a segment."""
     time, *numbers = text.split()
     try:
         state = [float(each) for each in numbers]
@@ -162,6 +175,7 @@ def _state(segment, text, lines):
 
 
 def _path(segment, origin, degree):
+    """The path of one segment of a file."""
     given = segment.given
     where = f"{origin}, segment at line {segment.line}"
     if given["TIME_SYSTEM"] not in _SYSTEMS:
@@ -172,7 +186,7 @@ def _path(segment, origin, degree):
     frame = _FRAMES.get(given["REF_FRAME"])
     if frame is None:
         raise AttitudeError(
-            f"{where}: REF_FRAME is {given['REF_FRAME']}; only inertial frames are read: "
+            f"{where}: REF_FRAME is {given['REF_FRAME']}; it must be one of these inertial frames: "
             f"{', '.join(_FRAMES)}."
         )
     if not segment.states:
@@ -198,11 +212,14 @@ def _path(segment, origin, degree):
 
 
 def _interpolation(given, where, degree):
+    """The interpolation and degree of a segment, as `table` takes them."""
     name = given.get("INTERPOLATION", "HERMITE").upper()
     if degree is None:
         text = given.get("INTERPOLATION_DEGREE", "1" if name == "LINEAR" else "7")
         if not text.isdigit():
-            raise AttitudeError(f"{where}: INTERPOLATION_DEGREE is {text}; it is a whole number.")
+            raise AttitudeError(
+                f"{where}: INTERPOLATION_DEGREE is {text}; it must be a whole number."
+            )
         degree = int(text)
     if name == "LINEAR":
         return "lagrange", 1
@@ -214,7 +231,7 @@ def _interpolation(given, where, degree):
 
 
 def _useable(segment, where):
-    """What the segment may be asked for: its useable part, within its states."""
+    """The span of a segment: its useable time, which lies within its states."""
     given = segment.given
     first = given.get("USEABLE_START_TIME", segment.times[0])
     last = given.get("USEABLE_STOP_TIME", segment.times[-1])
@@ -229,8 +246,10 @@ def _useable(segment, where):
 
 
 def _before(one, other):
+    """Whether one instant is not later than another."""
     return (one.seconds, one.low) <= (other.seconds, other.low)
 
 
 def _dated(text, given):
+    """An epoch of a segment as text with its time system."""
     return f"{text.removesuffix('Z')} {given['TIME_SYSTEM']}"

@@ -1,10 +1,10 @@
-"""What a path is: something with a position and a velocity at any TDB epoch, relative to a center.
+"""The base class of paths: position and velocity at any TDB epoch, relative to a center.
 
-A path answers for arrays of epochs, each the sum of an `epochs.Instant` and one or two doubles of
-seconds, as `epochs.seconds_since` returns them, so that nothing is lost to a single double of
-seconds or days.  Positions are in metres and velocities in m/s, on ICRF axes, relative to
-`path.center`: the name of a body ("ssb", "sun", "earth", ...) or another path.  `relative` joins
-paths with different centers.
+The methods of a path take arrays of epochs, each the sum of an `epochs.Instant` and one or two
+doubles of seconds, as `epochs.seconds_since` returns them, so that no epoch is rounded to a single
+double of seconds or days.  Positions are in metres and velocities in m/s, on ICRF axes, relative
+to `path.center`: the name of a body ("ssb", "sun", "earth", ...) or another path.  `relative`
+joins paths with different centers.
 
 What a new kind of path defines
 -------------------------------
@@ -13,8 +13,11 @@ flat arrays of finite epochs: ``_position(instant, hi, lo)``, which returns (3, 
 ``_state(instant, hi, lo)``, which returns two of them.  hi has shape (N,), lo (N,) or (1,).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NoReturn, cast
+
 import numpy as np
-from numpy.typing import ArrayLike
 
 from attitude import pairs
 from attitude.epochs import time_scales
@@ -22,7 +25,14 @@ from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.paths.place import Place
 
-J2000 = Instant(0.0)
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+
+J2000: Instant = Instant(0.0)
 _NO_LOW = np.zeros(1)
 _NO_LOW.setflags(write=False)
 
@@ -33,31 +43,31 @@ class Path(Place):
     Attributes
     ----------
     name : str
-        What it is the path of.
+        Name of the body, spacecraft or place that moves along the path.
     center : str or Path
-        What it is relative to.
+        Origin of the positions: the name of a body, or another path.
     source : str
-        Where the numbers come from: the kernel, file or model.
+        Origin of the numbers: the kernel, file or model.
     span : (Instant, Instant) or None
         First and last epoch; None where there is no limit.
     roughness : float
-        How far the positions lie from a smooth curve in m, where their source rounds more than a
-        double of metres does.
+        Upper bound in m of the distance from a smooth curve, for a source that rounds positions
+        more coarsely than a double of metres does.
     is_direction : bool
         False.
     has_horizon : bool
-        True of a place on the ground, which defines `zenith`.
+        True for a place on the ground, which defines `zenith`.
     """
 
     name: str = "path"
-    center: "str | Path" = "ssb"
+    center: str | Path = "ssb"
     source: str = "given"
     span: tuple[Instant, Instant] | None = None
     roughness: float = 0.0
 
     def position(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Position relative to the center in m, ICRF axes.
 
         Parameters
@@ -66,7 +76,7 @@ class Path(Place):
         seconds : (...) float64 array
             TDB seconds from the instant.
         low : (...) float64 array, optional
-            What `seconds` leaves out; the epochs are instant + seconds + low.
+            What `seconds` rounds off; the epochs are instant + seconds + low.
 
         Returns
         -------
@@ -78,19 +88,30 @@ class Path(Place):
         AttitudeError
             For an epoch outside of `span`.
         """
-        return self._answer(instant, seconds, low, self._position_alone)[0]
+        return self._evaluate(instant, seconds, low, self._position_alone)[0]
 
     def velocity(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Velocity relative to the center in m/s of TDB, ICRF axes; see `position`."""
-        return self._answer(instant, seconds, low, self._velocity_alone)[0]
+        return self._evaluate(instant, seconds, low, self._velocity_alone)[0]
 
     def state(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Position and velocity; see `position`."""
-        return self._answer(instant, seconds, low, self._state)
+    ) -> tuple[FloatArray, FloatArray]:
+        """Position in m and velocity in m/s; see `position`."""
+        position, velocity = self._evaluate(instant, seconds, low, self._state)
+        return position, velocity
+
+    def _position(self, instant: Instant, hi: FloatArray, lo: FloatArray) -> FloatArray:
+        """Positions (3, N) at finite epochs instant + hi + lo."""
+        return self._state(instant, hi, lo)[0]
+
+    def _state(
+        self, instant: Instant, hi: FloatArray, lo: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Positions and velocities (3, N) at finite epochs instant + hi + lo."""
+        raise NotImplementedError(f"{type(self).__name__} defines no _state")
 
     def _position_alone(self, instant, hi, lo):
         return (self._position(instant, hi, lo),)
@@ -98,7 +119,8 @@ class Path(Place):
     def _velocity_alone(self, instant, hi, lo):
         return (self._state(instant, hi, lo)[1],)
 
-    def _answer(self, instant, seconds, low, method):
+    def _evaluate(self, instant, seconds, low, method):
+        """Results (..., 3) of a method that takes flat arrays of finite epochs."""
         hi = np.asarray(seconds, dtype=np.float64)
         shape, lo = hi.shape, _NO_LOW
         if low is not None:
@@ -112,16 +134,17 @@ class Path(Place):
         if np.isfinite(hi.sum() + lo.sum()) or np.isfinite(hi + lo).all():
             rows = method(instant, hi, lo)
         else:
-            rows = self._where_known(instant, hi, lo, method)
+            rows = self._without_nan(instant, hi, lo, method)
         return tuple(np.moveaxis(row.reshape(3, *shape), 0, -1) for row in rows)
 
-    def _where_known(self, instant, hi, lo, method):
+    def _without_nan(self, instant, hi, lo, method):
+        """Results (3, N) of a method, NaN where the epoch is NaN."""
         total = hi + lo
         known = ~np.isnan(total)
         if np.isinf(total).any():
             raise AttitudeError(
-                f"an epoch at which {self.name} is asked for is infinite; give finite seconds, or "
-                "NaN where there is none."
+                f"an epoch for {self.name} is infinite; give finite seconds, or NaN where there is "
+                "no epoch."
             )
         found = method(instant, hi[known], np.broadcast_to(lo, hi.shape)[known])
         rows = []
@@ -131,49 +154,45 @@ class Path(Place):
             rows.append(row)
         return rows
 
-    def _position(self, instant, hi, lo):
-        return self._state(instant, hi, lo)[0]
-
-    def _state(self, instant, hi, lo):
-        raise NotImplementedError(f"{type(self).__name__} defines no _state")
-
-    def refuse_outside(self, instant, seconds):
-        """Raise the AttitudeError for epochs outside of the span; seconds: one that is."""
+    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
+        """Raise the AttitudeError for the epoch instant + seconds, which is outside of the span."""
+        assert self.span is not None
         first, last = self.span
         raise AttitudeError(
             f"{self.name} is known from {spelled(first)} to {spelled(last)} ({self.source}), but "
-            f"was asked for at {spelled(instant.after(float(seconds)))}; leave that epoch out, or "
-            "give a path that covers it."
+            f"an epoch is {spelled(instant.after(float(seconds)))}; leave that epoch out, or give "
+            "a path that covers it."
         )
 
-    def check_span(self, instant, hi, lo):
-        """Raise an AttitudeError if an epoch lies outside of the span."""
+    def check_span(self, instant: Instant, hi: FloatArray, lo: FloatArray) -> None:
+        """Raise an AttitudeError if an epoch instant + hi + lo lies outside of the span."""
         if self.span is None or not hi.size:
             return
         first, last = (since(each, instant) for each in self.span)
         for bound, side in ((first, 1.0), (last, -1.0)):
-            # Rounded once, which decides between neighbouring doubles only.
+            # The sum is rounded once, which matters between neighbouring doubles only.
             beyond = side * ((hi - bound[0]) + (lo - bound[1]))
             if beyond.min() < 0.0:
                 self.refuse_outside(instant, hi[np.argmin(beyond)])
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         center = self.center if isinstance(self.center, str) else self.center.name
         return f"<path of {self.name} from {center}: {self.source}>"
 
 
-def since(instant, start):
-    """Seconds from start to instant as two floats."""
+def since(instant: Instant, start: Instant) -> tuple[float, float]:
+    """TDB seconds from start to instant as two floats."""
     return pairs.add((instant.seconds, instant.low), -start.seconds, -start.low)
 
 
-def julian(instant, hi, lo):
-    """A two-part Julian date of TDB, to 5e-12 s."""
-    return time_scales.jd_from_seconds(*pairs.add((hi, lo), instant.seconds, instant.low))
+def julian(instant: Instant, hi: FloatArray, lo: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A two-part Julian date of TDB for the epochs instant + hi + lo, to 5e-12 s."""
+    date = time_scales.jd_from_seconds(*pairs.add((hi, lo), instant.seconds, instant.low))
+    return cast("tuple[FloatArray, FloatArray]", date)
 
 
-def spelled(instant):
-    """An instant as text in TDB, for messages."""
+def spelled(instant: Instant) -> str:
+    """An instant as text in TDB to the millisecond, for messages."""
     import erfa
 
     jd = time_scales.jd_from_seconds(np.float64(instant.seconds), np.float64(instant.low))
@@ -182,8 +201,8 @@ def spelled(instant):
     return f"{year:04d}-{month:02d}-{day:02d}T{hour:02d}:{minute:02d}:{second:02d}.{milli:03d} TDB"
 
 
-def common_span(paths):
-    """The epochs that all paths cover, or None where none of them has a limit."""
+def common_span(paths: Iterable[Path]) -> tuple[Instant, Instant] | None:
+    """First and last epoch that all paths cover, or None if no path has a limit."""
     spans = [path.span for path in paths if path.span is not None]
     if not spans:
         return None

@@ -1,12 +1,20 @@
-"""Chebyshev pieces of a vector of three that paths hold: where they lie, and their records."""
+"""Chebyshev pieces of a vector of three that paths hold: their spans in time and their records."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn, Protocol, TypeAlias
 
 import numpy as np
 
-from attitude.epochs.inputs import Instant
 from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import since
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.epochs.instants import Instant
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,29 +24,35 @@ class EqualPieces(Immutable):
     Attributes
     ----------
     start : Instant
-        Where the first piece starts.
+        Start of the first piece.
     width : float
-        Seconds.
+        Length of a piece, s.
     records : (pieces, skip + 3 count) array, read-only
-        A row for each piece, as `polynomials` says.
+        A row for each piece; see `chebyshev_loops`.
     skip, count : int
+        Numbers of a row before the coefficients, and coefficients of one component.
     factor : float
-        What the values are multiplied by.
+        Factor of the values.
     least, most : float
-        What may be asked for, in seconds after start.
+        Range of the epochs, in seconds after start.
     """
 
     start: Instant
     width: float
-    records: np.ndarray
+    records: FloatArray
     skip: int
     count: int
     factor: float
     least: float
     most: float
 
-    def place(self, instant, hi, lo):
-        """Piece and place in it for each epoch, and the index of an epoch outside or -1."""
+    def place(
+        self, instant: Instant, hi: FloatArray, lo: FloatArray
+    ) -> tuple[IntArray, FloatArray, int]:
+        """Numbers of the pieces (N,), coordinates in them (N,), index of an epoch outside or -1.
+
+        The epochs are instant + hi + lo; a coordinate goes from -1 to 1.
+        """
         from attitude.paths import chebyshev_loops
 
         piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
@@ -48,7 +62,8 @@ class EqualPieces(Immutable):
         return piece, x, chebyshev_loops.place_equal(*at, *base, *bounds, piece, x)
 
     @property
-    def widths(self):
+    def widths(self) -> FloatArray:
+        """The one length of all pieces (1,), s."""
         return read_only(np.array([self.width]))
 
 
@@ -56,32 +71,38 @@ class EqualPieces(Immutable):
 class CellPieces(Immutable):
     """Pieces that each fill one or more equal cells: short where the motion is quick.
 
-    Attributes are those of `EqualPieces`, and
-
+    Attributes
+    ----------
     width : float
-        Seconds, of a cell.
+        Length of a cell, s.
     cells : (cells,) int32 array
-        The piece that fills each cell.
+        Number of the piece that fills each cell.
     starts, widths : (pieces,) arrays
-        Seconds after start, and seconds.
+        Starts of the pieces in seconds after start, and their lengths in s.
+    most : float
+        End of the range of the epochs, in seconds after start.
+    start, records, count, skip, factor
+        See `EqualPieces`.
     """
 
     start: Instant
     width: float
-    cells: np.ndarray
-    starts: np.ndarray
-    widths: np.ndarray
-    records: np.ndarray
+    cells: NDArray[np.int32]
+    starts: FloatArray
+    widths: FloatArray
+    records: FloatArray
     count: int
     most: float
     skip: int = 0
     factor: float = 1.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for array in (self.cells, self.starts, self.widths, self.records):
             frozen(array)
 
-    def place(self, instant, hi, lo):
+    def place(
+        self, instant: Instant, hi: FloatArray, lo: FloatArray
+    ) -> tuple[IntArray, FloatArray, int]:
         """See `EqualPieces.place`."""
         from attitude.paths import chebyshev_loops
 
@@ -94,27 +115,31 @@ class CellPieces(Immutable):
 
 @dataclass(frozen=True, eq=False)
 class KnotPieces(Immutable):
-    """Pieces between knots, as the rows of a table give them.
+    """Pieces between knots: the epochs of the rows of a table.
 
-    Attributes are those of `EqualPieces`, and
-
+    Attributes
+    ----------
     knots, knots_low : (pieces + 1,) arrays
-        Where the pieces begin and end, in seconds after start.
+        Ends of the pieces in seconds after start, in two doubles.
+    start, records, count, skip, factor
+        See `EqualPieces`.
     """
 
     start: Instant
-    knots: np.ndarray
-    knots_low: np.ndarray
-    records: np.ndarray
+    knots: FloatArray
+    knots_low: FloatArray
+    records: FloatArray
     count: int
     skip: int = 0
     factor: float = 1.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for array in (self.knots, self.knots_low, self.records):
             frozen(array)
 
-    def place(self, instant, hi, lo):
+    def place(
+        self, instant: Instant, hi: FloatArray, lo: FloatArray
+    ) -> tuple[IntArray, FloatArray, int]:
         """See `EqualPieces.place`."""
         from attitude.paths import chebyshev_loops
 
@@ -125,20 +150,46 @@ class KnotPieces(Immutable):
         return piece, x, chebyshev_loops.place_knots(*at, *base, *knots, piece, x)
 
     @property
-    def widths(self):
+    def widths(self) -> FloatArray:
+        """Lengths of the pieces (pieces,), s."""
         return read_only(np.diff(self.knots) + np.diff(self.knots_low))
 
 
-def placed(path, instant, hi, lo):
-    """Piece and place in it of epochs, in the pieces of a path; AttitudeError for one outside."""
+Pieces: TypeAlias = EqualPieces | CellPieces | KnotPieces
+
+
+class PiecewisePath(Protocol):
+    """A path that holds pieces."""
+
+    @property
+    def pieces(self) -> Pieces:
+        """The pieces of the positions."""
+
+    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
+        """Raise the AttitudeError for an epoch outside of the span."""
+
+
+def placed(
+    path: PiecewisePath, instant: Instant, hi: FloatArray, lo: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Numbers of the pieces (N,) of a path, and coordinates in them (N,), of epochs.
+
+    Raises
+    ------
+    AttitudeError
+        For an epoch outside of the pieces.
+    """
     piece, x, outside = path.pieces.place(instant, hi, lo)
     if outside >= 0:
         path.refuse_outside(instant, hi[outside])
     return piece, x
 
 
-def values(pieces, piece, x, skip=None):
-    """The vectors (3, N) at places in pieces."""
+def values(pieces: Pieces, piece: IntArray, x: FloatArray, skip: int | None = None) -> FloatArray:
+    """The vectors (3, N) at coordinates x (N,) in pieces with the numbers piece (N,).
+
+    `skip` replaces that of the pieces.
+    """
     from attitude.paths import chebyshev_loops
 
     out = np.empty((3, piece.size))
@@ -147,8 +198,10 @@ def values(pieces, piece, x, skip=None):
     return out
 
 
-def values_and_rates(pieces, piece, x):
-    """The vectors and their derivatives by time, each (3, N)."""
+def values_and_rates(
+    pieces: Pieces, piece: IntArray, x: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The vectors and their derivatives by time in s, each (3, N); see `values`."""
     from attitude.paths import chebyshev_loops
 
     out, rate = np.empty((3, piece.size)), np.empty((3, piece.size))

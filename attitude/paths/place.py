@@ -1,23 +1,29 @@
-"""What a scene has as its center, observer or Sun: a path, or something infinitely far away."""
+"""The base class of paths and directions: the center, the observer and the Sun of a scene."""
 
-import numpy as np
-from numpy.typing import ArrayLike
+from __future__ import annotations
 
-from attitude.epochs.inputs import Instant
+from typing import TYPE_CHECKING
+
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+    from attitude.epochs.instants import Instant
 
 
 class Place:
-    """The base of `Path` and `Direction`: what other code may read of either.
+    """The base of `Path` and `Direction`: the members that other code may use of either.
 
     Attributes
     ----------
     name : str
-        What it is the place of, for messages.
+        Name of the place, for messages.
     is_direction : bool
-        True of what is infinitely far away, which has no position.
+        True for a `Direction`, which is infinitely far away and has no position.
     has_horizon : bool
-        True of a place on the ground, which defines `zenith`.
+        True for a place on the ground, which defines `zenith`.
     """
 
     name: str = "place"
@@ -26,7 +32,7 @@ class Place:
 
     def zenith(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`.
 
         Raises

@@ -1,15 +1,18 @@
 """Earth satellites from mean elements: TLE and OMM, propagated by SGP4.
 
-The frame of SGP4 (TEME) is turned to GCRS as skyfield does it, without skyfield's 200
-microseconds an epoch.  Elapsed time is that of TAI: where skyfield and the bare sgp4 library
-difference UTC, a satellite jumps by 7 km at a leap second.
+The rotation from the frame of SGP4 (TEME) to GCRS is that of skyfield, without skyfield's 200
+microseconds an epoch.  Elapsed time is that of TAI; skyfield and the sgp4 library alone subtract
+UTC, so that a satellite jumps by 7 km at a leap second.
 
 Sources: Vallado, Crawford, Hujsak & Kelso, AIAA 2006-6753; Rhodes, python-sgp4.
 """
 
+from __future__ import annotations
+
 import os
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,12 +25,17 @@ from attitude.paths.path import Path, since, spelled
 from attitude.textfiles import kvn, records, xml
 from attitude.textfiles.lines import of_text, whole
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from attitude.annotations import FilePath
+
 _KM = 1000.0
 _OMM_NEEDED = (
     *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
     *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),
 )
-# What SGP4 ignores or only carries along.
+# Fields that SGP4 does not use.
 _OMM_DEFAULTS = {
     "CLASSIFICATION_TYPE": "U",
     "OBJECT_ID": "1957-001A",
@@ -47,32 +55,32 @@ class Satellite(Path):
     Attributes
     ----------
     lines : tuple of str, or of pairs of str
-        The two lines, or the fields of the OMM.
+        The two lines of a TLE, or keywords and values of an OMM.
     epoch : Instant
-        Of the elements.
+        The epoch of the elements.
+    name, center, source
+        As for all paths.
     """
 
-    lines: tuple
+    lines: tuple[str, ...] | tuple[tuple[str, str], ...]
     epoch: Instant
     name: str
     source: str
-
-    @property
-    def center(self):
-        return "earth"
+    center = "earth"
 
     def _state(self, instant, hi, lo):
         base = since(instant, self.epoch)
         elapsed = (base[0] + hi) + (base[1] + lo)
-        # The last bits of what that sum rounds move a satellite by less than 1e-7 m a year.
+        # The rounding error of that sum moves a satellite by less than 1e-7 m a year.
         position, velocity = self._teme(elapsed, instant, hi)
         seconds = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         pole = pole_of_teme(*seconds)
         return to_gcrs(*pole, position), to_gcrs(*pole, velocity)
 
     def _teme(self, elapsed, instant, hi):
+        """Positions and velocities (3, N) over TEME axes, m and m/s."""
         model = _model(self.lines)
-        # TDB and TAI run alike to 3e-10, 1 ms a month: 1e-6 of it at most enters per second.
+        # The rates of TDB and TAI agree to 3e-10, 1 ms a month.
         days = _elapsed_tai(self.epoch, elapsed) / time_scales.DAY
         whole = np.floor(days)
         jd = model.jdsatepoch + whole
@@ -82,6 +90,7 @@ class Satellite(Path):
         return position.T * _KM, velocity.T * _KM
 
     def _refuse(self, errors, instant, hi):
+        """Raise the AttitudeError for SGP4's first error code that is not zero."""
         from sgp4.api import SGP4_ERRORS
 
         bad = int(np.argmax(errors != 0))
@@ -89,19 +98,19 @@ class Satellite(Path):
         days = (at.seconds - self.epoch.seconds) / time_scales.DAY
         raise AttitudeError(
             f"SGP4 gives no position of {self.name} at {spelled(at)}, {days:+.1f} days from the "
-            f"elements' epoch: {SGP4_ERRORS[int(errors[bad])]}; ask nearer to the epoch, or give "
-            "elements of that time."
+            f"elements' epoch: {SGP4_ERRORS[int(errors[bad])]}; give times nearer to that epoch, "
+            "or elements of a nearer epoch."
         )
 
 
 def _elapsed_tai(epoch, elapsed):
-    """Seconds of TAI for seconds of TDB since the epoch."""
+    """Seconds of TAI since the epoch, from seconds of TDB."""
     start = np.float64(epoch.seconds), np.float64(epoch.low)
     first = time_scales.difference_at(*start)
     return elapsed - (time_scales.difference_at(start[0] + elapsed, start[1]) - first)
 
 
-def tle(text, *, name=None):
+def tle(text: FilePath | Sequence[str], *, name: str | int | None = None) -> Satellite:
     """The path of a satellite from two-line elements, relative to the Earth.
 
     Parameters
@@ -109,24 +118,24 @@ def tle(text, *, name=None):
     text : str, path or sequence of str
         The two lines, with or without a line for the name before them: as one text, as a list of
         lines, or as the path of a file.
-    name : str, optional
-        Which satellite of a file of several: its name or catalog number.
+    name : str or int, optional
+        Name or catalog number, to select one satellite of several.
 
     Returns
     -------
     Satellite
-        From the center of the Earth, ICRF axes.
+        Relative to the center of the Earth.
 
     Raises
     ------
     AttitudeError
         For lines of another length or form, a wrong checksum, and more than one satellite without
-        a name; when asked for an epoch at which SGP4 has no orbit left.
+        a name.  The path raises it for an epoch at which SGP4 has no orbit.
 
     Notes
     -----
-    Positions are those of skyfield's EarthSatellite to 1 mm; 0.6 to 1 microsecond an epoch.  What
-    SGP4 itself errs is 1 km at the epoch and some km a day.
+    Positions are those of skyfield's EarthSatellite to 1 mm; 0.6 to 1 microsecond an epoch.  The
+    error of SGP4 itself is 1 km at the epoch and grows by some km a day.
 
     >>> tle('''ENVISAT
     ... 1 27386U 02009A   13296.16551405  .00000100  00000-0  47533-4 0  8339
@@ -146,16 +155,16 @@ def tle(text, *, name=None):
     return _satellite((first, second), title or first[2:7].strip(), "TLE")
 
 
-def omm(message, *, name=None):
+def omm(message: Mapping[str, Any] | FilePath, *, name: str | int | None = None) -> Satellite:
     """The path of a satellite from a CCSDS orbit mean-elements message; see `tle`.
 
     Parameters
     ----------
     message : dict, str or path
-        The fields by their CCSDS names; or a text or file in keyword = value notation, XML, JSON
-        or CSV (as Celestrak and Space-Track give them).
-    name : str, optional
-        Which satellite of several: OBJECT_NAME or NORAD_CAT_ID.
+        The values by their CCSDS keywords; or a text or file in keyword = value notation, XML, JSON
+        or CSV (the formats of Celestrak and Space-Track).
+    name : str or int, optional
+        OBJECT_NAME or NORAD_CAT_ID, to select one satellite of several.
 
     Raises
     ------
@@ -184,12 +193,13 @@ def omm(message, *, name=None):
             f"{label}: CLASSIFICATION_TYPE is {letter!r}; it must be one letter, such as U."
         )
     stamp = fields["EPOCH"].removesuffix("Z")
-    fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # as sgp4 reads it
+    fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # the form that sgp4 reads
     title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
     return _satellite(tuple(sorted(fields.items())), title, "OMM")
 
 
 def _satellite(lines, name, kind):
+    """The satellite of two lines or of the fields of an OMM."""
     model = _model(lines)
     jd1, jd2 = np.float64(model.jdsatepoch), np.float64(model.jdsatepochF)
     epoch = Instant(*time_scales.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
@@ -197,14 +207,15 @@ def _satellite(lines, name, kind):
 
 
 def _tai_of_utc(jd1, jd2):
-    # sgp4 counts 86400 s in every day; leap seconds follow at the end of theirs.
+    """TAI seconds past J2000 in two doubles from sgp4's two-part Julian date of UTC."""
+    # sgp4 counts 86400 s in every day; a leap second follows at the end of its day.
     day = np.floor(jd1 - 2400000.5 + jd2)
     second = ((jd1 - 2400000.5 - day) + jd2) * time_scales.DAY
     return time_scales.tai_from_utc_day(day, second)
 
 
 def _model(lines):
-    """sgp4's own object, made once for the elements; it is no value to be pickled."""
+    """sgp4's object for some elements, cached here because it cannot be pickled."""
     if lines not in _models:
         if len(_models) > 256:
             _models.clear()
@@ -212,10 +223,11 @@ def _model(lines):
     return _models[lines]
 
 
-_models = {}
+_models: dict[tuple[Any, ...], Any] = {}
 
 
 def _made(lines):
+    """A new object of sgp4 for some elements."""
     from sgp4 import omm as reader
     from sgp4.api import Satrec
 
@@ -237,7 +249,7 @@ def _made(lines):
 
 
 def _text_lines(given):
-    """Lines, and how their source is called in messages."""
+    """The lines of a text, list or file, and a label of it for messages."""
     if isinstance(given, (list, tuple)) and all(isinstance(line, str) for line in given):
         return [line.rstrip() for line in given if line.strip()], "TLE"
     text, label = _text(given, "TLE")
@@ -245,6 +257,7 @@ def _text_lines(given):
 
 
 def _text(given, kind):
+    """A text, or the content of a file, and a label of it for messages."""
     if isinstance(given, str) and ("\n" in given or given.lstrip().startswith(("<", "{", "["))):
         return given, kind
     if not isinstance(given, (str, os.PathLike)):
@@ -268,10 +281,10 @@ def _pairs(lines, label):
 
 
 def _chosen(found, names_of, name, label):
-    """The one satellite, or that whose name or number is asked for; `names_of` tells both."""
+    """The only satellite, or the one with a name or number; `names_of(satellite)` has both."""
     if name is not None:
-        wanted = str(name).strip().lower()
-        found = [each for each in found if wanted in names_of(each)]
+        given = str(name).strip().lower()
+        found = [each for each in found if given in names_of(each)]
     if len(found) != 1:
         raise AttitudeError(
             f"{label} holds {len(found)} satellites"
@@ -281,15 +294,18 @@ def _chosen(found, names_of, name, label):
 
 
 def _names_of_lines(found):
+    """The name and the catalog number of (name, line 1, line 2)."""
     title, first, _ = found
     return title.lower(), first[2:7].strip().lstrip("0").lower()
 
 
 def _names_of_record(fields):
+    """The name and the catalog number in the fields of an OMM."""
     return fields.get("OBJECT_NAME", "").lower(), fields.get("NORAD_CAT_ID", "")
 
 
 def _check_line(line, number, label):
+    """Raise an AttitudeError for a line of another length, checksum or form."""
     if len(line) != 69:
         raise AttitudeError(
             f"{label}, line {number} of the elements has {len(line)} characters, not 69: {line!r}; "
@@ -299,7 +315,7 @@ def _check_line(line, number, label):
     if line[68] != str(total):
         raise AttitudeError(
             f"{label}, line {number} of the elements ends in the checksum {line[68]}, but its "
-            f"digits sum to {total}: {line!r}; a character in it is wrong, get it anew."
+            f"digits sum to {total}: {line!r}; a character in it is wrong: get the line anew."
         )
     if not _LINES[number].fullmatch(line):
         raise AttitudeError(
@@ -318,7 +334,7 @@ _LINES = {
 
 
 def _satellites(message):
-    """Dictionaries of the fields of each satellite in a message, and how it is called."""
+    """The fields of each satellite in a message, and a label of the message."""
     if hasattr(message, "items"):
         return [_as_text(message)], "the OMM"
     text, label = _text(message, "OMM")
@@ -340,4 +356,5 @@ def _satellites(message):
 
 
 def _as_text(fields):
+    """Keywords in upper case and values as text."""
     return {str(key).upper(): "" if value is None else str(value) for key, value in fields.items()}

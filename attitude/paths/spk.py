@@ -1,16 +1,18 @@
 """JPL kernels (SPK files): one path for each pair of bodies that a file holds.
 
 jplephem reads the directory of a file; the coefficients of types 2 and 3 (Chebyshev polynomials)
-are mapped into memory and evaluated by `polynomials`, at some 20 ns an epoch and pair of bodies.
-All other types are left to spiceypy; see `spice`.
+are mapped into memory and evaluated by `chebyshev_loops`, at some 20 ns an epoch and pair of
+bodies.  spiceypy evaluates all other types; see `spk_spice`.
 
 Source: NAIF, SPK Required Reading; jplephem.
 """
 
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -24,44 +26,59 @@ from attitude.paths.path import Path, since, spelled
 from attitude.paths.spk_segment import FRAMES, Segment
 from attitude.paths.spk_spice import SpiceSegment
 
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath
+
 _KM = 1000.0
 
 
 class Kernel(Ephemeris):
-    """What one SPK file holds.  Made by `open_kernel`, which keeps one for each file.
+    """The bodies of one SPK file.  Made by `open_kernel`, which keeps one for each file.
 
-    ``kernel.step(body)`` is the path of a body relative to the center that the file gives it, and
-    ``kernel.bodies`` lists what it knows.
+    ``kernel.step(body)`` is the path of a body relative to the center that the file gives for it.
+
+    Attributes
+    ----------
+    file : str
+        Absolute path.
+    source : str
+        Name of the file.
     """
 
     advice = "Give one of these, or another kernel."
 
-    def __init__(self, file: str):
+    def __init__(self, file: str) -> None:
         self.file = file
-        self.source = FilePath(file).name
-        # jplephem's segments by their target, and the paths made of them, by the place in the file.
-        self._segments: dict[int, list] = {}
+        self.source = os.path.basename(file)
+        # jplephem's segments with their numbers in the file, by the target; paths by that number.
+        self._segments: dict[int, list[tuple[int, Any]]] = {}
         self._paths: dict[int, Segment] = {}
         for number, segment in enumerate(_directory(file)):
             self._segments.setdefault(segment.target, []).append((number, segment))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return open_kernel, (self.file,)
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The names of the bodies in the file, and of the one that they are relative to."""
+        """The names of the bodies in the file, and of the centers of their paths."""
         centers = {segment.center for each in self._segments.values() for _, segment in each}
         return tuple(body_name(number) for number in sorted(centers | set(self._segments)))
 
     def segment(self, number: int) -> Segment:
-        """The path of one segment, by its place in the file."""
+        """The path of one segment, by its number in the file from 0.
+
+        Raises
+        ------
+        AttitudeError
+            For a number that the file does not have.
+        """
         for target, segments in self._segments.items():
-            if any(number == place for place, _ in segments):
+            if any(number == each for each, _ in segments):
                 self.step(target)
                 return self._paths[number]
         raise AttitudeError(
-            f"{self.source} has no segment {number} any more; it was exchanged for another file: "
+            f"{self.source} has no segment {number} any more, so another file has replaced it; "
             "make the path anew."
         )
 
@@ -70,6 +87,7 @@ class Kernel(Ephemeris):
         return self._opened(name, self._segments[numbers[0]]) if numbers else None
 
     def _opened(self, name, segments):
+        """The path of a body from its segments."""
         centers = {segment.center for _, segment in segments}
         if len(centers) > 1:
             listed = ", ".join(sorted(body_name(center) for center in centers))
@@ -79,23 +97,24 @@ class Kernel(Ephemeris):
             )
         parts = [_segment_path(self, name, number, segment) for number, segment in segments]
         self._paths.update((part.number, part) for part in parts)
-        # Of segments that overlap, the last in the file counts, as in SPICE.
+        # Where segments overlap, the last in the file is used, as in SPICE.
         return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
 
 
-def open_kernel(file: str | os.PathLike[str]) -> Kernel:
+def open_kernel(file: FilePath) -> Kernel:
     """The `Kernel` of an SPK file, which is opened once.
 
     Raises
     ------
     AttitudeError
-        For a path that is no file, or a file that is no SPK kernel.  Nothing is downloaded.
+        For a path that is not a file, and a file that is not an SPK kernel.  Nothing is
+        downloaded.
     """
     path = os.path.abspath(os.path.expanduser(os.fspath(file)))
     if not os.path.isfile(path):
         raise AttitudeError(
             f"the kernel {os.fspath(file)!r} is not a file; give the path of an SPK file (.bsp), "
-            "which must be there already: nothing is downloaded."
+            "which must exist already: nothing is downloaded."
         )
     status = os.stat(path)
     return _open_once(path, status.st_mtime_ns, status.st_size)
@@ -107,21 +126,21 @@ def _open_once(path, modified, size):
 
 
 def _directory(file):
-    """jplephem's segments of a file, which is closed again; `_words` reads the numbers."""
+    """jplephem's segments of a file, without the coefficients, which `_words` reads."""
     from jplephem.spk import SPK
 
     try:
         spk = SPK.open(file)
-    except Exception as err:  # jplephem raises what its unpacking meets
+    except Exception as err:  # jplephem raises whatever its unpacking raises
         raise AttitudeError(
-            f"{FilePath(file).name} is not an SPK kernel ({err}); give a file such as de440.bsp."
+            f"{os.path.basename(file)} is not an SPK kernel ({err}); give a file such as de440.bsp."
         ) from err
     segments = spk.segments
     spk.close()
     if not segments or spk.daf.ni != 6:
         raise AttitudeError(
-            f"{FilePath(file).name} holds no positions of bodies (it is a DAF of another kind, or "
-            "empty); give an SPK kernel such as de440.bsp."
+            f"{os.path.basename(file)} holds no positions of bodies (it is a DAF of another kind, "
+            "or empty); give an SPK kernel such as de440.bsp."
         )
     return segments
 
@@ -135,14 +154,15 @@ def _words(file, segment):
         words = np.memmap(file, dtype=order, mode="r", offset=start, shape=(count,))
     except ValueError as err:
         raise AttitudeError(
-            f"{FilePath(file).name} ends before the numbers that its directory announces; it is "
+            f"{os.path.basename(file)} ends before the numbers that its directory lists; it is "
             "damaged or was copied in part: get it anew."
         ) from err
-    # A plain array: a memmap is slow to slice, and foreign byte order unknown to numba.
+    # A plain array: a memmap is slow to slice, and numba does not support foreign byte order.
     return np.asarray(words).view(np.ndarray).astype(np.float64, copy=False)
 
 
 def _segment_path(kernel, name, number, segment):
+    """The path of one segment, by its type."""
     if segment.frame not in FRAMES:
         raise AttitudeError(
             f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
@@ -154,9 +174,14 @@ def _segment_path(kernel, name, number, segment):
 
 
 class KernelSegment(Segment):
-    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals."""
+    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals.
 
-    def __init__(self, kernel, number, name, segment):
+    Attributes
+    ----------
+    pieces : EqualPieces
+    """
+
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         super().__init__(kernel, number, name, segment)
         words = _words(kernel.file, segment)
         start, width, size, count = words[-4:].tolist()
@@ -185,7 +210,7 @@ class KernelSegment(Segment):
     def _state(self, instant, hi, lo):
         placed = pieces.placed(self, instant, hi, lo)
         if self._has_rates:
-            # Type 3 has polynomials of their own for the velocity, after those of the position.
+            # Type 3 has separate polynomials for the velocity, after those of the position.
             position = pieces.values(self.pieces, *placed)
             skip = self.pieces.skip + 3 * self.pieces.count
             velocity = pieces.values(self.pieces, *placed, skip=skip)
@@ -196,53 +221,64 @@ class KernelSegment(Segment):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Succession(Path):
-    """Paths of one thing from one center that cover different spans of time.
+    """Paths of one body from one center that cover different spans of time.
 
-    Where several cover an epoch, the first in `parts` counts.
+    At an epoch that several cover, the first in `parts` is used.
+
+    Attributes
+    ----------
+    parts : tuple of Path
+        Each with a span.
+    name : str
     """
 
-    parts: tuple
+    parts: tuple[Path, ...]
     name: str
 
     @property
-    def center(self):
+    def center(self) -> str | Path:  # type: ignore[override]  # computed
+        """The center that all parts have."""
         return self.parts[0].center
 
     @property
-    def source(self):
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The sources of the parts, separated by commas."""
         return ", ".join(dict.fromkeys(part.source for part in self.parts))
 
     @property
-    def span(self):
-        ends = [part.span for part in self.parts]
+    def span(self) -> tuple[Instant, Instant]:  # type: ignore[override]  # computed
+        """The first and last epoch of all parts; there may be gaps between them."""
+        ends = [part.span for part in self.parts if part.span is not None]
         return (
             min((end[0] for end in ends), key=lambda each: (each.seconds, each.low)),
             max((end[1] for end in ends), key=lambda each: (each.seconds, each.low)),
         )
 
-    def refuse_outside(self, instant, seconds):
-        spans = sorted((part.span for part in self.parts), key=lambda span: span[0].seconds)
+    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
+        """Raise the AttitudeError for the epoch instant + seconds, which no part covers."""
+        spans = [part.span for part in self.parts if part.span is not None]
+        spans.sort(key=lambda span: span[0].seconds)
         listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in spans)
         raise AttitudeError(
-            f"{self.name} is known from {listed} ({self.source}), but was asked for at "
+            f"{self.name} is known from {listed} ({self.source}), but an epoch is "
             f"{spelled(instant.after(float(seconds)))}; leave that epoch out, or give a path that "
             "covers it."
         )
 
     def _position(self, instant, hi, lo):
         position = np.empty((3, hi.size))
-        for part, here, at in self._shared_out(instant, hi, lo):
+        for part, here, at in self._by_part(instant, hi, lo):
             position[:, here] = part._position(instant, *at)
         return position
 
     def _state(self, instant, hi, lo):
         position, velocity = np.empty((2, 3, hi.size))
-        for part, here, at in self._shared_out(instant, hi, lo):
+        for part, here, at in self._by_part(instant, hi, lo):
             position[:, here], velocity[:, here] = part._state(instant, *at)
         return position, velocity
 
-    def _shared_out(self, instant, hi, lo):
-        """Each part that counts at some of the epochs: the part, which ones, and the epochs."""
+    def _by_part(self, instant, hi, lo):
+        """Yield each part that is used, a mask (N,) of its epochs, and their hi and lo."""
         lo = np.broadcast_to(lo, hi.shape)
         left = np.ones(hi.size, dtype=bool)
         for part in self.parts:
@@ -256,25 +292,25 @@ class Succession(Path):
             self.refuse_outside(instant, hi[np.argmax(left)])
 
 
-def spk(file: str | os.PathLike[str], target: str | int) -> Path:
-    """The path of a target in an SPK file, relative to the center that the file gives it.
+def spk(file: FilePath, target: str | int) -> Path:
+    """The path of a target in an SPK file, relative to the center that the file gives for it.
 
     Parameters
     ----------
     file : path
-        Of an SPK kernel.  Types 2 and 3 are read here, all others (21 of Horizons, 9, 13, 1, ...)
-        by spiceypy, which ``pip install attitude-propagation[spice]`` brings.
+        An SPK kernel.  Types 2 and 3 need no other package, all others (21 of Horizons, 9, 13, 1,
+        ...) need spiceypy: ``pip install attitude-propagation[spice]``.
     target : str or int
         A name such as "moon", or a NAIF number such as 20099942.
 
     Raises
     ------
     AttitudeError
-        For a file that is none or no kernel, and for a target that it lacks.
+        For a path that is not a file, a file that is not a kernel, and a target that it lacks.
 
     Notes
     -----
-    Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), SPICE
-    being given epochs that its one double holds.  `relative` leads to other centers.
+    Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), with
+    SPICE at epochs that its one double holds.  `relative` changes the center.
     """
     return open_kernel(file).step(target)

@@ -1,12 +1,15 @@
 """Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy.
 
-SPICE keeps loaded kernels in a pool for the whole process; here one segment of one file is read
-by its own handle, and the pool is neither asked nor changed.  SPICE is not made for threads: paths
-of these segments are to be compressed before they are shared by several.
+SPICE keeps loaded kernels in a pool for the whole process; this module reads one segment of one
+file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe: compress
+the path of such a segment before several threads use it.
 """
+
+from __future__ import annotations
 
 import importlib.util
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,15 +17,18 @@ from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.paths.spk_segment import Segment
 
+if TYPE_CHECKING:
+    from attitude.paths.spk import Kernel
+
 
 class SpiceSegment(Segment):
     """A segment that SPICE evaluates, one epoch at a time: some 4 microseconds each.
 
-    SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); what that
-    leaves out is added along the velocity.
+    SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); the motion in
+    the remaining time is added by the velocity.
     """
 
-    def __init__(self, kernel, number, name, segment):
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         super().__init__(kernel, number, name, segment)
         if importlib.util.find_spec("spiceypy") is None:
             raise AttitudeError(
@@ -55,7 +61,7 @@ class SpiceSegment(Segment):
 
 @lru_cache(maxsize=64)
 def _handle(file, number):
-    """SPICE's handle of a file, opened for reading outside of the pool, and one descriptor."""
+    """SPICE's handle of a file, opened for reading outside of the pool, and a descriptor."""
     import spiceypy
 
     handle = spiceypy.dafopr(file)

@@ -1,34 +1,48 @@
 """Polynomials through the rows of a table: Lagrange's, and Hermite's where velocities are given.
 
-Between two rows the polynomial through the nearest rows on both sides counts, as the interpolation
-of CCSDS messages and of SPICE's types 8, 9, 12 and 13 has it; near the ends of the table the
+The polynomial between two rows passes through the nearest rows on both sides, as in the
+interpolation of CCSDS messages and of SPICE's types 8, 9, 12 and 13; near the ends of the table the
 window is that of the last rows.  All intervals are fitted at once, to Chebyshev coefficients of
 the interval, so that an epoch costs one short recurrence.
 
 Source: Newton's divided differences with repeated nodes (Stoer & Bulirsch, section 2.1.5).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import chebyshev
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
-def interval_polynomials(knots, knots_low, values, rates, degree):
+
+def interval_polynomials(
+    knots: FloatArray,
+    knots_low: FloatArray,
+    values: FloatArray,
+    rates: FloatArray | None,
+    degree: int,
+) -> FloatArray:
     """Chebyshev coefficients of the polynomial of each interval between rows.
 
     Parameters
     ----------
     knots, knots_low : (N,) arrays
         Ascending epochs in two doubles, s.
-    values, rates : (N, 3) arrays
-        rates, the derivatives by time, or None: then the polynomials are Lagrange's.
+    values : (N, 3) array
+    rates : (N, 3) array or None
+        Derivatives of the values by time, for Hermite's polynomials; None for Lagrange's.
     degree : int
-        Of the polynomials: `rows_needed` rows each.
+        Each polynomial passes through `rows_needed` rows.
 
     Returns
     -------
     (N - 1, 3 (degree + 1)) array
-        Records as `polynomials.values` takes them.
+        Records as `chebyshev_loops.values` takes them.
     """
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
@@ -39,13 +53,12 @@ def interval_polynomials(knots, knots_low, values, rates, degree):
     # Time from the start of the interval in units of its length.
     nodes = (knots[rows] - knots[interval, None]) + (knots_low[rows] - knots_low[interval, None])
     nodes /= width[:, None]
-    # Differences from the value at the start, so that the size of the orbit is not rounded in
-    # every divided difference.
+    # Differences from the value at the start: the rounding errors of the divided differences are
+    # then relative to these, not to the size of the orbit.
     start = values[interval][:, None, :]
     known = values[rows] - start
-    if rates is None:
-        slopes = None
-    else:
+    slopes = None
+    if rates is not None:
         slopes = rates[rows] * width[:, None, None]
         nodes, known, slopes = (np.repeat(each, 2, axis=1) for each in (nodes, known, slopes))
     newton = _divided_differences(nodes, known, slopes)
@@ -56,13 +69,13 @@ def interval_polynomials(knots, knots_low, values, rates, degree):
     return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
 
 
-def rows_needed(degree, with_rates):
-    """How many rows a polynomial of a degree passes through."""
+def rows_needed(degree: int, with_rates: bool) -> int:
+    """The count of rows that a polynomial of a degree passes through."""
     return (degree + 1) // 2 if with_rates else degree + 1
 
 
 def _divided_differences(nodes, values, slopes):
-    """The coefficients of Newton's form (intervals, nodes, 3); nodes may come in equal pairs."""
+    """The coefficients of Newton's form (intervals, nodes, 3); nodes may be equal in pairs."""
     table = values.copy()
     count = nodes.shape[1]
     for order in range(1, count):
@@ -79,6 +92,7 @@ def _divided_differences(nodes, values, slopes):
 
 
 def _newton_at(x, nodes, newton):
+    """The values (intervals, 3) of Newton's form at one x of each interval, from 0 to 1."""
     total = newton[:, -1]
     for order in range(newton.shape[1] - 2, -1, -1):
         total = newton[:, order] + total * (x - nodes[:, order])[:, None]

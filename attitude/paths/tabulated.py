@@ -1,6 +1,9 @@
 """A table of positions, with or without velocities, interpolated."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +14,11 @@ from attitude.paths.pieces import KnotPieces, placed, values, values_and_rates
 from attitude.paths.table_polynomials import interval_polynomials, rows_needed
 from attitude.paths.uniform import known_center
 
-INTERPOLATIONS = ("lagrange", "hermite")
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, Epochs, Reals
+    from attitude.epochs.instants import Instant
+
+INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
 _HIGHEST_DEGREE = 31
 
 
@@ -24,8 +31,11 @@ class Table(Path):
     pieces : KnotPieces
         The polynomial of each interval.
     rates : KnotPieces or None
-        Polynomials of the velocities, where these are interpolated apart.
-    interpolation, degree : str and int
+        Polynomials of the velocities, if these are interpolated on their own.
+    interpolation : str
+        "lagrange" or "hermite".
+    degree : int
+        Degree of the polynomials.
     name, center, source, span
         As for all paths.
     """
@@ -37,7 +47,7 @@ class Table(Path):
     name: str
     center: str | Path
     source: str
-    span: tuple
+    span: tuple[Instant, Instant]
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
@@ -54,19 +64,19 @@ class Table(Path):
 
 
 def table(
-    times,
-    positions,
-    velocities=None,
+    times: Epochs,
+    positions: Reals,
+    velocities: Reals | None = None,
     *,
-    start=None,
-    interpolation=None,
-    degree=7,
-    center="ssb",
-    frame="icrf",
-    name="table",
-    source="table",
-    span=None,
-):
+    start: Epoch | None = None,
+    interpolation: str | None = None,
+    degree: int = 7,
+    center: Path | str | int = "ssb",
+    frame: str = "icrf",
+    name: str = "table",
+    source: str = "table",
+    span: tuple[Instant, Instant] | None = None,
+) -> Table:
     """The path through a table of positions.
 
     Parameters
@@ -76,58 +86,60 @@ def table(
     positions, velocities : (N, 3) array_like or Quantity
         m and m/s.
     start : anything that `epochs.instant` takes
-        Needed where times are plain numbers.
+        Required if times are plain numbers.
     interpolation : "hermite" or "lagrange"
         Hermite's polynomials pass through positions and velocities; Lagrange's through positions,
-        and others through the velocities, if there are any.  Hermite where there are velocities,
-        if not given.
+        and separate ones through the velocities, if given.  The default is "hermite" with
+        velocities, "lagrange" without.
     degree : int
-        Of the polynomials: 7 takes 4 rows of Hermite's, 8 of Lagrange's, half on each side of an
-        epoch.  Hermite's are of odd degree.
+        Degree of the polynomials, odd for Hermite's: 7 uses 4 rows for Hermite's, 8 for
+        Lagrange's, half on each side of an epoch.
     center : Path, str or int
+        A path, or a body by name or NAIF number.
     frame : str
         Axes of the numbers, one of `frames.FRAMES`.
     name, source : str
+        See `Path`.
     span : (Instant, Instant), optional
-        A part of the table that may be asked for; all of it, if not given.
+        Span of the path, within the table; the whole table, if not given.
 
     Raises
     ------
     AttitudeError
-        For rows too few, not finite or not ascending, and for other shapes and units.
+        For too few rows, rows that are not finite or not ascending, other shapes and units.
     """
-    positions = validation.real(positions, "positions", shape=(..., 3), unit="m")
-    if positions.ndim != 2:
-        raise AttitudeError(f"positions have shape {positions.shape}; give (N, 3).")
+    r = validation.real(positions, "positions", shape=(..., 3), unit="m")
+    if r.ndim != 2:
+        raise AttitudeError(f"positions have shape {r.shape}; give (N, 3).")
+    v = None
     if velocities is not None:
-        velocities = validation.real(velocities, "velocities", shape=positions.shape, unit="m/s")
-    start, knots, low = _knots(times, start, len(positions))
-    interpolation, degree = _method(interpolation, degree, velocities is not None, len(knots))
+        v = validation.real(velocities, "velocities", shape=r.shape, unit="m/s")
+    first, knots, low = _knots(times, start, len(r))
+    method, degree = _method(interpolation, degree, v is not None, len(knots))
     matrix = frames.matrix_to_icrf(frame)
     if frames.known(frame) not in ("icrf", "gcrf"):
-        positions = positions @ matrix.T
-        velocities = None if velocities is None else velocities @ matrix.T
-    given = knots, low
+        r = r @ matrix.T
+        v = None if v is None else v @ matrix.T
 
     def polynomials(rows, slopes):
-        records = interval_polynomials(*given, rows, slopes, degree)
-        return KnotPieces(start, *given, records, degree + 1)
+        records = interval_polynomials(knots, low, rows, slopes, degree)
+        return KnotPieces(first, knots, low, records, degree + 1)
 
-    apart = interpolation == "lagrange" and velocities is not None
+    separate = method == "lagrange" and v is not None
     return Table(
-        pieces=polynomials(positions, velocities if interpolation == "hermite" else None),
-        rates=polynomials(velocities, None) if apart else None,
-        interpolation=interpolation,
+        pieces=polynomials(r, v if method == "hermite" else None),
+        rates=polynomials(v, None) if separate else None,
+        interpolation=method,
         degree=degree,
         name=name,
         center=known_center(center),
         source=source,
-        span=span or tuple(start.after(knots[k], low[k]) for k in (0, -1)),
+        span=span or (first.after(knots[0], low[0]), first.after(knots[-1], low[-1])),
     )
 
 
 def _knots(times, start, count):
-    """An instant, and seconds from it in two arrays."""
+    """The instant `start`, and the seconds (N,) from it to the rows in two doubles."""
     if start is None:
         start = _first_epoch(times)
     start = epochs.instant(start, "start")
@@ -143,24 +155,26 @@ def _knots(times, start, count):
         row = int(np.argmax(order <= 0.0))
         raise AttitudeError(
             f"times must ascend, but row {row + 1} ({spelled(start.after(hi[row + 1]))}) is not "
-            f"later than row {row} ({spelled(start.after(hi[row]))}); sort them and leave out what "
-            "is twice there."
+            f"later than row {row} ({spelled(start.after(hi[row]))}); sort them and leave out "
+            "repeated ones."
         )
     return start, *pairs.two_sum(hi, lo)
 
 
 def _first_epoch(times):
+    """The first of some epochs, which must not be a plain number."""
     first = times
     while isinstance(first, (list, tuple, np.ndarray)) and np.size(first) and np.ndim(first):
         first = first[0]
     if getattr(first, "shape", ()) != () and hasattr(first, "__getitem__"):
         first = first[0]
     if isinstance(first, (int, float, np.integer, np.floating)):
-        raise AttitudeError("times are plain seconds; give start, the epoch they are counted from.")
+        raise AttitudeError("times are plain seconds; give start, the epoch of zero seconds.")
     return first
 
 
 def _method(interpolation, degree, with_rates, rows):
+    """The checked interpolation and degree for a count of rows."""
     if interpolation is None:
         interpolation = "hermite" if with_rates else "lagrange"
     interpolation = validation.one_of(
@@ -169,7 +183,7 @@ def _method(interpolation, degree, with_rates, rows):
         INTERPOLATIONS,
     )
     if interpolation == "hermite" and not with_rates:
-        raise AttitudeError('"hermite" needs velocities; give them, or take "lagrange".')
+        raise AttitudeError('"hermite" needs velocities; give velocities, or "lagrange".')
     whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
     if not whole or not 1 <= degree <= _HIGHEST_DEGREE:
         raise AttitudeError(

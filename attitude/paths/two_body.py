@@ -1,19 +1,25 @@
 """Two-body motion from orbital elements, on any conic."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import epochs, frames, validation
-from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import Path, since
 from attitude.paths.uniform import known_center
 
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, FloatArray, Real
+    from attitude.epochs.instants import Instant
+
 # m3/s2 of DE440, in TDB (Park et al., AJ 161, 105, 2021, table 2).
-GM = {
+GM: dict[str, float] = {
     "sun": 1.32712440041279419e20,
     "mercury": 2.2031868551e13,
     "venus": 3.24858592e14,
@@ -37,26 +43,28 @@ class Kepler(Immutable, Path):
     pericenter_distance, eccentricity, gm : float
         m, 1, m3/s2.
     pericenter : Instant
-        A time of pericentre.
+        An epoch of pericentre.
     basis : (2, 3) array, read-only
         Unit vectors towards the pericentre, and 90 deg on in the plane; ICRF axes.
+    name, center, source
+        As for all paths.
     """
 
     pericenter_distance: float
     eccentricity: float
     gm: float
     pericenter: Instant
-    basis: np.ndarray
+    basis: FloatArray
     name: str
     center: str | Path
     source: str
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         frozen(self.basis)
 
     @property
-    def period(self):
-        """Seconds; inf on open orbits."""
+    def period(self) -> float:
+        """Orbital period in s; inf on open orbits."""
         if self.eccentricity >= 1.0:
             return math.inf
         axis = self.pericenter_distance / (1.0 - self.eccentricity)
@@ -74,20 +82,20 @@ class Kepler(Immutable, Path):
 
 def kepler(
     *,
-    eccentricity,
-    inclination,
-    node,
-    pericenter_argument,
-    epoch,
-    semi_major_axis=None,
-    pericenter_distance=None,
-    mean_anomaly=None,
-    center="sun",
-    gm=None,
-    frame="ecliptic",
-    name="orbit",
-    source="two-body motion",
-):
+    eccentricity: Real,
+    inclination: Real,
+    node: Real,
+    pericenter_argument: Real,
+    epoch: Epoch,
+    semi_major_axis: Real | None = None,
+    pericenter_distance: Real | None = None,
+    mean_anomaly: Real | None = None,
+    center: Path | str | int = "sun",
+    gm: Real | None = None,
+    frame: str = "ecliptic",
+    name: str = "orbit",
+    source: str = "two-body motion",
+) -> Kepler:
     """The path of two-body motion from its elements.
 
     Parameters
@@ -103,16 +111,18 @@ def kepler(
     mean_anomaly : float or Quantity, optional
         Radians, on ellipses and hyperbolas.
     center : Path, str or int
+        A path, or a body by name or NAIF number.
     gm : float or Quantity, optional
-        m3/s2; DE440's for the Sun and the planets, if not given.
+        m3/s2; that of DE440 for the Sun and the planets, if not given.
     frame : str
         Axes of the elements, one of `frames.FRAMES`.
     name, source : str
+        See `Path`.
 
     Raises
     ------
     AttitudeError
-        For elements that are no orbit, and a center whose GM is not known.
+        For elements that define no orbit, and for a center without a known GM.
 
     Notes
     -----
@@ -123,8 +133,8 @@ def kepler(
     e = validation.number(eccentricity, "eccentricity")
     if e < 0.0:
         raise AttitudeError(f"eccentricity is {e!r}; it must be zero or greater.")
-    center = known_center(center)
-    gm = _gm(center) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
+    origin = known_center(center)
+    k = _gm(origin) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
     q = _pericenter_distance(semi_major_axis, pericenter_distance, e)
     angles = [
         validation.number(value, label, unit="rad")
@@ -145,12 +155,13 @@ def kepler(
         axis = q / abs(1.0 - e)
         if e < 1.0:
             anomaly = math.remainder(anomaly, 2.0 * math.pi)
-        pericenter = pericenter.after(-anomaly * axis * math.sqrt(axis / gm))
+        pericenter = pericenter.after(-anomaly * axis * math.sqrt(axis / k))
     basis = _perifocal(*angles) @ frames.matrix_to_icrf(frame).T
-    return Kepler(q, e, gm, pericenter, basis, name, center, source)
+    return Kepler(q, e, k, pericenter, basis, name, origin, source)
 
 
 def _gm(center):
+    """The GM in m3/s2 of a center by name."""
     if center in GM:
         return GM[center]
     label = center if isinstance(center, str) else center.name
@@ -158,6 +169,7 @@ def _gm(center):
 
 
 def _pericenter_distance(axis, distance, e):
+    """The pericentre distance in m from one of the two lengths."""
     if (axis is None) == (distance is None):
         raise AttitudeError("give one of semi_major_axis and pericenter_distance.")
     if distance is not None:
@@ -166,8 +178,8 @@ def _pericenter_distance(axis, distance, e):
     distance = axis * (1.0 - e)
     if not distance > 0.0:
         raise AttitudeError(
-            f"semi_major_axis is {axis!r} and eccentricity {e!r}, which is no orbit: the axis is "
-            "positive on ellipses, negative on hyperbolas, and a parabola needs "
+            f"semi_major_axis is {axis!r} and eccentricity {e!r}, which define no orbit: the axis "
+            "is positive on ellipses, negative on hyperbolas, and a parabola needs "
             "pericenter_distance."
         )
     return distance

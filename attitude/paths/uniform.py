@@ -1,6 +1,9 @@
-"""The simplest paths: a point that rests or moves uniformly, and what is infinitely far away."""
+"""The simplest paths: a point at rest or in uniform motion; and directions without a distance."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,27 +15,39 @@ from attitude.paths.path import Path, since
 from attitude.paths.place import Place
 from attitude.validation import unit_vector
 
+if TYPE_CHECKING:
+    from attitude.annotations import Epoch, FloatArray, Reals
+
 _J2000 = Instant(0.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Uniform(Immutable, Path):
-    """r(t) = position + velocity (t - epoch): uniform motion.  Made by `uniform` and `fixed`."""
+    """Uniform motion r(t) = start + speed (t - epoch).  Made by `uniform` and `fixed`.
 
-    start: np.ndarray
-    speed: np.ndarray
+    Attributes
+    ----------
+    start, speed : (3,) float64 arrays, read-only
+        m at the epoch and m/s, ICRF axes.
+    epoch : Instant
+    name, center, source
+        As for all paths.
+    """
+
+    start: FloatArray
+    speed: FloatArray
     epoch: Instant
     center: str | Path
     name: str
     source: str = "uniform motion"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         frozen(self.start)
         frozen(self.speed)
 
     @property
-    def is_fixed(self):
-        """Whether it rests relative to its center."""
+    def is_fixed(self) -> bool:
+        """Whether the point rests relative to its center."""
         return not self.speed.any()
 
     def _position(self, instant, hi, lo):
@@ -40,7 +55,7 @@ class Uniform(Immutable, Path):
             return np.repeat(self.start[:, None], hi.size, axis=1)
         base = since(instant, self.epoch)
         seconds = (base[0] + hi) + (base[1] + lo)
-        # What that sum rounded off: at 1e9 s, 1e-7 s of a velocity of 30 km/s are 3 mm.
+        # The rounding error of that sum: at 1e9 s, 1e-7 s at a velocity of 30 km/s are 3 mm.
         whole = base[0] + hi
         part = whole - hi
         rest = (base[0] - part) + (hi - (whole - part))
@@ -51,7 +66,15 @@ class Uniform(Immutable, Path):
         return self._position(instant, hi, lo), np.repeat(self.speed[:, None], hi.size, axis=1)
 
 
-def uniform(position, velocity, epoch, *, center=SSB, frame="icrf", name="uniform motion"):
+def uniform(
+    position: Reals,
+    velocity: Reals,
+    epoch: Epoch,
+    *,
+    center: Path | str | int = SSB,
+    frame: str = "icrf",
+    name: str = "uniform motion",
+) -> Uniform:
     """The path of uniform motion: r(t) = position + velocity (t - epoch).
 
     Parameters
@@ -60,8 +83,11 @@ def uniform(position, velocity, epoch, *, center=SSB, frame="icrf", name="unifor
         m and m/s relative to the center, at the epoch.
     epoch : anything that `epochs.instant` takes
     center : Path, str or int
+        A path, or a body by name or NAIF number.
     frame : str
         Axes of position and velocity, one of `frames.FRAMES`.
+    name : str
+        For messages.
 
     Raises
     ------
@@ -71,12 +97,31 @@ def uniform(position, velocity, epoch, *, center=SSB, frame="icrf", name="unifor
     matrix = frames.matrix_to_icrf(frame)
     position = validation.real(position, "position", shape=(3,), unit="m")
     velocity = validation.real(velocity, "velocity", shape=(3,), unit="m/s")
-    epoch = epochs.instant(epoch)
-    return Uniform(matrix @ position, matrix @ velocity, epoch, known_center(center), name)
+    start = epochs.instant(epoch)
+    return Uniform(matrix @ position, matrix @ velocity, start, known_center(center), name)
 
 
-def fixed(position, *, center=SSB, frame="icrf", name="fixed point"):
-    """The path of a point that rests relative to its center; see `uniform`."""
+def fixed(
+    position: Reals,
+    *,
+    center: Path | str | int = SSB,
+    frame: str = "icrf",
+    name: str = "fixed point",
+) -> Uniform:
+    """The path of a point that rests relative to its center.
+
+    Parameters
+    ----------
+    position : (3,) array_like or Quantity
+        m relative to the center.
+    center, frame, name
+        See `uniform`.
+
+    Raises
+    ------
+    AttitudeError
+        For other shapes, units, names, and numbers that are not finite.
+    """
     position = validation.real(position, "position", shape=(3,), unit="m")
     turned = frames.matrix_to_icrf(frame) @ position
     return Uniform(turned, np.zeros(3), _J2000, known_center(center), name, "fixed point")
@@ -84,40 +129,47 @@ def fixed(position, *, center=SSB, frame="icrf", name="fixed point"):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Direction(Immutable, Place):
-    """Something infinitely far away: a Sun or an observer that is always seen the same way.
+    """Something infinitely far away: a Sun or an observer in a constant direction.
 
-    It has no position; `is_direction` tells it from a path, so that nothing is asked of an
-    ephemeris.  Made by `direction`.
+    A direction has no position; `is_direction` distinguishes it from a path, so that a scene opens
+    no ephemeris for it.  Made by `direction`.
 
     Attributes
     ----------
     unit : (3,) float64 array, read-only
-        From whatever looks towards it, ICRF axes.
+        Unit vector towards it from any place, ICRF axes.
     name : str
     """
 
-    unit: np.ndarray
+    unit: FloatArray
     name: str = "direction"
 
     is_direction = True
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         frozen(self.unit)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         x, y, z = self.unit.tolist()
         return f"<{self.name}, infinitely far towards ({x:.6g}, {y:.6g}, {z:.6g})>"
 
 
-def direction(vector, *, frame="icrf", name="direction"):
-    """What is infinitely far away in the direction of a vector.
+def direction(vector: Reals, *, frame: str = "icrf", name: str = "direction") -> Direction:
+    """A place infinitely far away in the direction of a vector.
 
     Parameters
     ----------
     vector : (3,) array_like
         Of any length but zero.
     frame : str
-        Its axes, one of `frames.FRAMES`.
+        Axes of the vector, one of `frames.FRAMES`.
+    name : str
+        For messages.
+
+    Raises
+    ------
+    AttitudeError
+        For a zero vector, another shape, a frame that is not known.
 
     >>> direction((0, 0, 2), name="Sun")
     <Sun, infinitely far towards (0, 0, 1)>
@@ -125,6 +177,6 @@ def direction(vector, *, frame="icrf", name="direction"):
     return Direction(frames.matrix_to_icrf(frame) @ unit_vector(vector, "vector"), name)
 
 
-def known_center(center):
-    """A center as paths carry it: a path, or the one name of a body."""
+def known_center(center: Path | str | int) -> Path | str:
+    """A center as paths hold it: a path, or the name of a body as `bodies.body_name` spells it."""
     return center if isinstance(center, Path) else body_name(center, "center")

@@ -1,17 +1,18 @@
 """How a surface element returns sunlight, and how a whole body dims with phase.
 
 A law gives the bidirectional reflectance r, in 1/sr: the radiance that leaves an element over the
-irradiance of a surface facing the Sun.  A body's brightness is the integral of r mu dA over what
-is lit and seen, in m2/sr.  mu0 and mu are cosines of incidence and emission, alpha is the phase
-angle.  A Lambert surface of albedo 1 has r = mu0 / pi; r / mu0 is symmetric in mu0 and mu for
-every law here (Helmholtz reciprocity).
+irradiance of a surface facing the Sun.  The brightness of a body is the integral of r mu dA over
+the area that is both lit and seen, in m2/sr.  mu0 and mu are the cosines of incidence and emission,
+alpha is the phase angle.  A Lambert surface of albedo 1 has r = mu0 / pi; r / mu0 is symmetric in
+mu0 and mu for every law here (Helmholtz reciprocity).
 
-law          `Law`, the base of all laws: what a new kind defines; the laws by name
+law          `Law`, the base class: what a new law defines; the registry of laws by name
 weighted     Lambert's and Lommel-Seeliger's laws, and their sum
 hapke        Hapke's law
-materials    a diffuse part and a gloss, for all facets or by name; `lobes`, its compiled functions
-parameters   ranges and units of the numbers of a law
-reflectances arrays of r of laws that are evaluated facet by facet
+materials    a diffuse part and a glossy lobe, for all facets or by name
+lobes        the compiled functions of `materials`
+parameters   ranges and units of the parameters of a law
+reflectances arrays of r for laws that are evaluated facet by facet
 phase        phase functions of whole asteroids
 """
 
@@ -21,7 +22,7 @@ from pkgutil import iter_modules
 from attitude.scattering.hapke import Hapke
 from attitude.scattering.law import Law, forget, law, laws
 from attitude.scattering.materials import Material, Materials
-from attitude.scattering.parameters import parameter
+from attitude.scattering.parameters import NumberField, parameter
 from attitude.scattering.phase import hg, hg1g2
 from attitude.scattering.weighted import Lambert, LommelSeeliger, LommelSeeligerLambert
 
@@ -33,6 +34,7 @@ __all__ = [
     "LommelSeeligerLambert",
     "Material",
     "Materials",
+    "NumberField",
     "forget",
     "hg",
     "hg1g2",
@@ -41,6 +43,6 @@ __all__ = [
     "parameter",
 ]
 
-# A law in a file of its own is known by its name: defining the class registers it.
+# Defining a law registers its name: import every module, so that a new file needs no entry here.
 for _each in iter_modules(__path__, f"{__name__}."):
     import_module(_each.name)

@@ -1,7 +1,9 @@
-"""What a scattering law is, and the laws by their names."""
+"""The base class of scattering laws, and the registry of laws by name."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -11,52 +13,61 @@ from attitude.errors import AttitudeError
 from attitude.scattering.parameters import geometry
 from attitude.scattering.reflectances import reflectances
 
-_by_name = {}
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, IntArray, Reals
+    from attitude.scattering.parameters import Parameter
+
+_by_name: dict[str, type[Law]] = {}
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """How a surface element returns sunlight; the base of all laws.
+    """How a surface element returns sunlight; the base class of all laws.
 
-    What a new kind of law defines
-    ------------------------------
+    What a new law defines
+    ----------------------
     A law is a frozen dataclass that derives from `Law`, in a file of its own.  It has
 
     ``name``
-        The word that stands for it in `scattering.law`, in a Scene and in mission files.  Defining
-        the class registers the name.  None leaves the law unnamed.
+        The name of the law in `scattering.law`, Scene and mission files.  Defining the class
+        registers the name.  A law with name None is not registered.
     fields
-        Each made by `parameter`, with the range and the unit of a number, or the words that are
-        allowed.  Constructor and mission files check and convert by these what is given.
+        Each annotated `NumberField` or ``str`` and defined by `parameter`, with the range and the
+        unit of a number, or the words that are allowed.  The constructor and mission files check
+        and convert their input by these.
 
     and one of the following two.
 
-    ``weights``, perhaps with ``phase``
+    ``weights``, and ``phase`` if r depends on the phase angle
         For r = f(alpha) mu0 [a / (mu0 + mu) + b]: the pair (a, b) in 1/sr as a property, and f as
-        ``phase(alpha)``, 1 unless defined.  ``has_ellipsoid_form = True`` says that b is always 0:
-        the brightness of an ellipsoid is then a closed form.
-    ``of_phase`` and ``element``, perhaps with ``rows``
+        ``phase(alpha)``, 1 by default.  ``has_ellipsoid_form = True`` states that b is always 0:
+        the brightness of an ellipsoid then has a closed form.
+    ``of_phase`` and ``element``, and ``rows`` if facets differ
         For any other r, evaluated facet by facet: two functions under
-        `compilation.decorators.reduction_subroutine`.  ``element(row, now, mu0, mu)`` returns
-        r / mu0 in 1/sr for positive mu0 and mu.  ``of_phase(row, cos_half, sin_half, now)`` writes
-        what depends on the phase angle alone into ``now``, at most `reflectances.TERMS` numbers.
-        It gets cosine and sine of half the angle, since a cosine of the whole would lose half of
-        its digits near opposition.  ``row`` holds the fields in their order; a law under which
-        facets differ defines ``rows``.  The loops over facets are compiled for each pair.
+        `compilation.decorators.reduction_subroutine`.  ``element(row, phase_terms, mu0, mu)``
+        returns r / mu0 in 1/sr for positive mu0 and mu.  ``of_phase(row, cos_half, sin_half,
+        phase_terms)`` writes the terms that depend on the phase angle alone, at most
+        `reflectances.TERMS` numbers.  Its arguments are cosine and sine of half the angle, since
+        the cosine of the whole angle loses half of its digits near opposition.  ``row`` holds the
+        fields in their order, or is one of several ``rows``.  The loops over facets are compiled
+        for each pair.
 
     r / mu0 is symmetric in mu0 and mu (Helmholtz reciprocity).
     """
 
     name: ClassVar[str | None] = None
     has_ellipsoid_form: ClassVar[bool] = False
-    weights = None
-    of_phase = None
-    element = None
+    of_phase: ClassVar[Compilable | None] = None
+    element: ClassVar[Compilable | None] = None
 
-    def __init_subclass__(cls, **options):
+    def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         compiled = [isinstance(each, Compilable) for each in (cls.of_phase, cls.element)]
-        if (cls.weights is None) != all(compiled):
+        if cls._has_weights() == all(compiled):
             raise AttitudeError(
                 f"the law {cls.__name__} must define either weights, or of_phase and element under "
                 "attitude.compilation.decorators.reduction_subroutine; see attitude.scattering.Law."
@@ -64,73 +75,102 @@ class Law:
         if cls.__dict__.get("name") is not None:
             _register(cls)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, parameter in self.parameters().items():
             object.__setattr__(self, name, parameter.accepted(getattr(self, name), name))
 
     @classmethod
-    def parameters(cls):
-        """What each field takes: a dict of `parameters.Parameter` by name, in order."""
+    def parameters(cls) -> dict[str, Parameter]:
+        """Ranges, units and words of the fields: a dict of `parameters.Parameter`, in order.
+
+        Raises
+        ------
+        AttitudeError
+            For a field that `parameter` did not define.
+        """
         found = {}
         for each in fields(cls):
             if "parameter" not in each.metadata:
                 raise AttitudeError(
                     f"the field {each.name} of the law {cls.__name__} has neither range nor words; "
-                    "make it by attitude.scattering.parameter(...)."
+                    "define it by attitude.scattering.parameter(...)."
                 )
             found[each.name] = each.metadata["parameter"]
         return found
 
     @classmethod
-    def required(cls):
-        """Names of the fields that have no usual value."""
+    def required(cls) -> list[str]:
+        """Names of the fields without a default."""
         return [name for name, each in cls.parameters().items() if each.is_required]
 
+    @classmethod
+    def _has_weights(cls) -> bool:
+        return cls.weights is not None and cls.weights is not Law.weights
+
     @property
-    def has_phase(self):
-        """Whether `phase` is other than 1."""
+    def weights(self) -> tuple[float, float] | None:
+        """(a, b) in 1/sr of r = f(alpha) mu0 [a / (mu0 + mu) + b]; None if r has another form."""
+        return None
+
+    @property
+    def has_phase(self) -> bool:
+        """Whether the law defines `phase`."""
         return type(self).phase is not Law.phase
 
-    def phase(self, alpha):
-        """The factor f(alpha) of a law with weights, for alpha in rad; 1 unless it is defined."""
+    def phase(self, alpha: ArrayLike) -> FloatArray:
+        """The factor f(alpha) of a law with `weights`, for alpha (...) in rad; 1 by default."""
         return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
 
-    def row(self):
-        """The numbers that the compiled functions are given, (W,): the fields in order.
+    def row(self) -> FloatArray:
+        """The fields in order as the compiled functions read them, (W,).
 
-        A word is the number of its place among those allowed.
+        A word is represented by its index among the words allowed.
         """
         found = [each.as_number(getattr(self, name)) for name, each in self.parameters().items()]
         return np.array(found, dtype=np.float64)
 
-    def rows(self, materials):
-        """(M, W) rows of numbers, and (F,) which of them each facet has.
+    def rows(self, materials: Sequence[str]) -> tuple[FloatArray, IntArray]:
+        """Rows of numbers (M, W), and the index (F,) of the row of each facet.
 
-        ``materials`` are the names that the facets carry; one row serves all unless a law says
-        otherwise.
+        ``materials`` are the names of the facets.  All facets share one row unless a law overrides
+        this method.
         """
         return self.row()[None], np.zeros(len(materials), dtype=np.int64)
 
-    def reflectance(self, mu0, mu, alpha):
-        """r in 1/sr for cosines of incidence and emission and the phase angle (rad).
+    def reflectance(self, mu0: Reals, mu: Reals, alpha: Reals) -> FloatArray:
+        """r in 1/sr, for cosines of incidence and emission and the phase angle (rad).
 
-        Zero where mu0 or mu is not positive: the element is dark or turned away.
+        Arguments broadcast.  r is 0 where mu0 or mu is not positive: the element is dark or turned
+        away.
+
+        Raises
+        ------
+        AttitudeError
+            For cosines beyond -1 to 1, phase angles beyond 0 to pi, or shapes that do not
+            broadcast.
         """
         mu0, mu, alpha = geometry(mu0, mu, alpha)
-        if self.weights is None:
+        weights = self.weights
+        if weights is None:
+            assert self.of_phase is not None and self.element is not None
             out = np.empty(mu0.shape)
             flat = [np.ascontiguousarray(each).reshape(-1) for each in (mu0, mu, 0.5 * alpha)]
             reflectances(self.of_phase, self.element)(self.row(), *flat, out.reshape(-1))
             return out
         shown = (mu0 > 0.0) & (mu > 0.0)
         together = np.where(shown, mu0 + mu, 1.0)
-        a, b = self.weights
+        a, b = weights
         value = self.phase(alpha) * (a * (mu0 / together) + b * mu0)
         return np.where(shown, value, 0.0)
 
 
-def law(given):
-    """The law itself, or the one with usual parameters that a name stands for.
+def law(given: str | Law) -> Law:
+    """The law itself, or the law of a name with its default parameters.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown name, the name of a law with a field that has no default, or anything else.
 
     Examples
     --------
@@ -141,12 +181,12 @@ def law(given):
         return given
     if isinstance(given, type) and issubclass(given, Law):
         raise AttitudeError(
-            f"law is the class {given.__name__}; give one of its values: {given.__name__}(...)."
+            f"law is the class {given.__name__}; give an instance: {given.__name__}(...)."
         )
     made = _by_name.get(given) if isinstance(given, str) else None
     if made is not None and made.required():
         raise AttitudeError(
-            f"law is {given!r}, which has no usual {' and '.join(made.required())}; give "
+            f"law is {given!r}, which has no default for {' and '.join(made.required())}; give "
             f"{made.__module__}.{made.__qualname__}(...)."
         )
     if made is None:
@@ -158,24 +198,31 @@ def law(given):
     return made()
 
 
-def laws():
-    """The classes of all laws that have a name: a dict by name, those with weights first."""
-    return dict(sorted(_by_name.items(), key=lambda each: (each[1].weights is None, each[0])))
+def laws() -> dict[str, type[Law]]:
+    """The classes of all registered laws, a dict by name: first the laws with `weights`."""
+    return dict(sorted(_by_name.items(), key=lambda each: (not each[1]._has_weights(), each[0])))
 
 
-def forget(name):
-    """Take a name out of `laws`, as at the end of a test that defines a law."""
+def forget(name: str) -> None:
+    """Remove a name from the registry, as at the end of a test that defines a law.
+
+    Raises
+    ------
+    AttitudeError
+        For a name that is not registered.
+    """
     if name not in _by_name:
         raise AttitudeError(f"no law is called {name!r}; known are {', '.join(laws())}.")
     del _by_name[name]
 
 
-def _register(made):
-    """Enter a class; one that is defined anew, as in a notebook, takes the place of its former."""
-    other = _by_name.get(made.name, made)
+def _register(made: type[Law]) -> None:
+    """Register a class; a class defined again, as in a notebook, replaces its former definition."""
+    name = str(made.name)
+    other = _by_name.get(name, made)
     if (other.__module__, other.__qualname__) != (made.__module__, made.__qualname__):
         raise AttitudeError(
-            f"the law {made.__module__}.{made.__qualname__} is called {made.name!r}, as is "
+            f"the law {made.__module__}.{made.__qualname__} is called {name!r}, as is "
             f"{other.__module__}.{other.__qualname__}; give it another name."
         )
-    _by_name[made.name] = made
+    _by_name[name] = made

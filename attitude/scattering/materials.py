@@ -1,13 +1,21 @@
-"""What spacecraft are made of: a diffuse part and a gloss, facet by facet."""
+"""Surface materials of spacecraft: a diffuse part and a glossy lobe, facet by facet."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.scattering import lobes
 from attitude.scattering.law import Law
-from attitude.scattering.parameters import parameter
+from attitude.scattering.parameters import NumberField, parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from attitude.annotations import FloatArray, IntArray, Reals
 
 
 @dataclass(frozen=True)
@@ -17,23 +25,27 @@ class Material(Law):
     Parameters
     ----------
     diffuse, specular : float
-        Shares of the light, each 0 to 1, together at most 1.
+        Fractions of the light, each 0 to 1, together at most 1.
     model : "phong" or "cook-torrance"
-        Phong's lobe in its reciprocal, energy-conserving form,
-        specular (n + 2) / (2 pi) cos^n, of the angle to the mirror direction; or Cook and
-        Torrance's, specular D F G / (4 mu0 mu), with Beckmann's facets, Schlick's Fresnel term
-        and V-shaped grooves.
+        Phong's lobe in its reciprocal, energy-conserving form, specular (n + 2) / (2 pi) cos^n
+        of the angle to the mirror direction; or Cook and Torrance's, specular D F G / (4 mu0 mu),
+        with Beckmann's micro-facets, Schlick's Fresnel term and V-shaped grooves.
     exponent : float
         n of Phong's lobe, 1 to 1e6; its half-width is near 1.18 / sqrt(n) rad.
     roughness : float
         rms slope m of Cook and Torrance's micro-facets, 0.001 to 1.
     f0 : float
-        Their reflectance at normal incidence, 0 to 1.
+        Reflectance of the micro-facets at normal incidence, 0 to 1.
+
+    Raises
+    ------
+    AttitudeError
+        For a value out of its range, or diffuse + specular above 1.
 
     Notes
     -----
-    The Sun is a point here: a lobe narrower than its disc (4.7 mrad) flashes too bright and too
-    briefly; keep exponents below 1e5 unless that is meant.
+    The model treats the Sun as a point: a lobe narrower than its disc (4.7 mrad) gives flashes that
+    are too bright and too short.  Keep exponents below 1e5 unless a point source is intended.
 
     Source: Lafortune & Willems, CW 197, KU Leuven, 1994, eq. 9 (Phong); Cook & Torrance, ACM
     Trans. Graphics 1, 7, 1982; Schlick, Computer Graphics Forum 13, 233, 1994, eq. 15.
@@ -43,14 +55,14 @@ class Material(Law):
     of_phase = lobes.of_phase
     element = lobes.element
 
-    diffuse: float = parameter(low=0.0, high=1.0)
-    specular: float = parameter(0.0, low=0.0, high=1.0)
+    diffuse: NumberField = parameter(low=0.0, high=1.0)
+    specular: NumberField = parameter(0.0, low=0.0, high=1.0)
     model: str = parameter("phong", words=lobes.MODELS)
-    exponent: float = parameter(100.0, low=1.0, high=1e6)
-    roughness: float = parameter(0.1, low=1e-3, high=1.0)
-    f0: float = parameter(1.0, low=0.0, high=1.0)
+    exponent: NumberField = parameter(100.0, low=1.0, high=1e6)
+    roughness: NumberField = parameter(0.1, low=1e-3, high=1.0)
+    f0: NumberField = parameter(1.0, low=0.0, high=1.0)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         super().__post_init__()
         if self.diffuse + self.specular > 1.0 + 1e-12:
             raise AttitudeError(
@@ -64,7 +76,13 @@ class Materials(Law):
 
     Parameters
     ----------
-    by_name : dict of str to Material
+    by_name : mapping of str to Material
+        Materials by the name of a group of facets.
+
+    Raises
+    ------
+    AttitudeError
+        For an empty mapping, or values that are not `Material`.
 
     Examples
     --------
@@ -75,8 +93,9 @@ class Materials(Law):
 
     of_phase = lobes.of_phase
     element = lobes.element
+    _by_name: dict[str, Material]
 
-    def __init__(self, by_name):
+    def __init__(self, by_name: Mapping[str, Material]) -> None:
         try:
             by_name = dict(by_name)
         except (TypeError, ValueError) as err:
@@ -92,7 +111,7 @@ class Materials(Law):
                 )
         object.__setattr__(self, "_by_name", by_name)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Material:
         if name not in self._by_name:
             known = ", ".join(repr(n) for n in self._by_name)
             raise AttitudeError(
@@ -101,15 +120,18 @@ class Materials(Law):
             )
         return self._by_name[name]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Materials({self._by_name!r})"
 
-    def reflectance(self, mu0, mu, alpha, *, material):
-        """`Material.reflectance` of the material of that name."""
+    # Facets of different materials reflect differently, so the name has no default.
+    def reflectance(  # type: ignore[override]
+        self, mu0: Reals, mu: Reals, alpha: Reals, *, material: str
+    ) -> FloatArray:
+        """`Law.reflectance`, in 1/sr, of the material with a name; AttitudeError if unknown."""
         return self[material].reflectance(mu0, mu, alpha)
 
-    def rows(self, materials):
-        """(M, W) rows of numbers, and (F,) which of them each facet has."""
+    def rows(self, materials: Sequence[str]) -> tuple[FloatArray, IntArray]:
+        """Rows of numbers (M, W), one for each name, and the row index (F,) of each facet."""
         names = sorted(set(materials))
         rows = np.array([self[name].row() for name in names])
         number = {name: k for k, name in enumerate(names)}

@@ -1,11 +1,19 @@
-"""Phase functions of whole asteroids, as the IAU adopted them: reduced magnitudes from H."""
+"""Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H."""
+
+from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude.annotations import FloatArray, Real, Reals
 
 # Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
 _NODES = np.array([7.5, 30.0, 60.0, 90.0, 120.0, 150.0])
@@ -23,7 +31,7 @@ _PHI3 = np.concatenate(
 _SLOPES3 = (-1.0630097, 0.0)
 
 
-def hg(alpha, h=0.0, g=0.15):
+def hg(alpha: Reals, h: Real = 0.0, g: Real = 0.15) -> FloatArray:
     """Reduced magnitude H - 2.5 log10[(1 - G) phi1 + G phi2].
 
     Parameters
@@ -31,15 +39,20 @@ def hg(alpha, h=0.0, g=0.15):
     alpha : array_like
         Phase angle, rad, 0 to pi.
     h, g : float
-        Absolute magnitude, and slope parameter from -0.25 to 1.2, within which the function
+        Absolute magnitude (mag), and slope parameter from -0.25 to 1.2, within which the function
         falls with alpha and stays positive.
 
     Returns
     -------
-    array
+    array, of the shape of alpha
         Magnitudes; inf at alpha = pi.
 
-    Source: Bowell et al., Asteroids II, 1989, eq. A4.  Given for alpha up to 120 deg.
+    Raises
+    ------
+    AttitudeError
+        For alpha or g out of range, or numbers that are not finite.
+
+    Source: Bowell et al., Asteroids II, 1989, eq. A4, stated there for alpha up to 120 deg.
     """
     alpha = _angle(alpha)
     h = validation.number(h, "h", unit="mag")
@@ -57,7 +70,7 @@ def hg(alpha, h=0.0, g=0.15):
     return h + _magnitude((1.0 - g) * parts[0] + g * parts[1])
 
 
-def hg1g2(alpha, h=0.0, g1=0.62, g2=0.14):
+def hg1g2(alpha: Reals, h: Real = 0.0, g1: Real = 0.62, g2: Real = 0.14) -> FloatArray:
     """Reduced magnitude H - 2.5 log10[G1 phi1 + G2 phi2 + (1 - G1 - G2) phi3].
 
     Parameters
@@ -65,17 +78,22 @@ def hg1g2(alpha, h=0.0, g1=0.62, g2=0.14):
     alpha : array_like
         Phase angle, rad, 0 to pi.
     h, g1, g2 : float
-        Absolute magnitude; weights, each not below 0 and together not above 1.
+        Absolute magnitude (mag); weights, each at least 0 and together at most 1.
 
     Returns
     -------
-    array
-        Magnitudes; inf where the function has reached 0.
+    array, of the shape of alpha
+        Magnitudes; inf where the function is 0.
+
+    Raises
+    ------
+    AttitudeError
+        For alpha or weights out of range, or numbers that are not finite.
 
     Notes
     -----
-    phi1 and phi2 are linear below 7.5 deg, splines to 150 deg, and go on along the spline's
-    end slope from there, which the paper leaves open: phi1 reaches 0 at 152.3 deg.
+    phi1 and phi2 are linear below 7.5 deg and splines to 150 deg.  Beyond, which the paper leaves
+    open, they continue with the end slope of the spline: phi1 reaches 0 at 152.3 deg.
 
     Source: Muinonen et al., Icarus 209, 542, 2010, eq. 18 and tables 3, 4.
     """
@@ -92,8 +110,8 @@ def hg1g2(alpha, h=0.0, g1=0.62, g2=0.14):
 
 
 @lru_cache(maxsize=3)
-def _spline(k):
-    """One of the three basis functions, of radians."""
+def _spline(k: int) -> Callable[[FloatArray], Any]:
+    """Basis function phi1, phi2 or phi3 (k = 0, 1, 2) of the phase angle in rad."""
     from scipy.interpolate import CubicSpline
 
     nodes, values, slopes = (
@@ -106,7 +124,7 @@ def _spline(k):
 
     def function(alpha):
         inside = spline(np.clip(alpha, nodes[0], nodes[-1]))
-        # Exactly: phi3 is 0 from its last node on, which the spline meets but to rounding.
+        # phi3 is exactly 0 from its last node on; the spline meets its last value to rounding only.
         inside = np.where(alpha >= nodes[-1], values[-1], inside)
         before = slopes[0] * np.minimum(alpha - nodes[0], 0.0)
         after = slopes[1] * np.maximum(alpha - nodes[-1], 0.0)
@@ -115,8 +133,8 @@ def _spline(k):
     return function
 
 
-def _angle(alpha):
-    alpha = validation.real(alpha, "alpha", unit="rad")
+def _angle(given: Reals) -> FloatArray:
+    alpha: FloatArray = validation.real(given, "alpha", unit="rad")
     if np.any((alpha < 0.0) | (alpha > np.pi)):
         raise AttitudeError("alpha must lie from 0 to pi rad.")
     return alpha

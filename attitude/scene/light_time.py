@@ -1,18 +1,23 @@
-"""Where a target is seen from a viewer: at t, where the target was when its light left.
+"""Light-time corrected positions: at epoch t, the target where it emitted the light seen at t.
 
-The epoch of emission is t minus the light time, which depends on where the target was then: a
-fixed point, iterated until the target moves by less than rounding in what is left (SPICE's
-"converged Newtonian").  Positions are barycentric, as the speed of light is.
+The epoch of emission is t minus the light time, which depends on the position of the target at
+emission: a fixed point, iterated until the target moves by less than rounding in the remaining
+error of the light time (SPICE's "converged Newtonian").  Positions and the speed of light are
+barycentric.
 
-Near targets (below a light second) need care: the difference of two barycentric positions rounds
-by 3e-5 m, and most of what both have in common is the motion of the Earth.  There the light time
-shifts the viewer instead: target(t - T) - viewer(t) = [target - viewer](t - T) - T v(t - T/2),
-v being the barycentric velocity of the viewer; the bracket is formed without the Earth's distance
-to the Sun, and the next term of that series is T^3 / 24 times the viewer's jerk: 1e-9 m where both
-are in low orbit.
+For targets nearer than a light second the difference of two barycentric positions is too coarse:
+it rounds by 3e-5 m, and both contain the motion of the Earth.  There the light time shifts the
+viewer instead: target(t - T) - viewer(t) = [target - viewer](t - T) - T v(t - T/2), where v is the
+barycentric velocity of the viewer.  The bracket is computed without the Earth's distance from the
+Sun; the next term of the series is T^3 / 24 times the viewer's jerk: 1e-9 m where both are in low
+orbit.
 
 Source: NAIF, SPK Required Reading, "light time corrections"; Kaplan et al., AJ 97, 1197 (1989).
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,42 +28,56 @@ from attitude.paths.bodies import SSB
 from attitude.paths.path import Path, common_span, since, spelled
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.epochs import Instant
+    from attitude.paths import Ephemeris
+
 _NEAR = 1.0  # light seconds
 _EPS = np.finfo(np.float64).eps
 # Rounding of a difference of barycentric positions, in units of eps times their size.
 _ROUNDINGS = 2.0
 _NOISE = 1e3
-# The secant doubles the digits of each pass: 1e-4, 1e-12 and so on for planets.
+# Each secant step doubles the number of correct digits: 1e-4, 1e-12 and so on for planets.
 _MOST_PASSES = 30
 
 
 class Sightline(Path):
-    """From a viewer at t to a target as its light arrives at t.
+    """The path from a viewer at t to a target at the epoch at which its light left towards t.
 
     Parameters
     ----------
-    target, viewer : Path or str
-    ephemeris : see `paths.relative`
+    target, viewer : Path, str or int
+    ephemeris : Ephemeris or None
+        See `paths.relative`.
     sample : (Instant, array, array)
-        Some epochs at which it will be asked, which tell whether the target is near.
+        Some of the epochs at which the path will be evaluated; they decide whether the target is
+        near.
 
     Attributes
     ----------
     is_near : bool
+        Whether the target is nearer than a light second at some epoch of the sample.
     """
 
-    def __init__(self, target, viewer, ephemeris, sample):
+    def __init__(
+        self,
+        target: Path | str | int,
+        viewer: Path | str | int,
+        ephemeris: Ephemeris | None,
+        sample: tuple[Instant, FloatArray, FloatArray],
+    ) -> None:
         self.geometric = relative(target, viewer, ephemeris)
         self.target = relative(target, SSB, ephemeris)
         self.viewer = relative(viewer, SSB, ephemeris)
         self.name, self.center = self.geometric.name, self.geometric.center
         self.source = self.geometric.source
-        # The target may be asked for before its span only: that is told where it happens.
+        # The span of the target ends a light time later here; the target itself checks it.
         self.span = None
         self._ends = common_span([self.target])
         geometric = self._guess(*sample, self.geometric)
         self.is_near = bool(np.max(_length(geometric), initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
-        # The largest number that enters a difference.
+        # The largest number that enters a difference of positions, m.
         self._size = 0.0
         if not self.is_near:
             self._size = float(np.max(np.abs(self.viewer._position(*sample)), initial=0.0))
@@ -81,52 +100,58 @@ class Sightline(Path):
         return seen, moved * (1.0 - rate) - own
 
     def _solved(self, instant, hi, lo):
-        """The vectors (3, N), and light times (N,) as used to find them."""
-        look = self._near(instant, hi, lo) if self.is_near else self._far(instant, hi, lo)
-        seen, light = look(None), np.zeros(hi.size)
+        """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
+        vectors_at = self._near(instant, hi, lo) if self.is_near else self._far(instant, hi, lo)
+        seen, light = vectors_at(None), np.zeros(hi.size)
         limit = self._rounding(seen)
         found = _length(seen) / SPEED_OF_LIGHT_M_S
         used, speed, slope = light, np.zeros(hi.size), np.zeros(hi.size)
         for _ in range(_MOST_PASSES):
             light = used + (found - used) / (1.0 - slope)
-            before, seen = seen, look(light)
+            before, seen = seen, vectors_at(light)
             change, found_before = light - used, found
             found, used = _length(seen) / SPEED_OF_LIGHT_M_S, light
-            # Once an epoch has settled its differences are rounding: what they told is kept.
+            # At an epoch that has converged the differences are rounding: the last slope is kept.
             moves = np.abs(change) > _NOISE * limit / SPEED_OF_LIGHT_M_S
             np.divide(_length(seen - before), np.abs(change), out=speed, where=moves)
             np.divide(found - found_before, change, out=slope, where=moves)
-            # What is wrong with `seen`: the way of the target in what the light time is off.
+            # The error of `seen` is the way of the target in the error of the light time.
             if not np.max(speed * np.abs(found - light), initial=0.0) > limit:
                 return seen, light
         raise AttitudeError(
-            f"the light of {self.name} does not arrive at {spelled(instant.after(float(hi[0])))} "
-            "or near it: it moves as fast as light; give paths in m and m/s."
+            f"the light time of {self.name} does not converge near "
+            f"{spelled(instant.after(float(hi[0])))}: the target moves as fast as light; give "
+            "paths in m and m/s."
         )
 
     def _far(self, instant, hi, lo):
+        """A function of light times (N,), or None for none: vectors from barycentric positions."""
         own = self.viewer._position(instant, hi, lo)
 
-        def look(light):
+        def vectors_at(light):
             if light is None:
                 return self._guess(instant, hi, lo, self.target) - own
             return self.target._position(instant, *_earlier(hi, lo, light)) - own
 
-        return look
+        return vectors_at
 
     def _near(self, instant, hi, lo):
-        def look(light):
+        """As `_far`, by the series for near targets."""
+
+        def vectors_at(light):
             if light is None:
                 return self._guess(instant, hi, lo, self.geometric)
             seen = self.geometric._position(instant, *_earlier(hi, lo, light))
             middle = _earlier(hi, lo, 0.5 * light)
             return seen - light * self.viewer._state(instant, *middle)[1]
 
-        return look
+        return vectors_at
 
     def _guess(self, instant, hi, lo, path):
-        """Positions at the epochs themselves; the last known one after the end of the target's
-        span, since it is asked for an epoch before."""
+        """Positions at the epochs of reception, the first guess of the fixed point.
+
+        After the end of the target's span, the position at that end: emission is earlier.
+        """
         if self._ends is not None and hi.size:
             last = since(self._ends[1], instant)
             beyond = (hi - last[0]) + (lo - last[1]) > 0.0

@@ -1,6 +1,9 @@
-"""Lines of sight at many epochs: directions and distances, compressed where that pays."""
+"""Lines of sight at many epochs: directions and distances, compressed where that is cheaper."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,52 +11,64 @@ from attitude import paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
 from attitude.paths.path import Path, spelled
+from attitude.paths.uniform import Direction
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from attitude.annotations import FloatArray
+    from attitude.epochs import Instant
+    from attitude.paths.place import Place
+
+    # Epochs: an instant, and seconds from it as two doubles, hi (N,) and lo (N,) or (1,).
+    Sample: TypeAlias = tuple[Instant, FloatArray, FloatArray]
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16
-# Fewer epochs are not worth a fit.
+# Fewer epochs are evaluated faster than fitted.
 _FEWEST = 2000
-# A fit may ask for so many states for each epoch; a state costs about two positions.
+# States that a fit may evaluate, per epoch; a state costs about two positions.
 _SHARE = 0.25
-# What a fit may turn a direction by, rad; asked for with some reserve.
-_TURN, _ASKED = 4e-10, 1e-10
+# Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
+_LARGEST_TURN, _AIMED_TURN = 4e-10, 1e-10
 _SAMPLE = 65
 
 
 @dataclass(frozen=True, eq=False)
 class Line(Immutable):
-    """What a line of sight was at each epoch.
+    """A line of sight at each epoch: direction and distance.
 
     Attributes
     ----------
     unit : (3, N) or (3, 1) array
-        Direction in ICRF; (3, 1) where it is the same at all epochs.
+        Unit vectors, ICRF; (3, 1) if the direction is the same at all epochs.
     distance : (N,) array or None
-        m; None for what is infinitely far away.
+        m; None for a `paths.Direction`, which is infinitely far away.
     source : str
         Where the positions come from.
     error : float or None
-        m, the largest measured error of the compression; None where there was none.
+        Largest measured error of the compression, m; None without a compression.
     """
 
-    unit: np.ndarray
-    distance: np.ndarray
+    unit: FloatArray
+    distance: FloatArray | None
     source: str
-    error: float = None
+    error: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         frozen(self.unit)
         if self.distance is not None:
             frozen(self.distance)
 
 
-def fixed(direction):
-    """The line towards a `paths.direction`."""
-    return Line(direction.unit[:, None].copy(), None, repr(direction))
+def fixed(place: Place) -> Line:
+    """The Line towards a `paths.Direction`."""
+    assert isinstance(place, Direction)
+    return Line(place.unit[:, None].copy(), None, repr(place))
 
 
-def sample(instant, hi, lo):
-    """Some of the epochs, finite ones, the first and last before others: (instant, hi, lo)."""
+def sample(instant: Instant, hi: FloatArray, lo: FloatArray) -> Sample:
+    """The first and the last of the finite epochs, then some of them in the order given."""
     total = hi if lo.size == 1 and lo[0] == 0.0 else hi + lo
     # The sum is finite exactly where every term of it is.
     known = slice(None) if np.isfinite(total.sum()) else np.isfinite(total)
@@ -65,22 +80,33 @@ def sample(instant, hi, lo):
     return instant, np.concatenate([hi[ends], hi[every]]), np.concatenate([lo[ends], lo[every]])
 
 
-def seen(path, instant, hi, lo, some, tolerance, sign=1.0):
-    """The Line of a path of vectors at epochs hi (N,), lo (N,) or (1,).
+def seen(
+    path: Path,
+    instant: Instant,
+    hi: FloatArray,
+    lo: FloatArray,
+    some: Sample,
+    tolerance: float | None,
+    sign: float = 1.0,
+) -> Line:
+    """The Line along the position vectors of a path.
 
     Parameters
     ----------
+    path : Path
+    instant, hi, lo
+        The epochs: seconds hi (N,) and lo (N,) or (1,) from the instant.
     some : tuple
         The `sample` of the epochs.
     tolerance : float or None
-        m that a compression may err by; None for no compression.
+        Largest error of a compression, m; None for no compression.
     sign : float
         -1.0 for the directions opposite to the vectors of the path.
 
     Raises
     ------
     AttitudeError
-        Where a distance is zero.
+        If a distance is zero.
     """
     if tolerance is not None and hi.size >= _FEWEST:
         line = _compressed(path, instant, hi, lo, some, tolerance, sign)
@@ -90,7 +116,7 @@ def seen(path, instant, hi, lo, some, tolerance, sign=1.0):
 
 
 def _compressed(path, instant, hi, lo, some, tolerance, sign):
-    """The Line by a compression of the path, or None where that costs more than it saves."""
+    """The Line by a compression of the path, or None if that costs more than it saves."""
     if not some[1].size:
         return None
     nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
@@ -98,22 +124,24 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
     if not sum(last) > sum(first):
         return None
     metered = Metered(path, int(_SHARE * hi.size))
-    # Samples may miss the nearest point: then once more, for what was found.
+    # The sample may miss the nearest point: the second pass takes the distance found by the first.
     for _ in range(2):
-        asked = min(tolerance, _ASKED * nearest)
+        aim = min(tolerance, _AIMED_TURN * nearest)
         try:
-            small = paths.compress(metered, instant.after(*first), instant.after(*last), asked)
+            small = paths.compress(metered, instant.after(*first), instant.after(*last), aim)
         except AttitudeError:
-            # Too dear, or not smooth enough; whatever else is wrong is told by the path itself.
+            # Too many states, or not smooth enough.  Any other error recurs when the path itself
+            # is evaluated.
             return None
         line = _evaluated(small, instant, hi, lo, path, sign, small.error)
         nearest = np.nanmin(line.distance)
-        if small.error <= _TURN * nearest:
+        if small.error <= _LARGEST_TURN * nearest:
             return line
     return None
 
 
-def _evaluated(path, instant, hi, lo, told, sign, error=None):
+def _evaluated(path, instant, hi, lo, original, sign, error=None):
+    """The Line of a path; messages and the source name the original of a compressed path."""
     from attitude.scene import loops
 
     unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
@@ -125,11 +153,11 @@ def _evaluated(path, instant, hi, lo, told, sign, error=None):
     at = np.flatnonzero(distance == 0.0)
     if at.size:
         raise AttitudeError(
-            f"{told.name} and {_named(told.center)} are in one place at "
-            f"{spelled(instant.after(float(hi[at[0]])))}, so that neither is seen from the other; "
-            "give two different ones."
+            f"{original.name} and {_named(original.center)} are in one place at "
+            f"{spelled(instant.after(float(hi[at[0]])))}, where the direction from one to the "
+            "other is undefined; give two different ones."
         )
-    return Line(unit, distance, told.source, error)
+    return Line(unit, distance, original.source, error)
 
 
 def _named(center):
@@ -137,9 +165,16 @@ def _named(center):
 
 
 class Metered(Path):
-    """A path that may be asked for so many states, and no more."""
+    """A path that raises an AttitudeError after a number of states, to bound the cost of a fit.
 
-    def __init__(self, path, budget):
+    Parameters
+    ----------
+    path : Path
+    budget : int
+        Number of states that may be evaluated.
+    """
+
+    def __init__(self, path: Path, budget: int) -> None:
         self.path, self.left = path, budget
         self.name, self.center, self.source = path.name, path.center, path.source
         self.span, self.roughness = path.span, path.roughness
@@ -148,6 +183,7 @@ class Metered(Path):
         self.left -= hi.size
         if self.left < 0:
             raise AttitudeError(
-                f"{self.name} takes more states to compress than are worth it; evaluate it itself."
+                f"the compression of {self.name} needs more states than direct evaluation; "
+                "evaluate the path itself."
             )
         return self.path._state(instant, hi, lo)

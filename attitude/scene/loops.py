@@ -1,4 +1,4 @@
-"""The compiled loops of a scene: lengths and directions, emission epochs."""
+"""The compiled loops of a scene: lengths and directions of vectors, epochs of emission."""
 
 import math
 
@@ -8,7 +8,7 @@ from attitude.solution.twofloat import two_sum
 
 @entry_point
 def normalised(vectors, sign, begin, unit, length):
-    """Unit vectors, times a sign, and lengths of vectors (3, N), into columns `begin` and on."""
+    """Unit vectors times a sign, and lengths, of vectors (3, N), into columns from `begin` on."""
     for k in range(vectors.shape[1]):
         x, y, z = vectors[0, k], vectors[1, k], vectors[2, k]
         size = math.sqrt(x * x + y * y + z * z)
@@ -20,7 +20,7 @@ def normalised(vectors, sign, begin, unit, length):
 
 @entry_point
 def earlier(hi, lo, distance, light, out_hi, out_lo):
-    """The epochs hi + lo minus distance over the speed of light, as pairs; lo (N,) or (1,)."""
+    """The epochs hi + lo - distance / light as pairs (N,); lo (N,) or (1,), `light` in m/s."""
     step = 0 if lo.size == 1 else 1
     for k in range(hi.size):
         s, e = two_sum(hi[k], -(distance[k] / light))

@@ -1,24 +1,32 @@
-"""The part of a view that needs a shape: how bright the body is."""
+"""The quantities of a view that need a shape: brightness and magnitudes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.scene.lazy import quantity
+from attitude.scene.pointing import Pointing
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
 
-class Brightness:
-    """Mixed into `View`."""
+class Brightness(Pointing):
+    """Base of `View`: adds the brightness of the scene's shape under its scattering law."""
 
     @quantity("m2 / sr")
-    def brightness(self):
+    def brightness(self) -> FloatArray:
         """Intensity towards the observer over the Sun's irradiance on the body, in sunlight."""
         from attitude import light_curve
 
         scene = self.scene
         if scene.shape is None:
             raise AttitudeError(
-                "brightness needs a shape; give the scene shape=, an Ellipsoid or Mesh of "
-                "attitude.shape."
+                "brightness needs a shape, and the scene has none; give it shape=, an Ellipsoid or "
+                "Mesh of attitude.shape."
             )
         sun, observer = (self._flat(v) for v in (self.sun_direction, self.observer_direction))
         known = np.flatnonzero(np.isfinite(sun[0]))
@@ -34,7 +42,7 @@ class Brightness:
         return self._numbers(found)
 
     @quantity("mag")
-    def reduced_magnitude(self):
+    def reduced_magnitude(self) -> FloatArray:
         """Magnitude at 1 au from Sun and observer, V(1, 1, alpha), in full sunlight."""
         from attitude import light_curve
 
@@ -55,15 +63,15 @@ class Brightness:
         return self._numbers(out)
 
     @quantity("mag")
-    def magnitude(self):
+    def magnitude(self) -> FloatArray:
         """Apparent magnitude, in the shadow that other bodies cast; inf where nothing is seen."""
         from attitude.light_curve import magnitudes
 
-        for found, name in ((self.sun_line, "sun"), (self.observer_line, "observer")):
-            if found.distance is None:
+        for line, name in ((self.sun_line, "sun"), (self.observer_line, "observer")):
+            if line.distance is None:
                 raise AttitudeError(
-                    f"the {name} is a direction, infinitely far away, where an apparent magnitude "
-                    "has no meaning; ask for reduced_magnitude, or give a path."
+                    f"the {name} is a direction, infinitely far away, for which an apparent "
+                    "magnitude is undefined; use reduced_magnitude, or give a path."
                 )
         found = np.array(self.reduced_magnitude).reshape(-1)
         known = ~np.isnan(found)

@@ -1,6 +1,9 @@
-"""What is seen from where: a motion, the path of its body, an observer and the Sun."""
+"""The setting of an observation: a motion, the path of its body, an observer and the Sun."""
+
+from __future__ import annotations
 
 import datetime
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,56 +13,88 @@ from attitude.immutable import Immutable
 from attitude.motion import motion_of
 from attitude.paths.bodies import body_name, naif_index
 from attitude.paths.composed import NamedBody
-from attitude.paths.ephemeris_source import Ephemeris
 from attitude.paths.place import Place
 from attitude.scattering import law as known_law
 from attitude.scene import shadow
 from attitude.scene.view import View
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import Epochs, FloatArray, Real, Reals
+    from attitude.light_curve import Visibility
+    from attitude.motion import Motion
+    from attitude.paths import Direction, Ephemeris, Path
+    from attitude.paths.ephemeris_source import EphemerisLike
+    from attitude.scattering import Law
+    from attitude.shape import Ellipsoid, Mesh
+
 
 class Scene(Immutable):
-    """A rotating body, where it is, who looks at it, and what lights it.
+    """A rotating body, its path, its observer, and the Sun that lights it.
 
     Parameters
     ----------
-    motion : object with ``at(t)``, or None
-        A FreeRotation, Arcs, an AttitudeTable, ...; None where only places are asked for.
-    center : str, Path or None
-        Where the body's centre of mass is: a path (`attitude.paths`), or a body of the ephemeris.
-        None where Sun and observer are directions, infinitely far away.
-    observer, sun : str, Path, direction or (3,) array_like
-        A body, a path, a `paths.direction`, or the numbers of one in ICRF.  A Scene keeps each
-        place as a path or a direction; a body given by name as the path of this name, which opens
-        the ephemeris when a position is needed.
+    motion : Motion, object with ``at(t)``, or None
+        A FreeRotation, Arcs, an AttitudeTable, ...; None for quantities that need no attitude.
+    center : str, int, Path or None
+        The path (`attitude.paths`) of the body's centre of mass, or the name or NAIF number of a
+        body of the ephemeris.  None if Sun and observer are directions, infinitely far away.
+    observer, sun : str, int, Path, Direction or (3,) array_like
+        A body, a path, a `paths.direction`, or a vector in ICRF as a direction.  A Scene keeps
+        each place as a path or a direction; a body given by name as the path of this name, which
+        opens the ephemeris when a position is needed.
     shape : Ellipsoid or Mesh, optional
-        Of `attitude.shape`; magnitudes need it.
+        Of `attitude.shape`, in m; brightness and magnitudes need it.
     law : str or Law
-        How its surface scatters; see `attitude.scattering`.
+        Scattering law of the surface; see `attitude.scattering`.
     light_time : bool
-        Whether light takes its time.  False puts everything at the epochs given.
+        Whether positions are corrected for light time.  False evaluates all of them at the epochs
+        given.
     aberration : bool
-        Whether what the observer sees (apparent direction, position angle, elongation,
-        elevation) is shifted by the observer's own velocity.  What is seen of the body is not.
+        Whether the observer's velocity shifts the directions that the observer measures (apparent
+        direction, position angle, elongation, elevation).  It does not change which side of the
+        body is seen.
     ephemeris : path of an SPK kernel, name such as "builtin", Ephemeris, or None
-        Where bodies given by name are; see `paths.ephemeris`.
-    shadow_of : str, sequence or dict, optional
-        Bodies whose shadow may fall on this one; as a dict with their radii in m.  Unless given:
-        the body that `center` is a path about, if it is a planet or the Moon.  () for none.
+        Source of the bodies given by name; see `paths.ephemeris`.
+    shadow_of : str, int, sequence or dict, optional
+        Bodies whose shadow may fall on this one; a dict gives their radii in m (None: the radius
+        in `scene.shadow`).  By default the body that `center` is a path about, if it is a planet
+        or the Moon.  () for none.
     tolerance : float or None
-        m.  Many epochs are evaluated from Chebyshev pieces where that pays, which err by at most
-        so much, and turn no direction by more than 4e-10 rad.  None: never.
-    shadows, threads, sun_magnitude
-        As in `attitude.light_curve`: of the body on itself, and so on.
+        Largest error of the Chebyshev pieces from which many epochs are evaluated where that is
+        cheaper, m; they turn no direction by more than 4e-10 rad.  None: no Chebyshev pieces.
+    shadows, threads
+        Shadows of the body on itself, and threads: see `light_curve.brightness`.
+    sun_magnitude : float, optional
+        Magnitude of the Sun at 1 au in the band of the observation; Johnson V by default.
     phase_function : callable, optional
-        Reduced magnitude at phase angles in rad, in the mean over all orientations: magnitudes
-        follow it, with ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)`` for H = 19.09 and
-        G = 0.24, and size and albedo do not enter; see `light_curve.phased_magnitude`.
+        Mean reduced magnitude over all orientations as a function of the phase angle in rad.
+        Magnitudes follow it, and size and albedo do not enter; for H = 19.09 and G = 0.24 give
+        ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)``.  See `light_curve.phased_magnitude`.
+
+    Attributes
+    ----------
+    motion : Motion or None
+    center : Path or None
+    observer, sun : Path or Direction
+    ephemeris : Ephemeris or None
+        None: the source that `paths.ephemeris` takes by default.
+    law : Law
+    shape, light_time, aberration, shadows, threads, sun_magnitude, phase_function
+        As given.
+    shadow_of : dict
+        Radii in m by the names of the bodies.
+    tolerance : float or None
+        m.
 
     Raises
     ------
     AttitudeError
-        For what is none of these, bodies that the ephemeris lacks, and an observer or Sun at a
-        finite distance from a center that is not given.
+        For arguments of other types, unknown bodies, a motion with unknown epoch, and a missing
+        center of a scene whose observer or Sun is at a finite distance.
 
     Notes
     -----
@@ -77,25 +112,46 @@ class Scene(Immutable):
     (array([1.570796, 1.570796]), ('sun_direction', 'phase_angle'))
     """
 
+    motion: Motion | None
+    center: Path | None
+    observer: Path | Direction
+    sun: Path | Direction
+    ephemeris: Ephemeris | None
+    shape: Ellipsoid | Mesh | None
+    law: Law
+    light_time: bool
+    aberration: bool
+    shadow_of: dict[str, float]
+    tolerance: float | None
+    shadows: bool | Visibility
+    threads: int
+    sun_magnitude: Real | None
+    phase_function: Callable[[FloatArray], FloatArray] | None
+
     def __init__(
         self,
-        motion,
-        center=None,
-        observer="earth",
-        sun="sun",
+        motion: Motion | Any | None,
+        center: Path | str | int | None = None,
+        observer: Path | Direction | str | int | Reals = "earth",
+        sun: Path | Direction | str | int | Reals = "sun",
         *,
-        shape=None,
-        law="lommel-seeliger",
-        light_time=True,
-        aberration=False,
-        ephemeris=None,
-        shadow_of=None,
-        tolerance=1e-3,
-        shadows=True,
-        threads=1,
-        sun_magnitude=None,
-        phase_function=None,
-    ):
+        shape: Ellipsoid | Mesh | None = None,
+        law: str | Law = "lommel-seeliger",
+        light_time: bool = True,
+        aberration: bool = False,
+        ephemeris: EphemerisLike = None,
+        shadow_of: str
+        | int
+        | Iterable[str | int]
+        | Mapping[str, Real | None]
+        | Mapping[int, Real | None]
+        | None = None,
+        tolerance: Real | None = 1e-3,
+        shadows: bool | Visibility = True,
+        threads: int = 1,
+        sun_magnitude: Real | None = None,
+        phase_function: Callable[[FloatArray], FloatArray] | None = None,
+    ) -> None:
         self._set("motion", None if motion is None else motion_of(motion))
         source = None if ephemeris is None else paths.ephemeris(ephemeris)
         self._set("ephemeris", source)
@@ -121,25 +177,32 @@ class Scene(Immutable):
             )
         if phase_function is not None and sun_magnitude is not None:
             raise AttitudeError(
-                "phase_function tells how bright the body is by itself; leave out sun_magnitude."
+                "phase_function and sun_magnitude are given, but magnitudes follow the phase "
+                "function alone; leave out sun_magnitude."
             )
         self._set("phase_function", phase_function)
 
-    def at(self, times, low=None):
-        """The scene as its light is received at some epochs.
+    def at(self, times: Epochs, low: ArrayLike | None = None) -> View:
+        """The scene as seen by the light received at some epochs.
 
         Parameters
         ----------
         times : array_like
-            Epochs of any kind that `FreeRotation.at` takes; plain numbers are TDB seconds since
+            Epochs of any type that `FreeRotation.at` takes; plain numbers are TDB seconds since
             the epoch of the motion.  With an observer that is a direction, the epochs are those
             at the body.
         low : array_like, optional
-            With plain numbers: a second double, times + low being the seconds.
+            With plain numbers: a second double; the seconds are times + low.
 
         Returns
         -------
         View
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read, infinite ones, and plain numbers in a scene without a
+            motion.
         """
         start = self.epoch
         if start is None:
@@ -148,35 +211,40 @@ class Scene(Immutable):
         hi, lo = epochs.seconds_since(start, times, low, "times")
         return self.since(start, hi, lo)
 
-    def since(self, start, seconds, low=None):
-        """As `at`, for TDB seconds (and a second double of them) since an Instant."""
-        # Copies: what a view keeps is read-only.
-        seconds = np.array(seconds, dtype=np.float64)
-        low = None if low is None else np.array(np.broadcast_to(low, seconds.shape), dtype=float)
-        if np.isinf(seconds).any():
-            raise AttitudeError("times holds an infinite epoch; give finite ones, or NaN for none.")
+    def since(
+        self, start: epochs.Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> View:
+        """As `at`, for TDB seconds + low since an Instant."""
+        # Copies, since the arrays of a view are read-only.
+        hi = np.array(seconds, dtype=np.float64)
+        lo = None if low is None else np.array(np.broadcast_to(low, hi.shape), dtype=np.float64)
+        if np.isinf(hi).any():
+            raise AttitudeError(
+                "times holds an infinite epoch; give finite epochs, or NaN for a missing one."
+            )
         own = self.epoch
         if own is not None and start != own:
-            zero = np.zeros(seconds.shape) if low is None else low
-            past_j2000 = pairs.add((seconds, zero), start.seconds, start.low)
-            seconds, low = pairs.add(past_j2000, -own.seconds, -own.low)
+            past_j2000 = pairs.add(
+                (hi, np.zeros(hi.shape) if lo is None else lo), start.seconds, start.low
+            )
+            hi, lo = pairs.add(past_j2000, -own.seconds, -own.low)
             start = own
-        return View(self, start, seconds, low)
+        return View(self, start, hi, lo)
 
     @property
-    def epoch(self):
-        """The Instant from which plain numbers count: that of the motion, or None without one."""
+    def epoch(self) -> epochs.Instant | None:
+        """The epoch of the motion, from which plain seconds count; None without a motion."""
         return None if self.motion is None else self.motion.epoch
 
-    def _require_center(self):
+    def _require_center(self) -> None:
         for place, name in ((self.observer, "observer"), (self.sun, "sun")):
             if self.center is None and not place.is_direction:
                 raise AttitudeError(
-                    f"center is None, but {name} is {place.name!r} at a finite distance; say where "
-                    f"the body is, or give {name} as a direction: paths.direction((x, y, z))."
+                    f"center is None, but {name} is {place.name!r} at a finite distance; give "
+                    f"center, or give {name} as a direction: paths.direction((x, y, z))."
                 )
 
-    def _occulters(self, given):
+    def _occulters(self, given: Any) -> dict[str, float]:
         if given is None:
             about = None if self.center is None else self.center.center
             named = isinstance(about, str) and shadow.radius_of(about) is not None
@@ -184,12 +252,12 @@ class Scene(Immutable):
         found = shadow.occulters(given)
         if found and self.center is None:
             raise AttitudeError(
-                "shadow_of is given, but center is None, so that no shadow can be found; say "
-                "where the body is."
+                "shadow_of is given, but center is None, so that no shadow can be found; give "
+                "center, or leave out shadow_of."
             )
         return found
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         motion = "no motion" if self.motion is None else type(self.motion).__name__
         center = None if self.center is None else self.center.name
         return (
@@ -202,8 +270,9 @@ def _refuse_plain(times):
     while isinstance(first, (list, tuple)) and first:
         first = first[0]
     kind = getattr(getattr(first, "dtype", None), "kind", "")
-    is_length = isinstance(first, (int, float, datetime.timedelta)) or kind in ("f", "i", "u", "m")
-    if is_length or type(first).__name__ == "TimeDelta":
+    is_number = isinstance(first, (int, float)) or kind in ("f", "i", "u")
+    is_duration = isinstance(first, datetime.timedelta) or kind == "m"
+    if is_number or is_duration or type(first).__name__ == "TimeDelta":
         raise AttitudeError(
             "times are plain seconds, but a scene without a motion has no epoch to count them "
             "from; give dates: ISO text in UTC, astropy or skyfield Times, datetimes."
@@ -211,9 +280,9 @@ def _refuse_plain(times):
 
 
 def _place(
-    value: object, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
+    value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
 ) -> Place:
-    """The path or direction that a user gives, or the path of a body given by its name."""
+    """The path or direction given, or the path of a body given by its name or number."""
     if isinstance(value, Place):
         if is_direction_allowed or not value.is_direction:
             return value

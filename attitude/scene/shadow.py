@@ -1,14 +1,20 @@
-"""How much of the Sun's disc a body sees past another one: full light, penumbra, umbra.
+"""The fraction of the Sun's disc that a body sees past another one: full light, penumbra, umbra.
 
-The occulter is a sphere, the Earth a spheroid whose axis is the pole of ICRF (of date it is 0.2
-degrees away in 2030); light is not bent by an atmosphere.  Space is stretched along that axis until
-the spheroid is a sphere.  Seen from the body, its limb and the Sun's are small circles on the
-sphere of directions, and circles again in the stereographic projection about the centre of the
-Sun, whatever the size of the occulter: in low orbit its limb is 65 degrees from its middle.
+The occulter is a sphere, the Earth a spheroid whose axis is the pole of ICRF (the pole of date is
+0.2 degrees away in 2030); no atmosphere bends the light.  A stretch of space along that axis makes
+the spheroid a sphere.  Seen from the body, the limbs of the occulter and of the Sun are small
+circles on the sphere of directions, and also circles in the stereographic projection about the
+centre of the Sun, for any size of the occulter: in low orbit its limb is 65 degrees from its
+centre.
 
-Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the Sun's of IAU 2015
-resolution B3.
+Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the Sun's radius of IAU
+2015 resolution B3.
 """
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,8 +23,11 @@ from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
 from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M, SUN_RADIUS_M
 
-# Mean radii, m.
-RADII = {
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+# Mean radii, m; of the Earth the equatorial one.
+RADII: Final[dict[str, float]] = {
     "mercury": 2.4394e6,
     "venus": 6.0518e6,
     "earth": EARTH_RADIUS_M,
@@ -32,56 +41,75 @@ RADII = {
 }
 
 
-def radius_of(body):
-    """The radius in m of a body that may cast a shadow, or None; its system's centre will do."""
+def radius_of(body: str) -> float | None:
+    """The radius of a body, or of the planet at a barycenter, in m; None if unknown."""
     return RADII.get(body.removesuffix(" barycenter"))
 
 
-def occulters(given):
-    """Names and radii of the bodies that cast shadows, as a dict, from names or a dict.
+def occulters(given: Any) -> dict[str, float]:
+    """Radii in m, by name, of the bodies that cast shadows.
+
+    Parameters
+    ----------
+    given : str, int, sequence of these, or dict
+        Names or NAIF numbers; a dict has radii as values, m, or None for those of `RADII`.
 
     Raises
     ------
     AttitudeError
-        For a body whose radius is neither given nor known here.
+        For a body whose radius is neither given nor in `RADII`.
     """
     if isinstance(given, (str, int)):
         given = (given,)
-    radii = given if hasattr(given, "items") else dict.fromkeys(given)
+    radii = given if isinstance(given, Mapping) else dict.fromkeys(given)
     found = {}
     for body, radius in radii.items():
         name = body_name(body, "shadow_of")
+        known = radius_of(name)
         if radius is not None:
             found[name] = validation.positive(radius, f"the radius of {name}", unit="m")
-        elif radius_of(name) is None:
+        elif known is None:
             raise AttitudeError(
                 f"shadow_of holds {body!r}, whose radius is not known here; give it in m, as in "
                 f"shadow_of={{{body!r}: 1e6}}, or one of {', '.join(RADII)}."
             )
         else:
-            found[name] = radius_of(name)
+            found[name] = known
     return found
 
 
-def lit_fraction(to_occulter, radius, sun, sun_distance, *, flattening=0.0):
-    """The fraction (N,) of the Sun's disc that is seen past an occulter.
+def lit_fraction(
+    to_occulter: FloatArray,
+    radius: float,
+    sun: FloatArray,
+    sun_distance: FloatArray | None,
+    *,
+    flattening: float = 0.0,
+) -> FloatArray:
+    """The fraction (N,) of the Sun's disc that is seen past an occulter, 0 to 1.
 
     Parameters
     ----------
     to_occulter : (3, N) array
         From the body to the occulter's centre, m, ICRF.
     radius : float
-        Its equatorial radius, m.
+        Equatorial radius of the occulter, m.
     sun : (3, N) or (3, 1) array
-        Unit vectors from the body to the Sun.
+        Unit vectors from the body to the Sun, ICRF.
     sun_distance : (N,) array or None
-        m; None for a Sun that is infinitely far away, which has no disc.
+        m; None for a Sun that is infinitely far away, a point.
     flattening : float
         Of the occulter, along the pole of ICRF.
 
+    Raises
+    ------
+    AttitudeError
+        If the body lies below the surface of the occulter.
+
     Notes
     -----
-    1e-5 of the disc for a spherical occulter: the stereographic projection stretches it by that.
+    The error is 1e-5 of the disc for a spherical occulter: the stereographic projection distorts
+    the disc by that.
     """
     stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
     middle, sun = to_occulter * stretch, sun * stretch
@@ -101,15 +129,15 @@ def lit_fraction(to_occulter, radius, sun, sun_distance, *, flattening=0.0):
     disc = np.arctan2(
         SUN_RADIUS_M, np.sqrt((stretched - SUN_RADIUS_M) * (stretched + SUN_RADIUS_M))
     )
-    # The circles where the plane touches the sphere at the Sun: the line through both middles
-    # meets the limb at these distances.
+    # In the plane that touches the sphere at the Sun, the line through both centres meets the limb
+    # of the occulter at these distances from the Sun.
     near = 2.0 * np.tan(0.5 * (apart - limb))
     far = 2.0 * np.tan(0.5 * np.minimum(apart + limb, np.pi - 1e-9))
     return 1.0 - _covered(2.0 * np.tan(0.5 * disc), 0.5 * (far - near), 0.5 * (far + near))
 
 
 def _covered(disc, limb, apart):
-    """The share of a circle of radius `disc` that one of radius `limb` covers, `apart` away."""
+    """The fraction of a circle of radius `disc` covered by one of radius `limb` `apart` away."""
     # Sixteen times the square of the triangle's area: Heron's formula.
     heron = (apart + disc + limb) * (apart - disc + limb) * (apart + disc - limb)
     sine = np.sqrt(np.maximum(heron * (disc + limb - apart), 0.0))
@@ -124,13 +152,13 @@ def _covered(disc, limb, apart):
 def _segment(angle):
     """angle - sin(angle) cos(angle), without cancellation where the angle is small."""
     double = 2.0 * angle
-    # The series of (x - sin x) / 2; its first term left out is below 1.6e-15 of the whole at 0.1.
+    # The series of (x - sin x) / 2; the first omitted term is below 1.6e-15 of the sum at 0.1.
     square = double * double
     series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))
     small = double * square / 12.0 * series
     return np.where(np.abs(double) < 0.1, small, 0.5 * (double - np.sin(double)))
 
 
-def flattening_of(body, radius):
-    """That of the Earth; none where another radius was given, and of the other bodies."""
+def flattening_of(body: str, radius: float) -> float:
+    """The flattening of an occulter: the Earth's if its radius is that of `RADII`, otherwise 0."""
     return EARTH_FLATTENING if body == "earth" and radius == RADII["earth"] else 0.0

@@ -1,7 +1,9 @@
-"""The compiled functions of the torques that are shipped; see `attitude.solution.march`.
+"""Compiled functions of the built-in torques; `attitude.solution.march` calls them.
 
-Each is given body axes throughout and fills out[0:3].  Those named slope are given a vector y in
-the place of the angular velocity; see `attitude.torques.torque.Torque.slope_address`.
+Each takes TDB seconds t, the attitude wxyz (4,) body to ICRF, the angular velocity omega (3,) in
+rad/s over the body axes, the sampled numbers `given` (for a path: a position (3,) in m, ICRF axes)
+and the parameters p, and fills out[0:3] over the body axes, N m.  Functions named ..._slope take a
+vector y (3,) in place of omega; see `attitude.torques.torque.Torque.slope_address`.
 """
 
 import math
@@ -13,7 +15,7 @@ from attitude.compilation.pointers import vector
 
 @subroutine
 def _to_body(q, x, y, z):
-    """q* v q."""
+    """q* v q: a vector (x, y, z) of ICRF axes over the body axes."""
     w, a, b, c = q[0], -q[1], -q[2], -q[3]
     d, e, f = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
     return (
@@ -33,7 +35,7 @@ def _direction(q, given):
 
 @subroutine
 def _symmetric(p, k, v):
-    """A symmetric matrix, its six entries from p[k] on, times a vector."""
+    """A symmetric matrix times a vector; p[k:k + 6]: the upper triangle by rows."""
     x, y, z = v
     return (
         p[k] * x + p[k + 1] * y + p[k + 2] * z,
@@ -44,6 +46,7 @@ def _symmetric(p, k, v):
 
 @subroutine
 def _cross(u, v):
+    """u x v."""
     return (
         u[1] * v[2] - u[2] * v[1],
         u[2] * v[0] - u[0] * v[2],
@@ -53,7 +56,7 @@ def _cross(u, v):
 
 @callback
 def gravity_gradient(t, wxyz, omega, given, p, out):
-    """3 GM / r^3 times u x I u; p: GM, the tensor (6)."""
+    """3 GM / r^3 u x I u; p: GM, the tensor (6)."""
     u, r = _direction(wxyz, given)
     n = _cross(u, _symmetric(p, 1, u))
     c = 3.0 * p[0] / (r * r * r)
@@ -62,7 +65,7 @@ def gravity_gradient(t, wxyz, omega, given, p, out):
 
 @callback
 def gravity_gradient_slope(t, wxyz, y, given, p, out):
-    """d(N . y) over turns about the body axes, N that of `gravity_gradient`."""
+    """Derivatives of N . y by turns about the body axes, N being that of `gravity_gradient`."""
     u, r = _direction(wxyz, given)
     y = y[0], y[1], y[2]
     # d(u x I u . y)/du = I u x y + I (y x u)
@@ -74,13 +77,13 @@ def gravity_gradient_slope(t, wxyz, y, given, p, out):
 
 @callback
 def constant(t, wxyz, omega, given, p, out):
-    """p: the torque."""
+    """N; p: the torque N (3)."""
     out[0], out[1], out[2] = p[0], p[1], p[2]
 
 
 @callback
 def constant_slope(t, wxyz, y, given, p, out):
-    """y x N: there is no potential, and the commutator with the free motion is this alone."""
+    """y x N: without a potential, the whole commutator with the free motion; p: the torque N."""
     n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
@@ -95,7 +98,10 @@ def linear_damping(t, wxyz, omega, given, p, out):
 
 @callback
 def internal_dissipation(t, wxyz, omega, given, p, out):
-    """A slip: strength times l x w, l the direction of the momentum; p: strength, tensor (6)."""
+    """A slip in rad/s: strength times l x w, l being the direction of the momentum.
+
+    p: strength, tensor (6).
+    """
     w = omega[0], omega[1], omega[2]
     x, y, z = _symmetric(p, 1, w)
     size = math.sqrt(x * x + y * y + z * z)
@@ -106,17 +112,18 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
 
 @reduction_callback
 def solar_radiation(t, wxyz, omega, given, p, out):
-    """Pressure on flat facets that see the Sun.
+    """Torque of light pressure on flat facets that face the Sun.
 
-    given: the body's position from the Sun; p: pressure times distance squared (N), count N, and
-    rows of N: area, normal (3), arm (3), arm x normal (3), fractions reflected diffusely and
-    mirrored.
+    given: the body's position from the Sun; p: pressure times distance squared (N), the count of
+    facets, and rows with a number for each facet: area, normal (3 rows), arm (3), arm x normal (3),
+    fractions reflected diffusely and mirrored.
     """
     back, r = _direction(wxyz, given)
     sx, sy, sz = -back[0], -back[1], -back[2]
     count = int(p[1])
     rows = vector(p, 2 + 12 * count)[2:].reshape(12, count)
-    # sums of the arms, weighted by what pushes along the sunlight, and of arm x normal
+    # sums of the arms, weighted by the area that takes a push along the sunlight, and of
+    # arm x normal, weighted by that along the normal
     ax = ay = az = bx = by = bz = 0.0
     for k in range(count):
         cosine = max(rows[1, k] * sx + rows[2, k] * sy + rows[3, k] * sz, 0.0)

@@ -1,14 +1,26 @@
-"""A torque that a user wrote, in plain Python or compiled by numba."""
+"""A torque by a function of the user, in plain Python or compiled by numba."""
+
+from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from attitude.compilation.callbacks import callback_of, is_compiled
+from attitude.compilation.callbacks import Callback, callback_of, is_compiled
 from attitude.compilation.pointers import C_FUNCTION
 from attitude.errors import AttitudeError
 from attitude.torques.torque import BY_ATTITUDE, BY_RATE, Torque
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+
+    # TDB seconds since the epoch of the spin, wxyz (4,), omega or y (3,) to three numbers.
+    TorqueFunction: TypeAlias = Callable[[float, FloatArray, FloatArray], ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,25 +33,26 @@ class CustomTorque(Torque):
         ``function(t, wxyz, omega)`` of TDB seconds since the epoch of the spin, the attitude (4,)
         body to ICRF and the angular velocity (3,) in rad/s over the body axes; returns three
         numbers, N m over the body axes.  One compiled by ``numba.njit`` runs at full speed, a
-        plain one costs a few microseconds a call.  What a plain one raises is raised; the error of
-        a compiled one is printed by numba, and told as a torque that is not finite.
+        plain one costs a few microseconds a call.  An exception of a plain one propagates; numba
+        prints that of a compiled one, and the torque is reported as not finite.
     depends_on_rate : bool
-        Whether it uses omega.  False saves three of four calls, and makes the schemes symplectic
-        where the torque has a potential.
+        Whether the function uses omega.  False saves three of four calls, and makes the schemes
+        symplectic where the torque has a potential.
     slope : function, optional
-        ``slope(t, wxyz, y)``, three numbers too, for the scheme "force-gradient": how N . y, the
-        torque times a vector y that is held over the body axes, changes with turns about the body
-        axes.  Only of torques that do not depend on the rates.
+        ``slope(t, wxyz, y)``, three numbers, for the scheme "force-gradient": the derivatives of
+        N . y by turns about the body axes, y being a vector that is constant over these axes.
+        Allowed only with depends_on_rate=False.
 
     Raises
     ------
     AttitudeError
-        If a function does not return three numbers for a first, harmless state.
+        If a function does not return three numbers for t = 0, no rotation and zero omega or y,
+        and for a slope where the torque depends on the rate.
 
     Examples
     --------
     A magnetic dipole m in the field b over the body axes: N = m x b, so that N . y = b . (y x m),
-    and a turn changes b by b x d.
+    and a turn d changes b by b x d.
 
     >>> from attitude import quaternion
     >>> m, field = np.array([0.0, 0.0, 2.0]), np.array([0.0, 3e-5, 0.0])
@@ -52,65 +65,69 @@ class CustomTorque(Torque):
     ... )
     """
 
-    function: object
+    function: TorqueFunction
     depends_on_rate: bool = True
-    slope: object = None
+    slope: TorqueFunction | None = None
+    _error: list[BaseException] = field(init=False, repr=False)
+    _callbacks: dict[str, Any] = field(init=False, repr=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
+        self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)
         self._set("_error", [])
-        self._set("_doors", {})
+        self._set("_callbacks", {})
         self._check("function", "omega")
         if self.slope is None:
             return
         self._check("slope", "y")
         if self.depends_on_rate:
             raise AttitudeError(
-                "slope is given for a torque that depends on the angular velocity; the force "
-                "gradient is of torques that do not. Say depends_on_rate=False, or leave it out."
+                "slope is given for a torque that depends on the angular velocity, but the scheme "
+                '"force-gradient" takes no such torque; set depends_on_rate=False, or leave out '
+                "slope."
             )
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return CustomTorque, (self.function, self.depends_on_rate, self.slope)
 
-    @property
-    def kind(self):
-        return BY_RATE if self.depends_on_rate else BY_ATTITUDE
-
-    def address(self):
+    def address(self) -> int:
+        """Address of a C function that calls `function`."""
         return self._address("function")
 
-    def slope_address(self):
+    def slope_address(self) -> int:
+        """Address of a C function that calls `slope`; 0 without one."""
         return 0 if self.slope is None else self._address("slope")
 
+    def explain(self) -> None:
+        """Raise the exception that `function` or `slope` raised in a compiled loop, if one did."""
+        if self._error:
+            raise self._error.pop()
+
     def _check(self, name, third):
+        """Raise an AttitudeError unless a function returns three numbers for a test state."""
         function = getattr(self, name)
         if not callable(function):
             raise AttitudeError(f"{name} is {function!r}; give a function of (t, wxyz, {third}).")
         _three(function(0.0, np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)), name)
 
     def _address(self, name):
-        """Of the C function; the object keeps that alive."""
-        if name not in self._doors:
+        """The address of a C function, which this object keeps alive."""
+        if name not in self._callbacks:
             function = getattr(self, name)
             made = callback_of(function) if is_compiled(function) else self._plain(function, name)
-            self._doors[name] = made
-        door = self._doors[name]
-        if hasattr(door, "address"):
-            return door.address
-        return ctypes.cast(door, ctypes.c_void_p).value
-
-    def explain(self):
-        if self._error:
-            raise self._error.pop()
+            self._callbacks[name] = made
+        made = self._callbacks[name]
+        if isinstance(made, Callback):
+            return made.address
+        return ctypes.cast(made, ctypes.c_void_p).value
 
     def _plain(self, function, name):
-        """A C function that calls the Python one; what that raises is kept for `explain`."""
+        """A C function that calls the Python one and keeps its exception for `explain`."""
         error = self._error
 
         @C_FUNCTION
         def torque(t, wxyz, omega, given, parameters, out):
             try:
-                # Copies: the function may keep what it is given.
+                # Copies: the function may store its arguments.
                 q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
                 out[0], out[1], out[2] = _three(function(t, q, w), name)
             except BaseException as err:
@@ -121,6 +138,7 @@ class CustomTorque(Torque):
 
 
 def _three(value, name):
+    """A result of a user's function as three floats."""
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):  # ragged, or each number with its unit

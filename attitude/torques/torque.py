@@ -1,16 +1,32 @@
-"""What a torque is to the integrator."""
+"""The base class of torques: the members that a splitting integrator uses."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.paths.path import Path, since
 
-# Of the attitude alone; of the angular velocity too; no torque but a slip under fixed momentum.
-BY_ATTITUDE, BY_RATE, SLIP = 0, 1, 2
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude.annotations import FloatArray
+    from attitude.body import Body
+    from attitude.epochs.instants import Instant
+
+    # TDB seconds (...) since the epoch of the spin to positions (..., 3) in m, ICRF axes.
+    PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
+
+# Kinds: a torque that depends on the attitude alone; one that depends on the angular velocity
+# too; no torque, but a slip of the body under a fixed angular momentum.
+BY_ATTITUDE: int = 0
+BY_RATE: int = 1
+SLIP: int = 2
 
 
 class Torque(Immutable):
@@ -21,66 +37,83 @@ class Torque(Immutable):
     kind : int
         BY_ATTITUDE, BY_RATE or SLIP.
     columns : int
-        How many numbers are sampled for it at each epoch.
+        Count of the numbers that `sample` returns for each epoch.
     """
 
-    kind = BY_ATTITUDE
-    columns = 0
+    kind: int = BY_ATTITUDE
+    columns: int = 0
 
-    def address(self):
-        """Where its compiled function is; see `attitude.solution.march`."""
+    def address(self) -> int:
+        """Address of the compiled function of the torque; see `attitude.solution.march`."""
         raise NotImplementedError(f"{type(self).__name__} defines no address")
 
-    def slope_address(self):
-        """Where the function for the scheme "force-gradient" is, or 0 if there is none.
+    def slope_address(self) -> int:
+        """Address of the compiled function for the scheme "force-gradient"; 0 without one.
 
-        It is given a vector y in place of the angular velocity, and fills d(N . y) over turns
-        about the body axes, y staying as it is over them.  Of a torque that depends on the
-        attitude but has no potential: (y . d) N - N x y, which for one that has is the same.
+        The function takes a vector y, constant over the body axes, in place of the angular
+        velocity, and returns the derivatives of N . y by turns about the body axes.  For a torque
+        that depends on the attitude but has no potential it returns (y . d) N - N x y, which
+        equals these derivatives where a potential exists.
         """
         return 0
 
-    def parameters(self, body):
-        """What its function is given, for a body: float64 (P,)."""
+    def parameters(self, body: Body) -> FloatArray:
+        """Constants (P,) that the compiled function takes, for a body."""
         return np.zeros(0)
 
-    def sample(self, instant, seconds, low):
-        """What its function is given at epochs (K,), seconds + low: float64 (K, columns)."""
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """Numbers (K, columns) that the compiled function takes at each epoch.
+
+        Parameters
+        ----------
+        instant : Instant
+        seconds, low : (K,) float64 arrays
+            The epochs are instant + seconds + low, TDB.
+        """
         return np.zeros((len(seconds), 0))
 
-    def span(self, instant):
-        """First and last TDB seconds since an instant at which it can be sampled."""
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant at which `sample` is defined."""
         return -np.inf, np.inf
 
-    def explain(self):
-        """Raise what a user's function raised, if it did."""
+    def explain(self) -> None:
+        """Raise the exception that a user's function raised in a compiled loop, if one did."""
 
 
 class FunctionPath(Path):
-    """Positions by a function of TDB seconds since the epoch of the spin, which is the instant.
+    """Positions by a function of TDB seconds since the instant, the epoch of the spin.
 
     `positions` checks what the function returns.
     """
 
     name, center, source = "path", "point mass", "function of seconds"
 
-    def __init__(self, function: Callable[[np.ndarray], np.ndarray]):
+    def __init__(self, function: PositionFunction) -> None:
         self.function = function
 
-    def position(self, instant, seconds, low=None):
-        return self.function(seconds)
+    def position(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Result of the function: positions (..., 3) in m, ICRF axes; `low` is not used."""
+        return self.function(np.asarray(seconds, dtype=np.float64))
 
 
 def positions(
-    path: Path, instant: Instant, seconds: np.ndarray, low: np.ndarray, name: str
-) -> np.ndarray:
-    """Positions (K, 3) in m along a path."""
+    path: Path, instant: Instant, seconds: FloatArray, low: FloatArray, name: str
+) -> FloatArray:
+    """Positions (K, 3) in m along a path, ICRF axes, at instant + seconds + low.
+
+    Raises
+    ------
+    AttitudeError
+        For results of another shape or type, and for numbers that are not finite.
+    """
     found = path.position(instant, seconds, low)
     try:
         found = np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError) as err:
         raise AttitudeError(
-            f"{name} returned what is no array of numbers ({err}); it must return positions "
+            f"{name} did not return an array of numbers ({err}); it must return positions "
             "(..., 3) in m over ICRF axes."
         ) from None
     if found.shape != (len(seconds), 3):
@@ -98,15 +131,21 @@ def positions(
 
 
 def span_of(path: Path, instant: Instant) -> tuple[float, float]:
-    """First and last TDB seconds since an instant that a path knows, on the safe side."""
+    """First and last TDB seconds since an instant that a path covers, rounded inwards."""
     if path.span is None:
         return -np.inf, np.inf
     first, last = (sum(since(end, instant)) for end in path.span)
     return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
-def path_of(given: object, name: str) -> Path:
-    """The path that is given, or that follows a function of seconds."""
+def path_of(given: Path | PositionFunction, name: str) -> Path:
+    """The path itself, or the `FunctionPath` of a function of seconds.
+
+    Raises
+    ------
+    AttitudeError
+        If `given` is neither.
+    """
     if isinstance(given, Path):
         return given
     if not callable(given):

@@ -14,8 +14,8 @@ rtn                       RTN, RSW, RIC, QSW: x away from the center, z along th
 lvlh                      LVLH, VVLH: z to the center, y against the orbit's momentum
 ========================  =========================================================================
 
-Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others, with
-_ROTATING or without, have rates relative to the axes as they turn.
+Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others,
+with _ROTATING or without, have rates relative to the axes as they turn.
 
 Sources: SANA registry of celestial body and orbit-relative reference frames; IERS Conventions
 (2010), chapter 5, as in ERFA's c2t06a; Vallado et al., AIAA 2006-6753 (TEME).
