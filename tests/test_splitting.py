@@ -640,7 +640,7 @@ NOTHING = ConstantTorque((0, 0, 0))
             lambda: TorquedRotation(
                 BODY, SPIN, [NOTHING, LinearDamping(1.0)], step=0.1, scheme="force-gradient"
             ),
-            "force gradient of every torque, which LinearDamping does not tell",
+            "force gradient of every torque, which LinearDamping does not define",
         ),
         (
             lambda: TorquedRotation(Body(moments=(0, 5, 5)), SPIN, NOTHING, step=0.1),
