@@ -39,11 +39,11 @@ def main() -> None:
     start = float(first.joints[0])
 
     random = np.random.default_rng(1)
-    changes = [Impulse(crossing, pulse)]
-    changes += [Impulse(start + 60.0 * k, pulse) for k in range(1, PULSES)]
+    pulses = [Impulse(crossing, pulse)]
+    pulses += [Impulse(start + 60.0 * k, pulse) for k in range(1, PULSES)]
     longer = Body(tensor=body.tensor + np.diag([500.0, 2000.0, 2000.0]))
-    changes.append(InertiaChange(start + 60.0 * PULSES, longer))
-    motion = Arcs(body, spin, changes)
+    boom = InertiaChange(start + 60.0 * PULSES, longer)
+    motion = Arcs(body, spin, [*pulses, boom])
 
     print(f"the long axis is first at right angles to x of ICRF after {start:.6f} s")
     print(f"{'pulse at s':>12}{'rate before':>13}{'after, deg/s':>14}{'momentum, N m s':>17}")

@@ -128,7 +128,7 @@ def averaged(
         torque = light(mesh, body.center_of_mass, sun) * (AU / distance[:, None]) ** 2
         total += quaternion.rotate(wxyz, np.mean(torque, axis=0)) / phases
     pole = quaternion.rotate(spin.wxyz_icrf, short)
-    inertia, rate = body.moments.max(), 2.0 * np.pi / PERIOD
+    inertia, rate = float(body.moments.max()), 2.0 * np.pi / PERIOD
     cosine = pole @ normal
     across = total @ (cosine * pole - normal) / np.sqrt(1.0 - cosine**2)
     return np.array([total @ pole, across / rate]) / inertia
