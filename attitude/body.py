@@ -100,9 +100,9 @@ class Body(Immutable):
         center = (0.0, 0.0, 0.0) if center_of_mass is None else center_of_mass
         center = validation.real(center, "center_of_mass", shape=(3,), unit="m")
         self._set("center_of_mass", frozen(center))
-        if tensor is None:
+        if moments is not None:
             self._from_moments(validation.real(moments, "moments", shape=(3,), unit=unit))
-        else:
+        if tensor is not None:
             self._from_tensor(validation.real(tensor, "tensor", shape=(3, 3), unit=unit))
         for array in (self.moments, self.tensor, self.principal_axes, self._moments, self._axes):
             frozen(array)

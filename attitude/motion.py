@@ -18,12 +18,20 @@ from attitude.immutable import Immutable, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import Protocol
 
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epoch, Epochs, FloatArray
     from attitude.body import Body
     from attitude.regime import Regime
+
+    class HasAttitudes(Protocol):
+        """A motion, or any other object with ``.at(t)``; see `motion_of`."""
+
+        def at(self, t: Any, /) -> AttitudeHistory:
+            """The attitudes at some epochs."""
+
 
 _NO_JOINTS = frozen(np.zeros(0))
 
@@ -292,7 +300,7 @@ class Foreign(Motion):
         return found
 
 
-def motion_of(given: Any, name: str = "motion") -> Motion:
+def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:
     """The motion itself, or a `Foreign` motion of any other object with ``.at(t)``.
 
     Parameters

@@ -81,6 +81,20 @@ def propagate(
 ) -> tuple[FloatArray, FloatArray]: ...
 
 
+@overload
+def propagate(
+    moments: Reals,
+    wxyz0: Reals,
+    omega0: Reals,
+    t: Reals,
+    *,
+    t_low: Reals | None = None,
+    angular_velocity: bool,
+    out: FloatArray | None = None,
+    rates_out: FloatArray | None = None,
+) -> FloatArray | tuple[FloatArray, FloatArray]: ...
+
+
 def propagate(
     moments: Reals,
     wxyz0: Reals,

@@ -358,7 +358,7 @@ def _constants(moments, omega, part, count):
     return pairs[0], constants
 
 
-def _states(moments, omega):
+def _states(moments: Reals, omega: Reals) -> tuple[FloatArray, FloatArray, tuple[int, ...]]:
     """Moments and rates as (N, 3) doubles, and their leading shape."""
     moments = validation.rows(moments, "moments", 3)
     omega = validation.rows(omega, "omega", 3, unit="rad/s")

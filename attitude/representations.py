@@ -269,11 +269,11 @@ def from_axis_angle(axis: Reals, angle: Reals) -> FloatArray:
     largest = np.max(np.abs(axis), axis=-1, keepdims=True)
     if np.any(largest == 0.0):
         raise AttitudeError("axis is zero; give a vector of any other length.")
-    axis = axis / largest
-    axis = axis / np.sqrt(np.sum(axis * axis, axis=-1, keepdims=True))
-    shape = np.broadcast_shapes(axis.shape[:-1], angle.shape)
+    scaled: FloatArray = axis / largest
+    unit = scaled / np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
+    shape = np.broadcast_shapes(unit.shape[:-1], angle.shape)
     half = np.broadcast_to(0.5 * angle, shape)[..., None]
-    return np.concatenate([np.cos(half), np.sin(half) * axis], axis=-1)
+    return np.concatenate([np.cos(half), np.sin(half) * unit], axis=-1)
 
 
 def to_axis_angle(wxyz: Reals) -> tuple[FloatArray, FloatArray]:

@@ -174,7 +174,8 @@ class Spin(Immutable):
                     "P_phi, psi0 and theta_branch, or give P_psi and P_phi."
                 )
             return cls(epoch, *published.relaxed(body, P=P, pole=pole, phi0=phi0), frame)
-        _require(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
+        if mode is None or convention is None or P_psi is None or P_phi is None or psi0 is None:
+            raise _missing(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
         if body is None:
             raise AttitudeError("body is None; give a Body, or one period P for a rotator about z.")
         state = published.from_periods(
@@ -271,12 +272,11 @@ class Spin(Immutable):
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
 
 
-def _require(**given: object) -> None:
-    """AttitudeError naming the keywords that are None."""
+def _missing(**given: object) -> AttitudeError:
+    """The error that names the keywords that are None."""
     missing = [name for name, value in given.items() if value is None]
-    if missing:
-        raise AttitudeError(
-            f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
-            '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
-            "a relaxed rotator."
-        )
+    return AttitudeError(
+        f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
+        '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
+        "a relaxed rotator."
+    )

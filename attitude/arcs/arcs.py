@@ -36,7 +36,7 @@ from attitude.spin import Spin
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import BoolArray, Epoch, FloatArray, Real
+    from attitude.annotations import BoolArray, EpochOrSeconds, FloatArray
     from attitude.epochs import Instant
     from attitude.history import AttitudeHistory
     from attitude.motion import RateBounds
@@ -195,7 +195,7 @@ class Arcs(Motion):
         omega = self.angular_velocity_at(np.float64(seconds))
         return rate_bounds.of_free_rotation(self.body_at(float(seconds)), omega)
 
-    def body_at(self, t: Epoch | Real) -> Body:
+    def body_at(self, t: EpochOrSeconds) -> Body:
         """The Body at one epoch, of any kind that `at` takes."""
         seconds, low = epochs.seconds_since(self.spin.epoch, t)
         if np.ndim(seconds):

@@ -12,7 +12,7 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
 if TYPE_CHECKING:
-    from attitude.annotations import Epoch, FloatArray, Real, Reals
+    from attitude.annotations import EpochOrSeconds, FloatArray, Reals
     from attitude.arcs.triggers import Trigger
     from attitude.history import AttitudeHistory
 
@@ -31,13 +31,13 @@ class Change(Immutable):
     frame : str
     """
 
-    at: Epoch | Real | Trigger
+    at: EpochOrSeconds | Trigger
     angular_momentum: FloatArray | MomentumFunction
     frame: str
 
     def _set_change(
         self,
-        at: Epoch | Real | Trigger,
+        at: EpochOrSeconds | Trigger,
         angular_momentum: Reals | MomentumFunction,
         frame: str,
     ) -> None:
@@ -99,13 +99,13 @@ class Impulse(Change):
         For another shape or unit, numbers that are not finite, and an unknown frame.
     """
 
-    at: Epoch | Real | Trigger
+    at: EpochOrSeconds | Trigger
     angular_momentum: FloatArray | MomentumFunction
     frame: str = "body"
 
     def __init__(
         self,
-        at: Epoch | Real | Trigger,
+        at: EpochOrSeconds | Trigger,
         angular_momentum: Reals | MomentumFunction,
         frame: str = "body",
     ) -> None:
@@ -142,14 +142,14 @@ class InertiaChange(Change):
         As for `Impulse`, and for anything but a Body.
     """
 
-    at: Epoch | Real | Trigger
+    at: EpochOrSeconds | Trigger
     body: Body
     angular_momentum: FloatArray | MomentumFunction
     frame: str = "body"
 
     def __init__(
         self,
-        at: Epoch | Real | Trigger,
+        at: EpochOrSeconds | Trigger,
         body: Body,
         angular_momentum: Reals | MomentumFunction = (0.0, 0.0, 0.0),
         frame: str = "body",

@@ -138,7 +138,9 @@ def seconds_since(
         )
     if kind in kinds.LENGTHS:
         return readers.read(kind, leaves, shape, name, start)
-    hi, lo = pairs.add(readers.read(kind, leaves, shape, name), -start.seconds, -start.low)
+    first, rest = readers.read(kind, leaves, shape, name)
+    assert rest is not None  # dates are read in two doubles
+    hi, lo = pairs.add((first, rest), -start.seconds, -start.low)
     return np.asarray(hi), np.asarray(lo)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epoch, FloatArray, IntArray, Real
+    from attitude.annotations import Epoch, EpochOrSeconds, FloatArray, IntArray, Real
     from attitude.events.channels import Channel
     from attitude.events.moments import Pair
 
@@ -31,8 +31,8 @@ _BLOCK = 8192
 
 
 def find_discrete(
-    start: Epoch | Real,
-    stop: Epoch | Real,
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
     f: Condition | Sequence[Condition] | StateFunction,
     *,
     step: Real | None = None,
@@ -90,7 +90,7 @@ def find_discrete(
 
 
 def stream(
-    start: Epoch | Real, stop: Epoch | Real, f: Condition | Sequence[Condition]
+    start: EpochOrSeconds, stop: EpochOrSeconds, f: Condition | Sequence[Condition]
 ) -> Iterator[Events]:
     """The events of `find_discrete` block by block, for spans with more events than memory holds.
 
@@ -189,7 +189,7 @@ def _changes(condition, moment, channel, rising):
     return condition.states(before) != after, after
 
 
-def span(epoch: epochs.Instant, start: Epoch | Real, stop: Epoch | Real) -> tuple[Pair, Pair]:
+def span(epoch: epochs.Instant, start: EpochOrSeconds, stop: EpochOrSeconds) -> tuple[Pair, Pair]:
     """Start and stop as pairs of TDB seconds since an epoch.
 
     Raises
@@ -247,15 +247,16 @@ def _of_function(start, stop, f, step, epoch, tolerance):
 
 
 def plain_span(
-    start: Epoch | Real, stop: Epoch | Real, epoch: Epoch | None
+    start: EpochOrSeconds, stop: EpochOrSeconds, epoch: Epoch | None
 ) -> tuple[float, float, epochs.Instant | None]:
     """Start and stop for a plain function in seconds, and the epoch from which they count."""
     if epoch is not None:
         instant = epochs.instant(epoch)
         begin, end = (hi + lo for hi, lo in span(instant, start, stop))
         return begin, end, instant
-    begin = validation.number(start, "start", unit="s")
-    end = validation.number(stop, "stop", unit="s")
+    # `number` refuses dates.
+    begin = validation.number(start, "start", unit="s")  # type: ignore[arg-type]
+    end = validation.number(stop, "stop", unit="s")  # type: ignore[arg-type]
     if end < begin:
         raise AttitudeError(f"stop is {begin - end:.9g} s before start; exchange them.")
     return begin, end, None

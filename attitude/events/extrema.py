@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epoch, Epochs, FloatArray, Real, Reals
+    from attitude.annotations import Epoch, EpochOrSeconds, Epochs, FloatArray, Real, Reals
     from attitude.epochs import Instant
     from attitude.events.directions import AnyDirection
     from attitude.events.moments import AnyMotion, Drift, Moment, Pair, SearchDirection, Source
@@ -127,8 +127,8 @@ def brightness(scene: Scene) -> Observable:
 
 
 def find_maxima(
-    start: Epoch | Real,
-    stop: Epoch | Real,
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
     f: Observable | ValueFunction,
     *,
     step: Real | None = None,
@@ -174,8 +174,8 @@ def find_maxima(
 
 
 def find_minima(
-    start: Epoch | Real,
-    stop: Epoch | Real,
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
     f: Observable | ValueFunction,
     *,
     step: Real | None = None,
@@ -186,8 +186,8 @@ def find_minima(
 
 
 def _extrema(
-    start: Epoch | Real,
-    stop: Epoch | Real,
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
     f: Observable | ValueFunction,
     step: Real | None,
     epoch: Epoch | None,

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epochs, FloatArray
     from attitude.history import AttitudeHistory
-    from attitude.motion import Motion
+    from attitude.motion import HasAttitudes, Motion
     from attitude.scene.view import View
 
-    # Whatever a search takes: a Motion, any other object with ``.at(t)``, or a Scene.
-    AnyMotion: TypeAlias = Motion | Scene | Any
+    # What a search takes: a Motion, any other object with ``.at(t)``, or a Scene.
+    AnyMotion: TypeAlias = HasAttitudes | Scene
     # Seconds from an epoch in two doubles.
     Pair: TypeAlias = tuple[float, float]
 

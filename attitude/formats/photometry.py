@@ -90,7 +90,7 @@ class Magnitude:
         if self.sun_distance is None and self.observer_distance is None:
             return view.magnitude
         sun = view.sun_distance if self.sun_distance is None else self.sun_distance
-        observer = view.observer_distance
+        observer: FloatArray | float = view.observer_distance
         if self.observer_distance is not None:
             observer = self.observer_distance
         found = view.reduced_magnitude + magnitudes.distance_modulus(sun, observer)

@@ -5,7 +5,7 @@ Motions are evaluated piece by piece, so that long files need little memory.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,12 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from attitude.annotations import Epochs, FloatArray
-
-    class HasAttitudes(Protocol):
-        """Anything with ``.at(t)`` that returns an AttitudeHistory."""
-
-        def at(self, t: Any, /) -> AttitudeHistory:
-            """The attitudes at some epochs."""
+    from attitude.motion import HasAttitudes
 
     # The argument `source` of writers; see `segments`.
     AttitudeSource: TypeAlias = "HasAttitudes | AttitudeHistory | Records | Sequence[_Segment]"

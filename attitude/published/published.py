@@ -164,13 +164,13 @@ def published(
 def from_periods(
     body: Body,
     *,
-    mode: str | Mode | None,
-    convention: str | None,
-    P_psi: Real | None,
-    P_phi: Real | None,
+    mode: str | Mode,
+    convention: str,
+    P_psi: Real,
+    P_phi: Real,
     pole: Reals,
     phi0: Real,
-    psi0: Real | None,
+    psi0: Real,
     theta_branch: str | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Attitude and angular velocity from two periods; see `Spin.from_periods`.
@@ -213,6 +213,7 @@ def from_energy(
     if P_psi is not None:
         momentum = unit_period / validation.positive(P_psi, "P_psi", unit="s")
     else:
+        assert P_phi is not None
         turns = turns if convention == "L" else turns + 1.0
         momentum = unit_period / (turns * validation.positive(P_phi, "P_phi", unit="s"))
     return _state(body, found, convention, position, momentum, pole, phi0, psi0, theta_branch)
@@ -256,8 +257,11 @@ def from_pole(
         raise AttitudeError("one moment is zero; for a rod give angular_velocity.")
     rates = conventions.momentum_direction(theta, psi) * (moments.max() / moments)
     found = regimes(moments, rates)
-    period = found.P_psi if P_psi is not None else found.P_phi(convention)
-    name, given = ("P_psi", P_psi) if P_psi is not None else ("P_phi", P_phi)
+    if P_psi is not None:
+        name, given, period = "P_psi", P_psi, found.P_psi
+    else:
+        assert P_phi is not None
+        name, given, period = "P_phi", P_phi, found.P_phi(convention)
     seconds = validation.positive(given, name, unit="s")
     if not math.isfinite(period):
         raise AttitudeError(

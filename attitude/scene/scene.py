@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epochs, FloatArray, Real, Reals
     from attitude.light_curve import Visibility
-    from attitude.motion import Motion
+    from attitude.motion import HasAttitudes, Motion
     from attitude.paths import Direction, Ephemeris, Path
     from attitude.paths.ephemeris_source import EphemerisLike
     from attitude.scattering import Law
@@ -130,7 +130,7 @@ class Scene(Immutable):
 
     def __init__(
         self,
-        motion: Motion | Any | None,
+        motion: HasAttitudes | None,
         center: Path | str | int | None = None,
         observer: Path | Direction | str | int | Reals = "earth",
         sun: Path | Direction | str | int | Reals = "sun",

@@ -285,9 +285,10 @@ class Mesh(Immutable):
             )
         # Relative to a point within the body, so that a mesh far from its origin loses nothing.
         corners = self.corners - self._middle
-        if density is not None:
-            filling = validation.positive(density, "density", unit="kg/m3")
-            self.require_closed()
-            return integrals.about_center(filling, *integrals.solid_moments(corners), self._middle)
-        sheet = validation.positive(surface_density, "surface_density", unit="kg/m2")
-        return integrals.about_center(sheet, *integrals.shell_moments(corners), self._middle)
+        if surface_density is not None:
+            sheet = validation.positive(surface_density, "surface_density", unit="kg/m2")
+            return integrals.about_center(sheet, *integrals.shell_moments(corners), self._middle)
+        assert density is not None
+        filling = validation.positive(density, "density", unit="kg/m3")
+        self.require_closed()
+        return integrals.about_center(filling, *integrals.solid_moments(corners), self._middle)

@@ -47,31 +47,35 @@ def compile_ahead() -> None:
 def compile_stages() -> None:
     """Compile the stages from a state to rates and phases."""
     with uncollected():
-        from attitude.solution import motion
         from attitude.solution.classify import refine_all
+        from attitude.solution.constants import solve_all
+        from attitude.solution.motion import prepare_all
+        from attitude.solution.uniform import uniform_all
 
         constants, wxyz, principal = _no_bodies()
-        motion.prepare_all(_no_pairs(), wxyz, _no_pairs(), principal, constants)
+        prepare_all(_no_pairs(), wxyz, _no_pairs(), principal, constants)
         refine_all(constants)
-        motion.solve_all(constants)
-        motion.uniform_all(wxyz, principal, constants)
+        solve_all(constants)
+        uniform_all(wxyz, principal, constants)
 
 
 def compile_loops() -> None:
     """Compile the stages of the series and of the given axes, and the loops over epochs."""
     with uncollected():
-        from attitude.solution import motion
+        from attitude.solution import coefficients
+        from attitude.solution.given_axes import attach_all
+        from attitude.solution.motion import OF_FORM
 
         constants, wxyz, principal = _no_bodies()
         for stage in (
-            motion.trigonometric_all,
-            motion.hyperbolic_all,
-            motion.trigonometric_rates_all,
-            motion.hyperbolic_rates_all,
+            coefficients.trigonometric_all,
+            coefficients.hyperbolic_all,
+            coefficients.trigonometric_rates_all,
+            coefficients.hyperbolic_rates_all,
         ):
             stage(constants)
-        motion.attach_all(wxyz, principal, constants)
-        for loop in motion.OF_FORM.values():
+        attach_all(wxyz, principal, constants)
+        for loop in OF_FORM.values():
             loop(constants, np.zeros((1, 0)), None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)))
 
 

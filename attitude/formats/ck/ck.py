@@ -25,8 +25,8 @@ from attitude.formats.ck.spice_pool import spiceypy
 from attitude.textfiles.atomic_write import made_whole, written_whole
 
 if TYPE_CHECKING:
-    from attitude.annotations import Epoch, FilePath, Real
-    from attitude.formats.sources import HasAttitudes
+    from attitude.annotations import EpochOrSeconds, FilePath
+    from attitude.motion import HasAttitudes
 
 __all__ = ["KernelAttitude", "Written", "write"]
 
@@ -55,8 +55,8 @@ class Written:
 def write(
     path: FilePath,
     motion: HasAttitudes,
-    start: Epoch | Real,
-    stop: Epoch | Real,
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
     *,
     kind: int = 5,
     tolerance: float = 1e-9,
