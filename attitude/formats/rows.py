@@ -217,9 +217,10 @@ def to_icrf(
         return wxyz, rates
     refuse_speed(rates)
     wxyz = quaternion.multiply(axes.to_icrf(epoch, hi, lo, orbit), wxyz)
-    own = None if rates is None else axes.angular_velocity(epoch, hi, lo, orbit)
-    if own is not None:
-        rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), own)
+    if rates is not None:
+        own = axes.angular_velocity(epoch, hi, lo, orbit)
+        if own is not None:
+            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), own)
     return forms.continuous(wxyz) if axes.turning else wxyz, rates
 
 
@@ -257,11 +258,10 @@ def columns_of(
     if axes.kind not in ("icrf", "gcrf"):
         low = 0.0 if history.low is None else history.low
         outer = axes.to_icrf(history.epoch, history.seconds, low, orbit)
-        own = None
         if rates is not None:
             own = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
-        if own is not None:
-            rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), own)
+            if own is not None:
+                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), own)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)
     return attitude_types.encoded(kind, wxyz, rates, acceleration, how)
 

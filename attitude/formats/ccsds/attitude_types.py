@@ -192,6 +192,7 @@ def encoded(
     if family == "QUATERNION":
         columns = [_ordered(given, how)]
     else:
+        assert how.sequence is not None
         angles = forms.to_euler(how.sequence, given)
         columns = [np.degrees(angles)]
     if kind.endswith("/ANGVEL"):
@@ -202,6 +203,7 @@ def encoded(
         change = forms.quaternion_rate(wxyz, rates)
         columns.append(_ordered(change if how.to_body else quaternion.conjugate(change), how))
     elif kind == "EULER_ANGLE/DERIVATIVE":
+        assert rates is not None and how.sequence is not None
         over = rates if how.to_body else -quaternion.rotate(wxyz, rates)
         columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
     return np.concatenate(columns, axis=1)

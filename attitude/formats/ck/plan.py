@@ -77,8 +77,8 @@ class Plan:
         self.kind: int = kind
         self.tolerance: float = float(tolerance)
         epoch = self._motion.epoch
-        ends = [epochs.seconds_since(epoch, value) for value in (start, stop)]
-        ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in ends]
+        given = [epochs.seconds_since(epoch, value) for value in (start, stop)]
+        ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in given]
         # The clock starts at or before the start, at an epoch that is one double of TDB.
         first, rest = pairs.add(ends[0], epoch.seconds, epoch.low)
         self.first: float = float(first if rest >= 0.0 else np.nextafter(first, -np.inf))
