@@ -1,4 +1,4 @@
-"""``python -m attitude`` is the command ``attitude``."""
+"""``python -m attitude`` runs the command ``attitude``."""
 
 import sys
 

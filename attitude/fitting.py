@@ -1,16 +1,19 @@
 """The free rotation through a measured attitude history, by least squares.
 
-The residual of a record is the turn in rad, over the body axes, that leads from the model to it.
-The first guess needs none: angular momentum stays put, R I w = L at every record, which is linear
-in the inertia I and L.  From there the span grows record by record to the whole table, so that the
-phases of a tumbler are never a turn off.
+The residual of a record is the turn in rad, over the body axes, from the model to the record.  The
+first guess follows from the conservation of angular momentum: R I w = L at every record, which is
+linear in the inertia I and in L.  From there the span grows in stages to the whole table, so that
+no phase of a tumbler is wrong by a revolution.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import propagation, quaternion
+from attitude import propagation, quaternion, validation
 from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
 from attitude.body import Body
@@ -20,16 +23,20 @@ from attitude.history import AttitudeHistory
 from attitude.immutable import Immutable, frozen
 from attitude.spin import Spin
 
-# Central differences of the model, whose own error is 1e-15: good to 1e-10 of the derivatives.
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray, Reals
+
+# Step of central differences of the model, which errs by 1e-15: derivatives are good to 1e-10.
 _STEP = 1e-5
+# Records of the first stage, at least.
 _FEWEST = 6
-# Logarithms of moments beyond this are those of a rod or a disc for any purpose.
+# Bound of the logarithms of the second moments of mass: beyond, the body is a rod or a disc.
 _LIMIT = 18.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Immutable):
-    """A free rotation and how well it meets the records.
+    """A free rotation fitted to records, and its residuals.
 
     Attributes
     ----------
@@ -41,41 +48,50 @@ class Fit(Immutable):
         rad/s: given angular velocities less those of the model.
     covariance : (P, P) array
         Of the parameters, for records whose errors are as large as the residuals: turn of the
-        first attitude (3, rad, body axes), angular velocity then (3, rad/s), shape (the rest).
-        Infinite where the records do not tell a parameter.
+        first attitude (3, rad, body axes), angular velocity then (3, rad/s), logarithms of the
+        second moments of mass (the rest).  Infinite for parameters that the records leave
+        undetermined.
     """
 
     motion: FreeRotation
-    residuals: np.ndarray
-    rate_residuals: np.ndarray | None
-    covariance: np.ndarray = field(repr=False)
+    residuals: FloatArray
+    rate_residuals: FloatArray | None
+    covariance: FloatArray = field(repr=False)
 
     @property
-    def rms(self):
+    def rms(self) -> float:
         """Root mean square of the angles of the residuals, rad."""
         return float(np.sqrt(np.mean(np.sum(self.residuals**2, axis=1))))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Fit: {len(self.residuals)} records, rms {self.rms:.3g} rad, {self.motion!r}>"
 
 
-def fit(table, body=None, *, axes="principal", sigma=1.0, rate_sigma=None):
-    """The free rotation that comes closest to the attitudes of a table.
+def fit(
+    table: AttitudeTable | AttitudeHistory,
+    body: Body | None = None,
+    *,
+    axes: str = "principal",
+    sigma: Reals = 1.0,
+    rate_sigma: Reals | None = None,
+) -> Fit:
+    """The free rotation with the least squared residuals to the attitudes of a table.
 
     Parameters
     ----------
     table : AttitudeTable or AttitudeHistory
-        Three records or more; steps of less than half a turn unless it has angular velocities.
+        Three records or more, with a body two; steps of less than half a turn unless it has
+        angular velocities.
     body : Body, optional
-        Whose inertia is known; by default it is found too, as ratios.
+        Of known inertia; by default the inertia is fitted too, as ratios.
     axes : str
-        Without a body: "principal" where the body axes are the principal axes, "free" where they
-        are not known to be.
+        Without a body: "principal" if the body axes are the principal axes, "free" if the
+        principal axes are fitted too.
     sigma : float or (N,) array
-        Errors of the attitudes, rad.
+        Standard errors of the attitudes, rad.
     rate_sigma : float or (N,) array, optional
-        Errors of given angular velocities, rad/s; by default `sigma` times their mean size.  inf
-        leaves them out.
+        Standard errors of given angular velocities, rad/s; by default `sigma` times their mean
+        size.  inf leaves them out.
 
     Returns
     -------
@@ -84,12 +100,13 @@ def fit(table, body=None, *, axes="principal", sigma=1.0, rate_sigma=None):
     Raises
     ------
     AttitudeError
-        For too few records, or records from which no motion can be begun.
+        For too few records, errors that are not greater than zero, and attitudes from which no
+        motion follows.
 
     Notes
     -----
-    Moments show only in the wobble: of a steady rotation any body will do, and the one returned
-    is near to a sphere.
+    Moments follow from the wobble alone: a steady rotation fits any body, and the one returned is
+    close to a sphere.
 
     >>> from attitude import FreeRotation
     >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))
@@ -113,10 +130,21 @@ def fit(table, body=None, *, axes="principal", sigma=1.0, rate_sigma=None):
 class _Records:
     """Epochs, attitudes and rates of a table as arrays, with their weights."""
 
-    def __init__(self, table, sigma, rate_sigma):
+    rates: FloatArray | None
+    rate_weight: FloatArray | None
+
+    def __init__(
+        self,
+        table: AttitudeTable | AttitudeHistory,
+        sigma: Reals,
+        rate_sigma: Reals | None,
+    ) -> None:
         history = table.history if isinstance(table, AttitudeTable) else table
         if not isinstance(history, AttitudeHistory) or len(history.shape) != 1:
-            raise AttitudeError("fit takes an AttitudeTable, or an AttitudeHistory of a row, (N,).")
+            raise AttitudeError(
+                f"table is {validation.shown(table)}; give an AttitudeTable, or an AttitudeHistory "
+                "of epochs (N,)."
+            )
         self.epoch = history.epoch
         low = np.zeros(len(history)) if history.low is None else np.asarray(history.low)
         self.t, self.low = np.asarray(history.seconds), low
@@ -135,18 +163,19 @@ class _Records:
                 usual if rate_sigma is None else rate_sigma, "rate_sigma"
             )
 
-    def _sigmas(self, value, name):
-        from attitude import validation
-
+    def _sigmas(self, value: Reals, name: str) -> FloatArray:
         given = validation.real(value, name, finite=False)
         if given.shape not in ((), self.t.shape) or not np.all(given > 0.0):
-            raise AttitudeError(f"{name} is one number above zero, or one for each record.")
+            raise AttitudeError(
+                f"{name} is {validation.shown(value)}; give one number greater than zero, or one "
+                "for each record."
+            )
         return np.broadcast_to(given, self.t.shape)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.t)
 
-    def first(self, count):
+    def first(self, count: int) -> _Records:
         """The first records of these."""
         part = object.__new__(_Records)
         part.__dict__.update(self.__dict__)
@@ -155,12 +184,12 @@ class _Records:
             setattr(part, name, None if value is None else value[:count])
         return part
 
-    def since(self):
+    def since(self) -> FloatArray:
         """Seconds since the first record."""
         return (self.t - self.origin[0]) + (self.low - self.origin[1])
 
-    def stages(self):
-        """How many records the fit takes one after the other: a turn or so, then ever more."""
+    def stages(self) -> list[int]:
+        """Numbers of records of the stages of the fit: about one turn, then half as many more."""
         turn = 2.0 * np.pi / max(self.speed(), 1e-300)
         count = max(_FEWEST, int(np.searchsorted(self.since(), turn)))
         counts = []
@@ -169,12 +198,12 @@ class _Records:
             count = max(count + 1, int(1.5 * count))
         return [*counts, len(self)]
 
-    def speed(self):
+    def speed(self) -> float:
         """The mean angular speed, rad/s."""
         return float(np.mean(np.linalg.norm(self.velocities()[1], axis=1)))
 
-    def velocities(self):
-        """Attitudes (K, 4) and angular velocities (K, 3) that belong together."""
+    def velocities(self) -> tuple[FloatArray, FloatArray]:
+        """Attitudes (K, 4) and the angular velocities (K, 3) there, given or by differences."""
         if self.rates is not None:
             return self.wxyz, self.rates
         step = quaternion.multiply(quaternion.conjugate(self.wxyz[:-1]), self.wxyz[1:])
@@ -184,9 +213,11 @@ class _Records:
 
 
 class _Model:
-    """What the parameters mean: turn of the first attitude, its rate, logarithms of the shape."""
+    """The motion of parameters: turn of the first attitude, its rate, logarithms of the shape."""
 
-    def __init__(self, body, axes):
+    base: FloatArray  # the first attitude, from which the turn counts
+
+    def __init__(self, body: Body | None, axes: str) -> None:
         if body is not None and not isinstance(body, Body):
             raise AttitudeError(f"body is {body!r}; give a Body, or leave it out.")
         if axes not in ("principal", "free"):
@@ -194,23 +225,22 @@ class _Model:
         self.body, self.axes = body, axes
         shapes = 0 if body is not None else (2 if axes == "principal" else 5)
         self.count = 6 + shapes
-        self.base = None
 
-    def guess(self, records):
+    def guess(self, records: _Records) -> FloatArray:
         """The parameters from the conservation of angular momentum; see the top of the file."""
         wxyz, omega = records.velocities()
         self.base = records.wxyz[0]
         x = np.zeros(self.count)
         early = 1 if records.rates is not None else min(2, len(omega))
         x[3:6] = np.mean(omega[:early], axis=0)
-        # Records that are noisy, or far apart without rates, are better taken early.
+        # 2000 records are enough for a guess.
         part = slice(0, max(_FEWEST, min(len(omega), 2000)))
         if self.body is None:
             x[6:] = self._shape_of(self._inertia(wxyz[part], omega[part]))
         return x
 
-    def _inertia(self, wxyz, omega):
-        """The tensor for which R I w stays put, to a factor; a sphere where any does."""
+    def _inertia(self, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
+        """The tensor of unit trace for which R I w varies least; a sphere where none is better."""
         basis = _diagonals() if self.axes == "principal" else _symmetric()
         vectors = np.stack([quaternion.rotate(wxyz, omega @ each) for each in basis], axis=-1)
         vectors = (vectors - vectors.mean(axis=0)).reshape(-1, len(basis))
@@ -221,8 +251,8 @@ class _Model:
         tensor = np.tensordot(found, basis, axes=1)
         return tensor / np.trace(tensor)
 
-    def _shape_of(self, tensor):
-        """Logarithms of the second moments of mass, which any positive numbers can be."""
+    def _shape_of(self, tensor: FloatArray) -> FloatArray:
+        """Logarithms of the second moments of mass, which may be any positive numbers."""
         second = 0.5 * np.trace(tensor) * np.eye(3) - tensor
         values, vectors = np.linalg.eigh(0.5 * (second + second.T))
         values = np.maximum(values, 1e-3 * np.max(np.abs(values)))
@@ -232,8 +262,8 @@ class _Model:
             return np.diag(logarithm)[:2]
         return np.array([logarithm[0, 0], logarithm[1, 1], *logarithm[[0, 0, 1], [1, 2, 2]]])
 
-    def tensor(self, shape):
-        """The inertia tensor of unit trace of some logarithms."""
+    def tensor(self, shape: FloatArray) -> FloatArray:
+        """The inertia tensor of unit trace from the logarithms of `_shape_of`."""
         a, b = shape[:2]
         logarithm = np.diag([a, b, -a - b])
         if len(shape) == 5:
@@ -244,7 +274,7 @@ class _Model:
         tensor = np.trace(second) * np.eye(3) - second
         return 0.5 * (tensor + tensor.T) / np.trace(tensor)
 
-    def bodies(self, points):
+    def bodies(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Principal moments (B, 3) and their axes (B, 3, 3, right-handed) of parameters (B, P)."""
         if self.body is not None:
             moments, axes = self.body.moments, self.body.principal_axes
@@ -256,7 +286,7 @@ class _Model:
         axes[np.linalg.det(axes) < 0.0, :, 2] *= -1.0
         return moments, axes
 
-    def evaluate(self, points, t):
+    def evaluate(self, points: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Attitudes (B, N, 4) and rates (B, N, 3) over the body axes of parameters (B, P)."""
         moments, axes = self.bodies(points)
         start = quaternion.multiply(self.base, forms.from_rotation_vector(points[:, :3]))
@@ -271,18 +301,19 @@ class _Model:
         wxyz = quaternion.multiply(wxyz, quaternion.conjugate(to_body)[:, None])
         return wxyz, np.einsum("bij,bnj->bni", axes, omega)
 
-    def residuals(self, points, records):
-        """Weighted residuals (B, M)."""
+    def residuals(self, points: FloatArray, records: _Records) -> FloatArray:
+        """Weighted residuals (B, M) of parameters (B, P)."""
         wxyz, omega = self.evaluate(points, records.since())
         turn = quaternion.multiply(quaternion.conjugate(wxyz), records.wxyz)
         parts = [forms.to_rotation_vector(turn) * records.weight[:, None]]
         if records.rates is not None:
+            assert records.rate_weight is not None
             parts.append((records.rates - omega) * records.rate_weight[:, None])
         return np.concatenate(parts, axis=1).reshape(len(points), -1)
 
 
-def _improved(model, records, x):
-    """Least squares from a guess."""
+def _improved(model: _Model, records: _Records, x: FloatArray) -> FloatArray:
+    """The parameters of least squares, from a guess."""
     from scipy.optimize import least_squares
 
     scale = np.ones(model.count)
@@ -290,7 +321,7 @@ def _improved(model, records, x):
     limit = np.full(model.count, np.inf)
     limit[6:] = _LIMIT
 
-    def jacobian(y):
+    def jacobian(y: FloatArray) -> FloatArray:
         steps = np.eye(model.count) * _STEP
         points = y + np.concatenate([steps, -steps])
         values = model.residuals(points * scale, records)
@@ -310,7 +341,7 @@ def _improved(model, records, x):
     return found.x * scale
 
 
-def _result(model, records, x):
+def _result(model: _Model, records: _Records, x: FloatArray) -> Fit:
     values = model.residuals(x[None], records)[0]
     steps = np.diag(_STEP * np.where(np.arange(model.count) // 3 == 1, records.speed() or 1.0, 1.0))
     ahead, behind = (model.residuals(x + each, records) for each in (steps, -steps))
@@ -333,25 +364,27 @@ def _result(model, records, x):
     return Fit(FreeRotation(body, spin), residuals, rates, frozen(covariance))
 
 
-def _inverse(normal):
+def _inverse(normal: FloatArray) -> FloatArray:
     """The inverse of a normal matrix; infinite variances where it is singular to rounding."""
     size = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    told = size > 0.0
-    scaled = normal / np.outer(np.where(told, size, 1.0), np.where(told, size, 1.0))
+    known = size > 0.0
+    scaled = normal / np.outer(np.where(known, size, 1.0), np.where(known, size, 1.0))
     values, vectors = np.linalg.eigh(scaled)
     lost = values <= 1e-12
     inverse = (vectors / np.where(lost, 1.0, values)) @ vectors.T
-    inverse /= np.outer(np.where(told, size, 1.0), np.where(told, size, 1.0))
-    unknown = ~told | np.any(np.abs(vectors[:, lost]) > 1e-3, axis=1)
+    inverse /= np.outer(np.where(known, size, 1.0), np.where(known, size, 1.0))
+    unknown = ~known | np.any(np.abs(vectors[:, lost]) > 1e-3, axis=1)
     inverse[unknown, unknown] = np.inf
     return inverse
 
 
-def _diagonals():
+def _diagonals() -> FloatArray:
+    """A basis (3, 3, 3) of the diagonal matrices."""
     return np.array([np.diag(row) for row in np.eye(3)])
 
 
-def _symmetric():
+def _symmetric() -> FloatArray:
+    """A basis (6, 3, 3) of the symmetric matrices."""
     off = [np.zeros((3, 3)) for _ in range(3)]
     for matrix, (i, j) in zip(off, ((0, 1), (0, 2), (1, 2)), strict=True):
         matrix[i, j] = matrix[j, i] = 1.0

@@ -1,8 +1,12 @@
-"""Pictures of a motion: the polhode, the body axes on the sky, rates and angles against time.
+"""Plots of a motion: the polhode, the body axes on the sky, rates and angles against time.
 
-Every function draws into the axes of a matplotlib figure that it is given, so that pictures can be
-combined; `overview` makes a figure of four.  No window is opened, and no global setting changed.
+Every function draws into given matplotlib axes, so that plots can be combined; `overview` makes a
+figure of four.  No window is opened, and no global setting changed.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,22 +15,39 @@ from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode as curves
 from attitude.published import conventions
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray, Real
+    from attitude.free_rotation.free_rotation import FreeRotation
+
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
 _NAMES = ("long axis", "middle axis", "short axis")
+# Least span in s, s in the unit, and its name.
 _UNITS = ((86400.0 * 3.0, 86400.0, "d"), (3.0 * 3600.0, 3600.0, "h"), (0.0, 1.0, "s"))
 _POINTS = 1201
 
 
-def overview(motion, *, span=None, frame="ecliptic", title=None):
-    """A figure of four pictures: polhode, sky, angular velocity, Euler angles.
+def overview(
+    motion: FreeRotation,
+    *,
+    span: Real | None = None,
+    frame: str = "ecliptic",
+    title: str | None = None,
+) -> Figure:
+    """A figure of four plots: polhode, sky, angular velocity, Euler angles.
 
     Parameters
     ----------
     motion : FreeRotation
     span : float or Quantity, optional
-        Seconds from the epoch; three turns of the slower phase unless given.
+        Seconds from the epoch; by default three turns of the slower phase.
     frame : str
-        Whose longitudes and latitudes the sky shows.
+        Of the longitudes and latitudes of the sky; see `frames.FRAMES`.
     title : str, optional
 
     Returns
@@ -37,7 +58,8 @@ def overview(motion, *, span=None, frame="ecliptic", title=None):
     Raises
     ------
     AttitudeError
-        For a body at rest, a span that is not positive, or if matplotlib is not installed.
+        For a body at rest, a rod, a span that is not positive, an unknown frame, or if matplotlib
+        is not installed.
     """
     figure = new_figure((11.0, 8.5))
     seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
@@ -50,43 +72,68 @@ def overview(motion, *, span=None, frame="ecliptic", title=None):
     return figure
 
 
-def new_figure(size):
-    """An empty figure of a size in inches that belongs to no window."""
+def new_figure(size: tuple[float, float]) -> Figure:
+    """An empty figure without a window, of a width and height in inches.
+
+    Raises
+    ------
+    AttitudeError
+        If matplotlib is not installed.
+    """
     try:
         from matplotlib.figure import Figure
     except ImportError as err:
         raise AttitudeError(
-            "matplotlib is not installed, which draws the pictures; install it with "
-            "pip install matplotlib."
+            "matplotlib is not installed, which draws the plots; install it with pip install "
+            "matplotlib."
         ) from err
     return Figure(figsize=size, layout="constrained")
 
 
-def time_span(motion, span=None):
-    """The seconds to show: as given, or three turns of the slower phase."""
+def time_span(motion: FreeRotation, span: Real | None = None) -> float:
+    """The seconds to show: as given, or three turns of the slower phase.
+
+    Raises
+    ------
+    AttitudeError
+        For a body at rest, and a span that is not positive.
+    """
     if span is not None:
         return validation.positive(span, "span", unit="s")
     regime = motion.regime
     slowest = [each for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(each)]
     if not slowest:
         raise AttitudeError("the body is at rest; there is no motion to draw. Give a span of time.")
-    # On the separatrix one turn-over is all there is.
+    # On the separatrix the body turns over once.
     once = 4.0 * regime.flip_time if np.isfinite(regime.flip_time) else 0.0
     longest = max(slowest)
     return 3.0 * longest if np.isfinite(regime.P_psi) else max(3.0 * longest, once)
 
 
-def polhode(axes, motion):
-    """The path of the angular velocity on the ellipsoid of its energy (3D axes).
+def polhode(axes: Any, motion: FreeRotation) -> None:
+    """Draw the path of the angular velocity on the ellipsoid of its energy.
 
     Grey: the polhodes of other momenta of the same energy; black: the separatrix.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes3D
+    motion : FreeRotation
+
+    Raises
+    ------
+    AttitudeError
+        For a rod, whose energy has no ellipsoid.
     """
     body = motion.body
     order = conventions.order(body)
     moments = body.moments[order]
     turn = conventions.axes(body, "S")
     if moments[0] == 0.0:
-        raise AttitudeError("one moment is zero; a rod has no ellipsoid of energy to draw on.")
+        raise AttitudeError(
+            "one moment is zero; a rod has no ellipsoid of energy to draw on. Give a body whose "
+            "moments are greater than zero."
+        )
     scale = np.degrees(1.0)
     semi = np.sqrt(2.0 * motion.energy / moments) * scale
     longitude, latitude = np.mgrid[0 : 2 * np.pi : 49j, -np.pi / 2 : np.pi / 2 : 25j]
@@ -112,7 +159,7 @@ def polhode(axes, motion):
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
 
 
-def _family(moments, semi):
+def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatArray]]:
     """Polhodes of the same energy, from the long axis to the short one, on all four sides."""
     a, b, c = moments
     places = np.linspace(0.1, 0.9, 5) * np.pi / 2
@@ -135,8 +182,24 @@ def _family(moments, semi):
             yield color, line * (sides[0], sides[0] * sides[1], sides[1])
 
 
-def sky(axes, motion, seconds, *, frame="ecliptic"):
-    """Where the body axes and the momentum point among the stars (mollweide axes)."""
+def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "ecliptic") -> None:
+    """Draw the directions of the long and the short axis and of the momentum on the sky.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+        With projection="mollweide".
+    motion : FreeRotation
+    seconds : (N,) array_like
+        TDB seconds since the epoch.
+    frame : str
+        Of the longitudes and latitudes; see `frames.FRAMES`.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown frame.
+    """
     history = motion.at(seconds)
     turn = frames.matrix_to_icrf(frame)
     directions = conventions.axes(motion.body, "S")
@@ -153,8 +216,16 @@ def sky(axes, motion, seconds, *, frame="ecliptic"):
     axes.set_title(f"body axes on the sky ({frames.known(frame)})", fontsize=10)
 
 
-def rates(axes, motion, seconds):
-    """Angular velocity over the axes of inertia against time, deg/s or deg/d."""
+def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
+    """Draw the angular velocity over the axes of inertia against time, in deg/s or deg/d.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+    motion : FreeRotation
+    seconds : (N,) array_like
+        TDB seconds since the epoch.
+    """
     omega = motion.angular_velocity_at(seconds) @ conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
     factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
@@ -165,10 +236,24 @@ def rates(axes, motion, seconds):
     _legend(axes, -0.13)
 
 
-def angles(axes, motion, seconds, *, convention=None):
-    """phi, theta, psi about the momentum against time, in degrees.
+def angles(
+    axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, convention: str | None = None
+) -> None:
+    """Draw phi, theta, psi about the momentum against time, in degrees.
 
-    Of the axis about which the momentum circulates, unless a convention "L" or "S" is given.
+    Parameters
+    ----------
+    axes : matplotlib Axes
+    motion : FreeRotation
+    seconds : (N,) array_like
+        TDB seconds since the epoch.
+    convention : str, optional
+        "L" or "S"; by default that of the axis about which the momentum circulates.
+
+    Raises
+    ------
+    AttitudeError
+        For another convention.
     """
     if convention is None:
         convention = "L" if motion.regime.circulates < 0 else "S"
@@ -181,28 +266,33 @@ def angles(axes, motion, seconds, *, convention=None):
     _legend(axes, -0.13)
 
 
-def _legend(axes, height):
-    """Below the picture, where it hides nothing."""
+def _legend(axes: Axes, height: float) -> None:
+    """Draw the legend below the plot."""
     axes.legend(
         fontsize=7, ncols=3, loc="upper center", bbox_to_anchor=(0.5, height), frameon=False
     )
 
 
-def _time(seconds):
+def _time(given: ArrayLike) -> tuple[FloatArray, str]:
+    """Times in a unit that suits their span, and a label with that unit."""
+    seconds = np.asarray(given, dtype=np.float64)
     longest = np.max(np.abs(seconds))
     for least, unit, name in _UNITS:
         if longest >= least:
             return seconds / unit, f"time since the epoch, {name}"
-    raise AssertionError("the last unit takes every span")
+    raise AssertionError("the last unit applies to every span")
 
 
-def _map(vectors):
+def _map(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Longitudes and latitudes (N,), rad, of vectors (N, 3)."""
     x, y, z = vectors.T
     return np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))
 
 
-def _unbroken(x, y, jump=None):
-    """The line with gaps where an angle runs over its end (x of a map, else y)."""
+def _unbroken(
+    x: FloatArray, y: FloatArray, jump: float | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """The line with gaps where an angle jumps: x of a map, or y by more than `jump`."""
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump
     gaps = np.flatnonzero(leap) + 1

@@ -1,16 +1,20 @@
-"""The self-test: is this installation exact and fast on this machine?
+"""The self-test: the accuracy and speed of this installation on this machine.
 
-States of every regime, with answers to 30 digits that were computed by an independent method (the
-mpmath oracle of the project's tests; benchmarks/make_reference.py wrote the file), are propagated
-and compared.
+States of every regime are propagated and compared with attitudes and rates of 30 digits, computed
+by an independent method (the mpmath oracle of the project's tests; benchmarks/make_reference.py
+writes the file).
 """
+
+from __future__ import annotations
 
 import platform
 import sys
 import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,22 +23,34 @@ from attitude.solution.warm_up import compile_ahead
 from attitude.textfiles import records
 from attitude.textfiles.lines import packaged
 
-# What is promised: rad, and angular velocity relative to its largest component.
-LARGEST_ERROR = 4e-15
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+# Accepted errors: rad, and of the angular velocity relative to its largest component.
+LARGEST_ERROR: float = 4e-15
 _PACKAGES = ("numpy", "scipy", "astropy", "skyfield", "numba", "llvmlite")
 
 
 @dataclass(frozen=True)
 class CheckResult:
-    """What the self-test found.
+    """Errors and cost found by the self-test.
 
-    worst : list of (family, rad, relative rate error), by family in the order of the file
-    ratio : cost of an epoch, angular velocity included, over that of numpy.sin, in one run
-    nanoseconds : that cost
-    seconds : how long all of it took
+    Attributes
+    ----------
+    worst : list of (str, float, float)
+        Family of states, its largest attitude error in rad and relative rate error; in the order
+        of the file.
+    states, epochs : int
+        Numbers of reference states and of epochs.
+    ratio : float
+        Cost of an epoch, angular velocity included, over that of numpy.sin, in one run.
+    nanoseconds : float
+        That cost, ns.
+    seconds : float
+        Wall time of the self-test.
     """
 
-    worst: list
+    worst: list[tuple[str, float, float]]
     states: int
     epochs: int
     ratio: float
@@ -42,26 +58,32 @@ class CheckResult:
     seconds: float
 
     @property
-    def error(self):
+    def error(self) -> float:
         """The largest attitude error in rad; NaN if any answer is NaN."""
         return float(np.max([row[1] for row in self.worst]))
 
     @property
-    def rate_error(self):
+    def rate_error(self) -> float:
         """The largest error of an angular velocity, relative to its largest component."""
         return float(np.max([row[2] for row in self.worst]))
 
     @property
-    def passed(self):
+    def passed(self) -> bool:
+        """Whether both errors are at most `LARGEST_ERROR`."""
         return self.error <= LARGEST_ERROR and self.rate_error <= LARGEST_ERROR
 
 
-def check():
+def check() -> CheckResult:
     """Run the self-test.
 
     Returns
     -------
     CheckResult
+
+    Raises
+    ------
+    OSError, KeyError, ValueError
+        If the file of reference states is missing or damaged.
 
     Notes
     -----
@@ -70,11 +92,12 @@ def check():
     """
     start = time.perf_counter()
     compile_ahead()
-    worst, epochs = {}, 0
+    worst: dict[str, FloatArray] = {}
+    epochs = 0
     states = reference_states()
     for state in states:
         error, rate_error = errors_of(state)
-        old = worst.get(state["family"], (0.0, 0.0))
+        old = worst.get(state["family"], np.zeros(2))
         worst[state["family"]] = np.maximum(old, (error, rate_error))
         epochs += len(state["t"])
     ratio, nanoseconds = _speed()
@@ -83,32 +106,36 @@ def check():
     return CheckResult(rows, len(states), epochs, ratio, nanoseconds, elapsed)
 
 
-def reference_states():
-    """The stored states: family, moments, wxyz0, omega0, t, and exact wxyz, omega as text."""
+def reference_states() -> list[dict[str, Any]]:
+    """The stored states.
+
+    Of each: family; moments, wxyz0, omega0 and t as hexadecimal text (kg m2, body to inertial,
+    rad/s over the principal axes, s); wxyz and omega at t as decimal text of 30 digits.
+    """
     name = "reference/states.json"
     return records.of_json(packaged(name), name)["states"]
 
 
-def errors_of(state):
+def errors_of(state: Mapping[str, Any]) -> tuple[float, float]:
     """The largest attitude error (rad) and relative rate error of one stored state."""
     moments, wxyz0, omega0, t = (
         np.array([float.fromhex(x) for x in state[key]])
         for key in ("moments", "wxyz0", "omega0", "t")
     )
     wxyz, omega = propagate(moments, wxyz0, omega0, t, angular_velocity=True)
-    exact, off = _less(wxyz, state["wxyz"])
-    # What is left of the difference across the exact quaternion is half the angle between them.
+    exact, off = _difference(wxyz, state["wxyz"])
+    # The part of the difference normal to the exact quaternion is half the angle between them.
     along = np.sum(off * exact, axis=-1, keepdims=True)
     error = 2.0 * np.sqrt(np.sum((off - along * exact) ** 2, axis=-1))
     error = np.where(np.abs(along[..., 0]) < 1e-6, error, 2.0 * np.pi)
-    exact, off = _less(omega, state["omega"])
+    exact, off = _difference(omega, state["omega"])
     largest = np.max(np.abs(exact), axis=-1)
     rate_error = np.max(np.abs(off), axis=-1) / np.where(largest > 0.0, largest, 1.0)
     return float(np.max(error)), float(np.max(rate_error))
 
 
-def _less(found, texts):
-    """The exact values rounded, and what was found less the exact values, to 1e-30."""
+def _difference(found: FloatArray, texts: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
+    """The exact values rounded, and the values found minus the exact ones, to 1e-30."""
     exact = [[Decimal(x) for x in row] for row in texts]
     high = np.array([[float(x) for x in row] for row in exact])
     low = np.array(
@@ -117,16 +144,18 @@ def _less(found, texts):
     return high, (found - high) - low
 
 
-def _speed():
+def _speed() -> tuple[float, float]:
+    """Cost of an epoch over that of numpy.sin, and in ns."""
     t = np.linspace(0.0, 1e4, 10**5)
     state = (10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0), (1.0, 15.0, 1.0)
     sine = _least(lambda: np.sin(t))
-    # With rates, as above: attitudes alone would be compiled for this line only.
+    # With rates, as in errors_of: attitudes alone would be compiled for this line only.
     ours = _least(lambda: propagate(*state, t, angular_velocity=True))
     return ours / sine, ours / t.size * 1e9
 
 
-def _least(call):
+def _least(call: Callable[[], object]) -> float:
+    """The least wall time of 15 calls, s."""
     times = []
     for _ in range(15):
         start = time.perf_counter()
@@ -135,8 +164,8 @@ def _least(call):
     return min(times)
 
 
-def versions():
-    """Versions of this package, Python and what it stands on, as lines of text."""
+def versions() -> list[str]:
+    """Versions of this package, Python and its dependencies, as lines of text."""
     from attitude import __version__
 
     lines = [f"attitude {__version__}, Python {platform.python_version()} on {sys.platform}"]

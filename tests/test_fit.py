@@ -119,7 +119,7 @@ def test_the_radar_attitudes_of_toutatis():
         (lambda table: fit(5), "AttitudeTable"),
         (lambda table: fit(table, axes="x"), "principal"),
         (lambda table: fit(table, body=3), "Body"),
-        (lambda table: fit(table, sigma=0.0), "sigma is one number above zero"),
+        (lambda table: fit(table, sigma=0.0), "give one number greater than zero"),
         (lambda table: fit(table.history[:2]), "2 records"),
     ],
 )

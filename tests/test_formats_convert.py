@@ -324,7 +324,7 @@ def test_axes_of_the_orbit_of_an_spk(tmp_path):
             ("--orbit", DATA / "apophis-2029-encounter.oem", "--orbit-of", "APOPHIS"),
             "no meaning for an OEM",
         ),
-        (("--orbit", "in.toml"), "in no format that is known; give an OEM"),
+        (("--orbit", "in.toml"), "in no known format; give an OEM"),
     ],
 )
 def test_orbits_that_are_refused(tmp_path, relative, spin, monkeypatch, words, sentence):

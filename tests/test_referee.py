@@ -96,13 +96,13 @@ def test_axes_that_are_not_principal():
         (lambda: compare(lambda m, q, w, h: None, BODY, SPIN, 1.0, steps=STEPS), "returned None"),
         (
             lambda: compare(lambda m, q, w, h: (0.0 * q, w), BODY, SPIN, 1.0, steps=STEPS),
-            "quaternion of no length",
+            "a quaternion is zero",
         ),
         # what is shipped is not spared
         (lambda: compare("rk4", BODY, SPIN, 1e3, steps=(10.0,)), "rk4 is not finite"),
-        (lambda: compare("rk4", BODY, SPIN, 1.0, steps=(1e-300,)), "more than can be counted"),
+        (lambda: compare("rk4", BODY, SPIN, 1.0, steps=(1e-300,)), "more than 2.53"),
         (lambda: compare("rk4", BODY, SPIN, 1.0, steps=STEPS, epochs=True), "whole number"),
-        (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=(1e-17,)), "none below"),
+        (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=(1e-17,)), "give tolerances of 2"),
         (lambda: compare(None, BODY, SPIN, 1.0), "integrators holds None"),
         (lambda: compare([], BODY, SPIN, 1.0, steps=STEPS), "integrators is empty"),
         (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=()), "tolerances is empty"),

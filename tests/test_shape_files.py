@@ -78,7 +78,7 @@ def test_open_surfaces_are_read_when_asked_for(tmp_path):
 def test_names_and_formats(tmp_path):
     with pytest.raises(AttitudeError, match="there is no such file"):
         read(tmp_path / "none.obj")
-    with pytest.raises(AttitudeError, match="say which with format="):
+    with pytest.raises(AttitudeError, match="or give format="):
         read(tmp_path / "shape.xyz")
     with pytest.raises(AttitudeError, match="unit is 'kg'"):
         read(written(tmp_path, "a.obj", obj_of(CUBE)), unit="kg")

@@ -640,7 +640,7 @@ NOTHING = ConstantTorque((0, 0, 0))
             lambda: TorquedRotation(
                 BODY, SPIN, [NOTHING, LinearDamping(1.0)], step=0.1, scheme="force-gradient"
             ),
-            "force gradient of every torque, which LinearDamping does not tell",
+            "force gradient of every torque, which LinearDamping does not define",
         ),
         (
             lambda: TorquedRotation(Body(moments=(0, 5, 5)), SPIN, NOTHING, step=0.1),
@@ -682,7 +682,7 @@ NOTHING = ConstantTorque((0, 0, 0))
             lambda: TorquedRotation(
                 BODY, SPIN, GravityGradient(lambda s: [["a"] * 3] * len(s), 1.0), step=0.05
             ).at(3.0),
-            "path returned what is no array of numbers",
+            "path did not return an array of numbers",
         ),
         (lambda: Scheme("mine", 2, [1.0], [1.0], [0.0], "test"), "n [+] 1, n and n [+] 1"),
         (lambda: Scheme("mine", 2, [0.5, 0.6], [1.0], [0, 0], "test"), "kicks .* add up to 1.1"),

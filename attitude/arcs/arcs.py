@@ -1,4 +1,4 @@
-"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+"""Free rotations joined by instantaneous changes, their state at each joint in two doubles.
 
 >>> import numpy as np
 >>> from attitude import Body, Spin
@@ -12,83 +12,43 @@ array([[0. , 0. , 0.5],
        [0. , 0. , 0. ]])
 """
 
-from dataclasses import dataclass, field
-from functools import cache
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, frames, pairs, propagation, validation
+from attitude import epochs, frames, pairs, propagation
+from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import rate_bounds
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import frozen
 from attitude.motion import Motion
 from attitude.solution.record import CONSTANTS
 from attitude.spin import Spin
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import BoolArray, Epoch, FloatArray, Real
+    from attitude.epochs import Instant
+    from attitude.history import AttitudeHistory
+    from attitude.motion import RateBounds
+
+    Pair = tuple[float, float]  # seconds since the epoch of the spin, high and low part
+
+__all__ = ["Arcs", "Impulse", "InertiaChange"]
+
 _NO_LOW = frozen(np.zeros(1))
 
 
-@dataclass(frozen=True, eq=False)
-class Impulse(Immutable):
-    """Angular momentum added in an instant.
-
-    Parameters
-    ----------
-    at : epoch, seconds or event
-        When: TDB seconds since the epoch of the spin, an epoch of any kind that `Spin` takes, or
-        an event such as `crossing.PointMeetsPlane`: the first time after the change before.
-    angular_momentum : (3,) array_like, or function
-        kg m2/s (in the body's unit of inertia if that is relative).  A function is given the
-        AttitudeHistory of that one epoch, before the change, and returns the vector.
-    frame : str
-        "body": over the body axes at that epoch; "icrf", "eme2000" or "ecliptic".
-    """
-
-    at: object
-    angular_momentum: object
-    frame: str = "body"
-
-    def __post_init__(self):
-        _check_frame(self)
-        if not callable(self.angular_momentum):
-            given = validation.real(
-                self.angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s"
-            )
-            self._set("angular_momentum", frozen(given))
-
-
-@dataclass(frozen=True, eq=False)
-class InertiaChange(Immutable):
-    """The body becomes another in an instant: a boom is deployed, a servicer docks.
-
-    Body axes, attitude and angular momentum stay; the angular velocity follows from them.
-
-    Parameters
-    ----------
-    at : epoch, seconds or event
-        As for `Impulse`.
-    body : Body
-        The body from then on, over the same body axes.
-    angular_momentum : (3,) array_like, or function
-        What the change adds to it, as for `Impulse`: that which a servicer brings along.
-    frame : str
-    """
-
-    at: object
-    body: Body
-    angular_momentum: object = (0.0, 0.0, 0.0)
-    frame: str = "body"
-
-    def __post_init__(self):
-        if not isinstance(self.body, Body):
-            raise AttitudeError(f"body is {type(self.body).__name__}; give a Body.")
-        Impulse.__post_init__(self)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Arcs(Motion):
     """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
 
@@ -97,12 +57,13 @@ class Arcs(Motion):
     body : Body
         Until an `InertiaChange`.
     spin : Spin
-        The state at its epoch; the first arc reaches back from it without end.
-    changes : sequence of Impulse and InertiaChange
+        The state at its epoch; the first arc has no beginning.
+    changes : Impulse, InertiaChange, or sequence of them
         In order of time, after the epoch of the spin.
 
     Attributes
     ----------
+    changes : tuple of Impulse and InertiaChange
     joints : (N,) array
         TDB seconds since the epoch of the spin at which the changes happen, those of events found.
 
@@ -117,70 +78,104 @@ class Arcs(Motion):
     At a joint the state is that after it.  From joint to joint the state is carried in two
     doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
     attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
-    of any frame.  What an error of the input becomes is another matter: each impulse at a wrong
-    phase changes all that follows.  The times of events are rounded to a double.
+    of any frame.  Errors of the input are not covered: an impulse at a wrong phase changes the
+    whole motion after it.  The times of events are rounded to a double.
 
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """
 
-    body: Body = field()
-    spin: Spin = field()
-    changes: tuple = field()
+    body: Body
+    spin: Spin
+    changes: tuple[Change, ...]
 
     smooth = True
 
-    def __post_init__(self):
-        if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
+    def __init__(self, body: Body, spin: Spin, changes: Change | Iterable[Change]) -> None:
+        self._bodies: Sequence[Body]
+        self._constants: FloatArray
+        self._starts: FloatArray
+        if not isinstance(body, Body) or not isinstance(spin, Spin):
             raise AttitudeError(
                 "Arcs takes a Body, a Spin and a list of changes; given were "
-                f"{type(self.body).__name__} and {type(self.spin).__name__}."
+                f"{type(body).__name__} and {type(spin).__name__}."
             )
-        changes = self.changes
-        if isinstance(changes, (Impulse, InertiaChange)):
+        if isinstance(changes, Change):
             changes = (changes,)
+        self._set("body", body)
+        self._set("spin", spin)
         self._set("changes", tuple(changes))
         for k, change in enumerate(self.changes):
-            if not isinstance(change, (Impulse, InertiaChange)):
+            if not isinstance(change, Change):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
         self._build()
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return Arcs, (self.body, self.spin, self.changes)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"
 
-    def __len__(self):
-        """How many arcs there are."""
+    def __len__(self) -> int:
+        """The number of arcs."""
         return len(self.joints) + 1
 
     @property
-    def epoch(self):
+    def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
-    def wxyz_at(self, seconds, low=None):
-        """Attitudes (..., 4), body to ICRF, at TDB seconds since the epoch (and low ones).
+    def wxyz_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Attitudes (..., 4), body to ICRF, at TDB seconds + low since the epoch.
 
-        The floor under `at`, for inner loops: numbers in, numbers out.
+        For inner loops: `at` without units, dates and the history.
         """
         return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 0)[0]
 
-    def angular_acceleration_at(self, seconds, low=None, *, angular_velocity=None):
-        """Euler's equations with the body of each epoch: (..., 3) rad/s2 in body axes."""
+    def angular_acceleration_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Rate of change of the angular velocity by Euler's equations with the body of each epoch.
+
+        Parameters
+        ----------
+        seconds, low : array_like
+            TDB seconds + low since the epoch.
+        angular_velocity : (..., 3) array, optional
+            rad/s there, if known.
+
+        Returns
+        -------
+        (..., 3) array
+            rad/s2, body axes.
+        """
         if angular_velocity is None:
             angular_velocity = self.angular_velocity_at(seconds, low)
         out = np.empty(angular_velocity.shape)
         for body, on in self._bodies_on(seconds, low):
             motion = FreeRotation(body, self.spin)
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
-        out[np.isnan(seconds)] = np.nan
+        out[np.isnan(np.asarray(seconds))] = np.nan
         return out
 
-    def constant_body(self, what):
-        """The Body of all arcs, or an AttitudeError for one that changes."""
+    def constant_body(self, what: str) -> Body:
+        """The Body of all arcs.
+
+        Parameters
+        ----------
+        what : str
+            What needs it, for the beginning of the error message.
+
+        Raises
+        ------
+        AttitudeError
+            For a body that changes.
+        """
         if any(isinstance(change, InertiaChange) for change in self.changes):
             raise AttitudeError(
                 f"{what} follows from a body's inertia, which changes along these arcs; "
@@ -188,27 +183,28 @@ class Arcs(Motion):
             )
         return self.body
 
-    def momentum_in_body(self, history):
+    def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
         """Angular momentum (S, 3), kg m2/s over the body axes, with the body of each epoch."""
         out = np.full(history.angular_velocity.shape, np.nan)
         for body, on in self._bodies_on(history.seconds, history.low):
             out[on] = history.angular_velocity[on] @ body.tensor
         return out
 
-    def rate_bounds(self, seconds):
-        """`RateBounds` on the arc of TDB seconds since the epoch."""
+    def rate_bounds(self, seconds: float) -> RateBounds:
+        """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
         omega = self.angular_velocity_at(np.float64(seconds))
         return rate_bounds.of_free_rotation(self.body_at(float(seconds)), omega)
 
-    def body_at(self, t):
-        """The Body at one epoch."""
+    def body_at(self, t: Epoch | Real) -> Body:
+        """The Body at one epoch, of any kind that `at` takes."""
         seconds, low = epochs.seconds_since(self.spin.epoch, t)
         if np.ndim(seconds):
             raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
         return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
 
-    def _bodies_on(self, seconds, low):
-        """Each Body, and at which epochs (S,) the motion has it; NaN falls on the first."""
+    def _bodies_on(self, seconds: ArrayLike, low: ArrayLike | None) -> list[tuple[Body, BoolArray]]:
+        """Each Body, and at which epochs (S,) the motion has it; the first at NaN."""
+        seconds = np.asarray(seconds)
         rest = np.float64(0.0) if low is None else np.asarray(low)
         starts = [
             (body, *start)
@@ -229,7 +225,7 @@ class Arcs(Motion):
 
     # How the arcs are joined ---------------------------------------------------------------------
 
-    def _build(self):
+    def _build(self) -> None:
         times = [
             self._epoch(change.at, f"changes[{k}].at") for k, change in enumerate(self.changes)
         ]
@@ -237,34 +233,36 @@ class Arcs(Motion):
         body, spin = self.body, self.spin
         q = frames.attitude_to_icrf(spin.frame, spin.wxyz)
         w = body.rates_about_principal_axes(spin.angular_velocity)
-        self._set("_bodies", [body])
+        bodies = [body]
+        self._set("_bodies", bodies)
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
         starts = np.zeros((len(records), 2))
         records[0] = _constants(body, q, w, body.differences(spin.angular_velocity))
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
             time = times[k]
-            # What looks at the motion so far is shown the motion so far.
+            # Events and functions of the change evaluate the arcs before it.
             self._set("_constants", frozen(records[: k + 1]))
             self._set("_starts", frozen(starts[: k + 1]))
             if time is None:
+                assert isinstance(change.at, Trigger)
                 end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
                 time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
             self._check_reach(time, name)
-            added = self._added(change, time, name)
+            added = change.added_momentum(partial(self._before, time), name)
             body = self._join(change, added, body, time, starts[k], records[k], q, w)
-            self._bodies.append(body)
+            bodies.append(body)
             try:
                 records[k + 1] = _constants(body, q, w)
             except AttitudeError as err:
                 raise AttitudeError(f"{name} leaves no physical state: {err}") from err
             starts[k + 1] = time
-        self._set("_bodies", tuple(self._bodies))
+        self._set("_bodies", tuple(bodies))
         self._set("_constants", frozen(records))
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
 
-    def _epoch(self, at, name):
+    def _epoch(self, at: Any, name: str) -> Pair | None:
         """(high, low) seconds since the epoch of the spin, or None for an event."""
         if isinstance(at, Trigger):
             return None
@@ -276,7 +274,7 @@ class Arcs(Motion):
             raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
         return pair
 
-    def _check_order(self, times):
+    def _check_order(self, times: list[Pair | None]) -> None:
         before, whose = (0.0, 0.0), "the epoch of the spin"
         for k, time in enumerate(times):
             if time is None:
@@ -286,32 +284,38 @@ class Arcs(Motion):
                 how = f"{early:.2g} s earlier than" if time < before else "the same as"
                 raise AttitudeError(
                     f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
-                    "changes in order of time, after the epoch of the spin, and join those of one "
-                    "epoch to one change."
+                    "changes in order of time, after the epoch of the spin, and one change where "
+                    "several have the same epoch."
                 )
             before, whose = time, f"changes[{k}]"
 
-    def _check_reach(self, time, name):
+    def _check_reach(self, time: Pair, name: str) -> None:
         try:
             self.wxyz_at(*time)
         except AttitudeError as err:
             raise AttitudeError(f"{name}.at: {err}") from err
 
-    def _added(self, change, time, name):
-        """Angular momentum (3,) that a change adds, in its frame."""
-        if not callable(change.angular_momentum):
-            return change.angular_momentum
-        before = self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
-        value = change.angular_momentum(before)
-        return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+    def _before(self, time: Pair) -> AttitudeHistory:
+        """The history of the epoch of a change while only the arcs before it are known."""
+        return self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
 
-    def _join(self, change, added, body, time, start, record, q, w):
-        """Carry the state over a joint, in place; the body after it."""
+    def _join(
+        self,
+        change: Change,
+        added: FloatArray,
+        body: Body,
+        time: Pair,
+        start: FloatArray,
+        record: Any,
+        q: FloatArray,
+        w: FloatArray,
+    ) -> Body:
+        """Carry the state q, w from the start of an arc over its end, in place; the next body."""
         from attitude.solution.flow import flow
         from attitude.solution.joints import change_axes, exchange, strike
 
-        length = pairs.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
-        length = float(length[0]), float(length[1])
+        hi, lo = pairs.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
+        length = float(hi), float(lo)
         change_axes(q, body._axes, body.principal_wxyz, 1.0)
         flow(record, body.moments_as_pairs, length, q, w)
         change_axes(q, body._axes, body.principal_wxyz, -1.0)
@@ -329,14 +333,14 @@ class Arcs(Motion):
 
     # Evaluation ----------------------------------------------------------------------------------
 
-    def _evaluate(self, seconds, low, order):
+    def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape
-        # Views of what was given, read-only: one type of array, one compilation.
+        # Read-only views: one type of array, one compilation.
         t = frozen(np.ascontiguousarray(seconds).reshape(-1))
         if low is None:
             t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
         else:
-            # The low part decides between equal high parts: any two summands make such a pair.
+            # The low part decides between equal high parts: the pair is normalised.
             with np.errstate(invalid="ignore", over="ignore"):
                 pair = pairs.two_sum(t, np.ascontiguousarray(low).reshape(-1))
             t, t_low = frozen(pair[0]), frozen(pair[1])
@@ -347,19 +351,20 @@ class Arcs(Motion):
             self._refuse(float(t[beyond]))
         found = [wxyz[0].T.reshape(*shape, 4)]
         if order:
+            assert omega is not None
             found.append(omega[0].T.reshape(*shape, 3))
         if order > 1:
             found.append(self.angular_acceleration_at(seconds, low, angular_velocity=found[1]))
         return found
 
-    def _refuse(self, t):
-        """Raise what a free rotation says of an epoch beyond its reach."""
+    def _refuse(self, t: float) -> None:
+        """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
         number = self._arc(t)
         local = np.array([[t - self._starts[number, 0]]])
         out = np.empty((1, 4, 1))
         propagation.evaluate(self._constants[number : number + 1], local, None, out, None)
 
-    def _arc(self, t, low=0.0):
+    def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
         return max(sum((high, rest) <= (t, low) for high, rest in self._starts.tolist()) - 1, 0)
 
@@ -375,8 +380,3 @@ def _constants(body, q, w, differences=None):
     """The record of the free motion from a state in pairs."""
     state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
     return propagation.constants_of(body.moments_as_pairs[None], *state, differences=differences)[0]
-
-
-def _check_frame(change):
-    if change.frame != "body":
-        change._set("frame", frames.known(change.frame))

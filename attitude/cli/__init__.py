@@ -1,53 +1,82 @@
 """The command ``attitude``: one module a command, imported when it is used.
 
-A command module has ``HELP`` (one line), ``add_arguments(parser)`` and ``run(arguments)``, which
-returns nothing; what is wrong with its input is an AttitudeError.
+A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below the help),
+``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
+wrong input.
+
+propagate, describe, geometry, lightcurve, plot, convert, check    the commands
+target          the motion of a spin file or of an entry of the catalogue
+grid            equally spaced epochs
+orbit           the option --orbit
+output          the option --output
+table           rows of CSV and ECSV
+curve_figure    the figure of a light curve
 """
+
+from __future__ import annotations
 
 import argparse
 import difflib
 import os
 import re
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
+from typing import Any, NoReturn
 
 from attitude import __version__
 from attitude.errors import AttitudeError
 
-COMMANDS = ("propagate", "describe", "geometry", "lightcurve", "plot", "convert", "check")
+COMMANDS: tuple[str, ...] = (
+    "propagate",
+    "describe",
+    "geometry",
+    "lightcurve",
+    "plot",
+    "convert",
+    "check",
+)
 
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
 _EPILOG = """\
 example:
   attitude propagate toutatis.toml --stop "30 d" --step "6 h" --output toutatis.csv
 
-A spin file holds a body and its state of rotation at an epoch; "attitude COMMAND --help" tells
-more.
+A spin file holds a body and its state of rotation at an epoch. For the options of a command, see
+"attitude COMMAND --help".
 """
-# Exit codes: what was given is wrong; the reader went away (128 + SIGPIPE); Ctrl-C (128 + SIGINT).
+# Exit codes: wrong input; output closed by its reader (128 + SIGPIPE); Ctrl-C (128 + SIGINT).
 _WRONG, _PIPE, _INTERRUPTED = 2, 141, 130
 
 
-def main(argv=None):
-    """Run the command line and return its exit code.
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
 
-    0, or 2 after one sentence on stderr about what was wrong; 130 after Ctrl-C; 141 when whoever
-    read the output has closed it.
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        By default those of the process.
+
+    Returns
+    -------
+    int
+        Exit code: 0; 2 after one sentence on stderr about wrong input; 130 after Ctrl-C; 141 if
+        the reader of the output closed it; 1 for a self-test that failed.
     """
     try:
         arguments = _parsed(_joined(sys.argv[1:] if argv is None else list(argv)))
         arguments.run(arguments)
         sys.stdout.flush()
     except SystemExit as end:  # argparse: help, version
-        return end.code or 0
+        return int(end.code or 0)
     except AttitudeError as err:
-        return _said(str(err))
+        return _failed(str(err))
     except BrokenPipeError:
         _abandon_stdout()
         return _PIPE
     except OSError as err:
-        return _said(f"{err.filename or 'output'}: {err.strerror or err}.")
+        return _failed(f"{err.filename or 'output'}: {err.strerror or err}.")
     except KeyboardInterrupt:
         _abandon_stdout()
         return _INTERRUPTED
@@ -55,14 +84,15 @@ def main(argv=None):
 
 
 class _Parser(argparse.ArgumentParser):
-    """What is wrong is told in a sentence, without the usage above it."""
+    """A parser whose errors are AttitudeErrors of one sentence, without the usage."""
 
-    def __init__(self, **settings):
+    def __init__(self, **settings: Any) -> None:
         super().__init__(
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings
         )
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
+        """Raise the AttitudeError for what argparse refuses."""
         found = re.fullmatch(r"unrecognized arguments: (.*)", message)
         if found:
             known = [each for action in self._actions for each in action.option_strings]
@@ -72,7 +102,7 @@ class _Parser(argparse.ArgumentParser):
         raise AttitudeError(f'{message}; see "{self.prog} --help".')
 
 
-def _parsed(argv):
+def _parsed(argv: list[str]) -> argparse.Namespace:
     parser = _Parser(prog="attitude", description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument("--version", action="version", version=f"attitude {__version__}")
     first = argv[0] if argv else None
@@ -99,12 +129,12 @@ def _parsed(argv):
     return parser.parse_args(argv)
 
 
-def _joined(argv):
-    """``--start -3d`` as ``--start=-3d``: argparse takes what begins with a minus for an option."""
-    joined = []
+def _joined(argv: list[str]) -> list[str]:
+    """``--start -3d`` as ``--start=-3d``: to argparse a leading minus is that of an option."""
+    joined: list[str] = []
     for each in argv:
         after_option = joined and re.fullmatch(r"--[a-z][a-z-]*", joined[-1])
-        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", each)  # taken for a number
+        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", each)  # to argparse a number
         if after_option and re.match(r"-\.?[0-9]", each) and not alone:
             joined[-1] += "=" + each
         else:
@@ -112,15 +142,16 @@ def _joined(argv):
     return joined
 
 
-def _said(sentence):
+def _failed(sentence: str) -> int:
+    """Print a sentence on stderr; the exit code."""
     with suppress(OSError):
         sys.stdout.flush()
     print(f"attitude: {sentence}", file=sys.stderr)
     return _WRONG
 
 
-def _abandon_stdout():
-    # Python flushes stdout once more at its end, and would complain about the closed pipe.
+def _abandon_stdout() -> None:
+    """Turn stdout to the null device: Python flushes it at exit, an error on a closed pipe."""
     with suppress(OSError, ValueError):
         stdout = sys.stdout.fileno()
         os.dup2(os.open(os.devnull, os.O_WRONLY), stdout)

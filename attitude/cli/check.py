@@ -1,17 +1,31 @@
 """``attitude check``: the self-test on the user's own machine."""
 
+from __future__ import annotations
+
+import argparse
+
 from attitude.errors import AttitudeError
 
-HELP = "test this installation against exact answers, and its speed"
+HELP: str = "compare this installation with reference solutions, and measure its speed"
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     parser.add_argument(
         "--families", action="store_true", help="print the worst error of each family of states"
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Run the self-test and print its result.
+
+    Raises
+    ------
+    AttitudeError
+        If the reference states cannot be read.
+    SystemExit
+        With code 1, if an error is larger than accepted.
+    """
     from attitude import selftest
 
     try:
@@ -20,7 +34,8 @@ def run(arguments):
         if isinstance(err, AttitudeError):
             raise
         raise AttitudeError(
-            f"the reference states of the installation cannot be read ({err}); install it anew."
+            f"the reference states of the installation cannot be read ({err}); install the package "
+            "again."
         ) from err
     print(*selftest.versions(), sep="\n")
     if arguments.families:
@@ -36,6 +51,6 @@ def run(arguments):
         f"{result.ratio:.2f} times numpy.sin on this machine."
     )
     verdict = "passed" if result.passed else "FAILED"
-    print(f"{verdict}: {selftest.LARGEST_ERROR:.0e} is promised. {result.seconds:.1f} s.")
+    print(f"{verdict}: {selftest.LARGEST_ERROR:.0e} is the accepted error. {result.seconds:.1f} s.")
     if not result.passed:
         raise SystemExit(1)

@@ -1,13 +1,29 @@
 """``attitude convert IN OUT``: between any two formats of attitudes and motions."""
 
+from __future__ import annotations
+
+import argparse
 import os
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
 from attitude.cli import orbit
 from attitude.errors import AttitudeError
 
-HELP = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
-EPILOG = """\
+if TYPE_CHECKING:
+    from typing import TypeGuard
+
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.cli.grid import Grid
+    from attitude.epochs import Instant
+    from attitude.formats.detect import Source
+    from attitude.free_rotation.free_rotation import FreeRotation
+    from attitude.motion import Motion
+    from attitude.paths.path import Path
+
+HELP: str = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
+EPILOG: str = """\
 examples:
   attitude convert toutatis.toml toutatis.aem --stop "30 d" --step "1 h"
   attitude convert satellite.xml satellite.ecsv
@@ -21,25 +37,27 @@ endings that OUT may have:
   .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
   .spin  DAMIT                .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
 
-The format of IN is told by what is in it. A table goes into a table as it is; with --step it is
-interpolated, and a motion is evaluated. A table becomes a motion with --fit. A C-kernel is asked
-at the epochs of --start, --stop and --step.
+The format of IN follows from its contents. A table is written record by record, or interpolated at
+--start, --stop and --step; motions and C-kernels are evaluated there. --fit turns a table into a
+motion.
 """
 # Formats whose attitudes may be relative to axes of an orbit.
 _WITH_AXES = ("aem", "aem-xml", "apm", "apm-xml", "stk")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     parser.add_argument("input", metavar="IN", help="file to read")
     parser.add_argument("output", metavar="OUT", help="file to write; appears whole or not at all")
     parser.add_argument("--start", metavar="TIME", help="date (UTC), or time after the epoch of IN")
-    parser.add_argument("--stop", metavar="TIME", help="likewise; included")
+    parser.add_argument("--stop", metavar="TIME", help="last epoch, as --start")
     parser.add_argument("--step", metavar="TIME", help='time between records, such as "10 s"')
     parser.add_argument(
         "--tolerance",
         type=float,
         metavar="RAD",
-        help="of a C-kernel between its records (default 1e-9); of the length of quaternions read",
+        help="largest error of a C-kernel between its records (default 1e-9), or of the length of "
+        "quaternions read",
     )
     parser.add_argument("--version", metavar="1.0|2.0", help="of CCSDS messages (default 2.0)")
     parser.add_argument("--type", metavar="NAME", help="attitude type of an AEM, section of STK")
@@ -50,75 +68,91 @@ def add_arguments(parser):
     orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
-        "--body", metavar="FRAME", help="frame to read out of a C-kernel, or its name to write"
+        "--body", metavar="FRAME", help="frame of a C-kernel: the one to read, or the one to write"
     )
     parser.add_argument(
         "--kernels",
         nargs="+",
         default=(),
         metavar="FILE",
-        help="others that the C-kernel IN needs; x.tf and x.tsc beside it are found",
+        help="further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Read IN and write OUT.
+
+    Raises
+    ------
+    AttitudeError
+        For files that cannot be read or written, and options that do not apply to their formats.
+    """
     from attitude.formats import detect
 
-    wanted = detect.to_write(arguments.output)
-    # The tolerance of lengths is for files of attitudes; of a C-kernel that is written, not.
-    tolerance = None if wanted == "ck" else arguments.tolerance
+    kind = detect.to_write(arguments.output)
+    # For a C-kernel as output, the tolerance is that of the kernel, not that of lengths read.
+    tolerance = None if kind == "ck" else arguments.tolerance
     path = orbit.path_of(arguments)
-    if path is not None and {wanted, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
+    if path is not None and {kind, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
             "--orbit is for AEM, APM and STK files, whose attitudes may be relative to axes of the "
             "orbit; leave it out."
         )
-    reading = {"body": arguments.body, "kernels": arguments.kernels, "orbit": path}
-    found = detect.opened(arguments.input, tolerance=tolerance, **reading)
+    found = detect.opened(
+        arguments.input,
+        tolerance=tolerance,
+        body=arguments.body,
+        kernels=arguments.kernels,
+        orbit=path,
+    )
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
-        _convert(arguments, wanted, found, path)
+        _convert(arguments, kind, found, path)
 
 
-def _convert(arguments, wanted, found, path):
+def _convert(arguments: argparse.Namespace, kind: str, found: Source, path: Path | None) -> None:
+    """Write what was read, as the format `kind`."""
     from attitude.formats import detect
 
     motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
-    if wanted in detect.OF_MOTIONS:
-        _write_motion(arguments, wanted, motion, found.said)
-    elif wanted == "ck":
+    if kind in detect.OF_MOTIONS:
+        _write_motion(arguments, kind, motion, found.said)
+    elif kind == "ck":
         _write_kernel(arguments, motion)
     else:
         records = _records(arguments, motion)
-        if _is_motion(motion):
+        if _is_free_rotation(motion):
             records.meta.update(_names(found.said))
-        detect.write(arguments.output, records, **_settings(arguments, wanted, path))
+        detect.write(arguments.output, records, **_settings(arguments, kind, path))
 
 
-def _is_motion(source):
+def _is_free_rotation(source: Motion) -> TypeGuard[FreeRotation]:
     from attitude.free_rotation.free_rotation import FreeRotation
 
     return isinstance(source, FreeRotation)
 
 
-def _is_table(source):
+def _is_table(source: Motion) -> TypeGuard[AttitudeTable]:
     from attitude.attitude_table.table import AttitudeTable
 
     return isinstance(source, AttitudeTable)
 
 
-def _fitted(arguments, source):
+def _fitted(arguments: argparse.Namespace, source: Motion) -> FreeRotation:
+    """The free rotation fitted to IN; prints the rms of the residuals."""
     from attitude.fitting import fit
 
-    if _is_motion(source):
-        raise AttitudeError("--fit wants a table of attitudes; IN is a motion already.")
+    if _is_free_rotation(source):
+        raise AttitudeError(
+            "--fit fits a table of attitudes, but IN is a motion already; leave --fit out."
+        )
     found = fit(source if _is_table(source) else _sampled(arguments, source))
     print(f"rms of the residuals: {found.rms:.3g} rad")
     return found.motion
 
 
-def _sampled(arguments, source):
-    """A table of what a C-kernel holds at the epochs that were asked for."""
+def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
+    """A table of the attitudes of a C-kernel at the epochs of --start, --stop and --step."""
     from attitude.attitude_table.table import AttitudeTable
 
     records = _records(arguments, source)
@@ -126,59 +160,65 @@ def _sampled(arguments, source):
     return AttitudeTable.from_history(history, rates=records.has_rates)
 
 
-# Writing: what is taken of the options ------------------------------------------------------------
+# Writing ------------------------------------------------------------------------------------------
 
 
-def _write_motion(arguments, wanted, motion, said):
+def _write_motion(
+    arguments: argparse.Namespace, kind: str, motion: Motion, labels: Mapping[str, Any]
+) -> None:
+    """Write a spin file, an APM or a DAMIT file."""
     from attitude.formats import detect
 
     sampled = () if arguments.fit else ("start", "stop", "step")
     _refuse(arguments, (*sampled, "type"), f"a file like {arguments.output}")
-    if not _is_motion(motion):
+    if not _is_free_rotation(motion):
         raise AttitudeError(
             f"{arguments.output} holds a motion, and {arguments.input} attitudes at epochs; give "
-            "--fit to find the free rotation that comes closest."
+            "--fit to fit a free rotation to them."
         )
-    if wanted in ("apm", "apm-xml"):
+    settings: dict[str, Any]
+    if kind in ("apm", "apm-xml"):
         settings = {"frame": arguments.frame, "version": arguments.version or "2.0"}
         settings["time_system"] = arguments.time_system or "UTC"
         settings["inertia"] = not motion.body.relative
-        settings |= _names(said)
+        settings |= _names(labels)
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
-        settings = _labels(said) if wanted == "spin" else {}
+        settings = _spin_labels(labels) if kind == "spin" else {}
     detect.write_motion(arguments.output, motion, **settings)
 
 
-def _names(said):
-    """What messages and tables say of the object, of what IN says."""
-    names = {key: said[key] for key in ("object_name", "object_id", "center") if said.get(key)}
-    if said.get("name"):
-        names["object_name"] = said["name"]
-    lines = [line for key in ("source", "note") for line in (said.get(key) or "").splitlines()]
+def _names(labels: Mapping[str, Any]) -> dict[str, Any]:
+    """The names and comments of messages and tables, from those of IN."""
+    names = {key: labels[key] for key in ("object_name", "object_id", "center") if labels.get(key)}
+    if labels.get("name"):
+        names["object_name"] = labels["name"]
+    lines = [line for key in ("source", "note") for line in (labels.get(key) or "").splitlines()]
     lines = [" ".join(line.split()) for line in lines if line.strip()]
-    comments = [*said.get("comments", ()), *lines]
+    comments = [*labels.get("comments", ()), *lines]
     return names | ({"comments": tuple(comments)} if comments else {})
 
 
-def _labels(said):
-    """The labels of a spin file, of what IN says."""
-    name = said.get("name") or said.get("object_name")
-    note = said.get("note") or " ".join(said.get("comments", ()))
-    labels = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
-    return {key: text for key, text in (labels | {"note": note}).items() if text}
+def _spin_labels(labels: Mapping[str, Any]) -> dict[str, str]:
+    """The labels of a spin file, from the names and comments of IN."""
+    name = labels.get("name") or labels.get("object_name")
+    note = labels.get("note") or " ".join(labels.get("comments", ()))
+    found = {"name": name if name != "UNKNOWN" else None, "source": labels.get("source")}
+    return {key: text for key, text in (found | {"note": note}).items() if text}
 
 
-def _write_kernel(arguments, source):
+def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
+    """Write a C-kernel; prints its files and its error."""
     from attitude.formats import ck
 
-    if not _is_motion(source) and not _is_table(source):
+    if not _is_free_rotation(source) and not _is_table(source):
         source = _sampled(arguments, source)
         _refuse(arguments, ("version", "type", "frame", "time_system"), "a C-kernel")
         ends = source.span
     else:
         _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
-        ends = [_moment(source, text) for text in _ends(arguments, source)]
+        start, stop = _ends(arguments, source)
+        ends = _moment(source, start), _moment(source, stop)
     made = ck.write(
         arguments.output,
         source,
@@ -191,28 +231,24 @@ def _write_kernel(arguments, source):
     )
 
 
-def _records(arguments, source):
-    """What is written: the records of a table, or some of a motion."""
+def _records(arguments: argparse.Namespace, source: Motion) -> Any:
+    """The records of a table, or `Records` of a motion at --start, --stop and --step."""
     from attitude.formats.sources import Records
 
     if _is_table(source) and arguments.step is None:
         _refuse(arguments, ("start", "stop"), "records as they are, without --step")
         return source
     if arguments.step is None:
-        options = "--step and --stop" if _is_motion(source) else "--start, --stop and --step"
-        raise AttitudeError(f"{arguments.output} is made of attitudes at epochs; give {options}.")
+        free = _is_free_rotation(source)
+        options = "--step and --stop" if free else "--start, --stop and --step"
+        raise AttitudeError(f"{arguments.output} holds attitudes at epochs; give {options}.")
     start, stop = _ends(arguments, source)
     epochs = _epochs(source, start, stop, arguments.step)
     hi, lo = epochs.block(0, epochs.count)
-    return Records(source, _epoch_of(source), hi, lo)
+    return Records(source, source.epoch, hi, lo)
 
 
-def _epoch_of(source):
-    """The epoch from which plain seconds of a source count."""
-    return source.spin.epoch if _is_motion(source) else source.epoch
-
-
-def _ends(arguments, source):
+def _ends(arguments: argparse.Namespace, source: Motion) -> tuple[str, str]:
     """--start and --stop as texts, by default the span of a table."""
     start, stop = arguments.start, arguments.stop
     if _is_table(source):
@@ -221,30 +257,30 @@ def _ends(arguments, source):
             repr((end.seconds - epoch.seconds) + (end.low - epoch.low)) for end in source.span
         ]
         start, stop = start or seconds[0], stop or seconds[1]
-    if stop is None or (start is None and not _is_motion(source)):
-        raise AttitudeError(f"{arguments.input} has no end of its own; give --start and --stop.")
+    if stop is None or (start is None and not _is_free_rotation(source)):
+        raise AttitudeError(f"{arguments.input} has no span of its own; give --start and --stop.")
     return start or "0", stop
 
 
-def _epochs(source, start, stop, step):
+def _epochs(source: Motion, start: str, stop: str, step: str) -> Grid:
     from attitude.cli.grid import grid
 
-    return grid(_epoch_of(source), start, stop, step)
+    return grid(source.epoch, start, stop, step)
 
 
-def _moment(source, text):
+def _moment(source: Motion, text: str) -> Instant:
     """The Instant of a date, or of a time after the epoch of IN."""
     return _epochs(source, text, text, "1").start
 
 
-def _settings(arguments, wanted, path):
-    """What the writer is told."""
-    settings = {}
-    if wanted in ("aem", "aem-xml"):
+def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> dict[str, Any]:
+    """The keyword arguments of the writer."""
+    settings: dict[str, Any] = {}
+    if kind in ("aem", "aem-xml"):
         settings = {"version": arguments.version or "2.0", "kind": arguments.type}
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
         settings["orbit"] = path
-    elif wanted == "stk":
+    elif kind == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
         settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
     else:
@@ -252,7 +288,8 @@ def _settings(arguments, wanted, path):
     return settings
 
 
-def _refuse(arguments, names, what):
+def _refuse(arguments: argparse.Namespace, names: Iterable[str], what: str) -> None:
+    """Raise the AttitudeError for the first given option of these, which `what` does not have."""
     for name in names:
         if getattr(arguments, name) is not None:
             raise AttitudeError(

@@ -1,26 +1,49 @@
 """The figure of a light curve: magnitude and phase angle against time."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import plots
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from attitude.annotations import BoolArray, FloatArray, IntArray
+    from attitude.epochs import Instant
+    from attitude.formats.mission import Mission
+
 _CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.75"
-# Points that a picture of 1500 pixels can show; longer curves are drawn by their extremes.
+# Points of a curve that a figure of 1500 pixels resolves; longer ones are drawn by their extremes.
 _POINTS = 40_000
+# Least span in s, s in the unit, and its name.
 _UNITS = ((4.0 * 86400.0, 86400.0, "days"), (3.0 * 3600.0, 3600.0, "hours"), (0.0, 60.0, "minutes"))
 
 
-def of(mission, *, epoch, seconds, magnitude, phase_angle, lit_fraction=None, elevation=None):
-    """A matplotlib Figure of a mission's light curve.
+def of(
+    mission: Mission,
+    *,
+    epoch: Instant,
+    seconds: FloatArray,
+    magnitude: FloatArray,
+    phase_angle: FloatArray,
+    lit_fraction: FloatArray | None = None,
+    elevation: FloatArray | None = None,
+) -> Figure:
+    """A matplotlib Figure of the light curve of a mission.
 
     Parameters
     ----------
     mission : Mission
+        With a magnitude.
     epoch : Instant
     seconds, magnitude, phase_angle : (N,) arrays
-        TDB seconds since the epoch; mag, inf where nothing is seen; rad.
+        TDB seconds since the epoch; mag, inf where no lit facet is visible; rad.
     lit_fraction, elevation : (N,) arrays, optional
-        Umbra is shaded; what is below the horizon (rad) is grey.
+        The span of the umbra (0) is shaded; the curve below the horizon (rad) is grey.
     """
     figure = plots.new_figure((10.0, 6.0))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -35,10 +58,11 @@ def of(mission, *, epoch, seconds, magnitude, phase_angle, lit_fraction=None, el
     else:
         _line(above, t, shown, _CURVE, None)
     if lit_fraction is not None and np.any(lit_fraction == 0.0):
-        label = "in the shadow of another body"
+        label: str | None = "in the shadow of another body"
         for begin, end in _runs(lit_fraction == 0.0):
             above.axvspan(t[begin], t[end - 1], color="0.9", zorder=0, label=label)
             label = None
+    assert mission.magnitude is not None
     source = "" if mission.scene.phase_function is None else " from H"
     above.invert_yaxis()
     above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
@@ -54,9 +78,9 @@ def of(mission, *, epoch, seconds, magnitude, phase_angle, lit_fraction=None, el
     return figure
 
 
-def _line(axes, t, y, color, label):
+def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | None) -> None:
+    """Draw a curve with gaps at NaN; finite values between two gaps are dots."""
     t, y = _extremes(t, y)
-    # One epoch by itself has no line.
     alone = (
         np.isfinite(y) & ~np.isfinite(np.r_[np.nan, y[:-1]]) & ~np.isfinite(np.r_[y[1:], np.nan])
     )
@@ -65,8 +89,8 @@ def _line(axes, t, y, color, label):
         axes.plot(t[alone], y[alone], ".", color=color, markersize=4)
 
 
-def _extremes(t, y):
-    """The curve by the least and the greatest value in each of many parts, where it is long."""
+def _extremes(t: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A long curve as the least and the greatest value of each of many parts."""
     each = len(t) // (_POINTS // 2)
     if each < 2:
         return t, y
@@ -78,7 +102,7 @@ def _extremes(t, y):
     return np.repeat(t[:count:each], 2), np.where(np.isfinite(pairs), pairs, np.nan)
 
 
-def _runs(flags):
+def _runs(flags: BoolArray) -> IntArray:
     """Begin and end of each run of True."""
     edges = np.flatnonzero(np.diff(np.r_[False, flags, False]))
     return edges.reshape(-1, 2)

@@ -1,22 +1,33 @@
-"""``attitude describe NAME|FILE.toml``: a motion in words and figures."""
+"""``attitude describe NAME|FILE.toml``: mode, periods, momentum and energy of a motion as text."""
 
+from __future__ import annotations
+
+import argparse
 import textwrap
 
 from attitude.cli import target
 
-HELP = "tell mode, periods, momentum and energy of a spin file or a catalogued body"
-EPILOG = """\
+HELP: str = "print mode, periods, momentum and energy of a spin file or a catalogued body"
+EPILOG: str = """\
 example:
   attitude describe toutatis.toml
   attitude describe "1P/Halley"
 """
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     target.add_arguments(parser)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Print the description; of an incomplete entry of the catalogue, the entry.
+
+    Raises
+    ------
+    AttitudeError
+        As `target.opened`.
+    """
     from attitude.free_rotation.description import description
 
     entry = target.incomplete(arguments)

@@ -1,34 +1,53 @@
-"""``attitude geometry MISSION.toml``: what is seen of a body, from where and when, as a table."""
+"""``attitude geometry MISSION.toml``: the observing geometry of a body as a table."""
 
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
+from typing import IO, TYPE_CHECKING, Any
 
 from attitude.cli import output
 from attitude.errors import AttitudeError
 
-HELP = "write what a mission file asks for: phase angle, directions, distances, ..."
-EPILOG = """\
+if TYPE_CHECKING:
+    from attitude.cli.grid import Grid
+    from attitude.formats.mission import Mission
+    from attitude.scene import View
+
+HELP: str = "write the columns of a mission file: phase angle, directions, distances, ..."
+EPILOG: str = """\
 example:
   attitude geometry envisat-pass.toml --output pass.csv
 
 A mission file names spin, centre, observer, times and columns; data/mission/ has examples. The
 first column is the UTC at which light is received, the second the TDB seconds since the epoch of
 the spin (or since the first row, where there is no spin). Without a unit in its name a column is
-in SI units or radians. "attitude geometry --list" tells the columns.
+in SI units or radians. "attitude geometry --list" prints the columns there are.
 """
-# Rows that are made and written at a time: long tables need no more memory than short ones.
+# Rows computed and written in one block: the memory does not grow with the table.
 _BLOCK = 65536
-TIMES = ("start", "stop", "step")
+# Options of the command line and keys of [times].
+TIMES: tuple[str, ...] = ("start", "stop", "step")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     parser.add_argument("file", metavar="MISSION.toml", nargs="?", help="mission file")
     for name in TIMES:
-        parser.add_argument(f"--{name}", metavar="TIME", help=f"instead of the {name} in the file")
-    parser.add_argument("--list", action="store_true", help="tell the columns there are, and stop")
+        parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
+    parser.add_argument("--list", action="store_true", help="print the columns there are, and exit")
     output.add_argument(parser)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Write the table, or print the columns.
+
+    Raises
+    ------
+    AttitudeError
+        For a mission file, times or an output that are not valid; nothing is written then.
+    """
     if arguments.list:
         _list()
         return
@@ -39,12 +58,13 @@ def run(arguments):
     kind = output.kind_of(arguments.output)
     mission = missions.read(arguments.file)
     blocks = _blocks(mission, arguments)
-    first = next(blocks)  # what cannot be computed is said before anything is written
+    first = next(blocks)  # errors are raised before a row is written
     with output.opened(arguments.output) as file:
         write(file, kind, mission, first, blocks)
 
 
-def _list():
+def _list() -> None:
+    """Print the columns that a mission file may name."""
     from attitude.scene import View
 
     for name, each in View.columns().items():
@@ -53,16 +73,34 @@ def _list():
         print(f"{name:26}{unit:8}{each.about}{parts}")
 
 
-def _blocks(mission, arguments):
-    """Columns of some rows at a time: texts of UTC, then lists of numbers."""
+def _blocks(mission: Mission, arguments: argparse.Namespace) -> Iterator[list[Any]]:
+    """Columns of blocks of rows: texts of UTC, then lists of numbers."""
     for view, digits in views(mission, arguments, _BLOCK):
         yield [*dates(view, digits), *numbers(mission, view)]
 
 
-def views(mission, arguments, size, told=None):
-    """(View, decimals of a second) of some epochs at a time, those of the command line first.
+def views(
+    mission: Mission,
+    arguments: argparse.Namespace,
+    size: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[tuple[View, int]]:
+    """Views of blocks of epochs, each with the decimals of a second that its dates need.
 
-    `told`, if given, is called with the number of epochs that are done, and that of all.
+    Parameters
+    ----------
+    mission : Mission
+    arguments : argparse.Namespace
+        start, stop and step replace those of the mission.
+    size : int
+        Epochs in a block.
+    progress : function, optional
+        Called after each block with the number of epochs done and that of all.
+
+    Raises
+    ------
+    AttitudeError
+        For times that are missing or not valid.
     """
     given = {name: getattr(arguments, name) for name in TIMES}
     if "epochs" in mission.times and not any(given.values()):
@@ -75,12 +113,12 @@ def views(mission, arguments, size, told=None):
     grid = _grid(mission, times, {name for name, value in given.items() if value is not None})
     for begin in range(0, grid.count, size):
         yield mission.scene.since(grid.epoch, *grid.block(begin, size)), grid.digits
-        if told is not None:
-            told(min(begin + size, grid.count), grid.count)
+        if progress is not None:
+            progress(min(begin + size, grid.count), grid.count)
 
 
-def dates(view, digits):
-    """The first two columns of a view: texts of UTC, and a list of TDB seconds."""
+def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
+    """The first two columns of a view: texts of UTC with `digits` decimals, and TDB seconds."""
     import numpy as np
 
     from attitude.formats.ccsds import epochs as ccsds_epochs
@@ -89,13 +127,15 @@ def dates(view, digits):
     return ccsds_epochs.texts(view.epoch, hi, lo, "utc", digits), hi.tolist()
 
 
-def _grid(mission, times, given):
-    """The Grid of three texts; `given` are the names of those on the command line."""
+def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
+    """The Grid of start, stop and step; `given` are the names of those on the command line."""
     from attitude.cli import grid
 
     missing = [name for name, value in times.items() if value is None]
     if missing:
-        raise AttitudeError(f"--{missing[0]} is not given, in the file neither; give it.")
+        raise AttitudeError(
+            f"the file has no {missing[0]}; give it there, in [times], or as --{missing[0]}."
+        )
     epoch = mission.scene.epoch
     if epoch is None:
         from attitude import epochs
@@ -110,7 +150,7 @@ def _grid(mission, times, given):
         raise AttitudeError(sentence) from err
 
 
-def numbers(mission, view):
+def numbers(mission: Mission, view: View) -> list[list[float]]:
     """The columns of a view as lists, in the order and units of the mission."""
     lists = []
     for each in mission.columns:
@@ -124,8 +164,24 @@ def numbers(mission, view):
     return lists
 
 
-def write(file, kind, mission, first, blocks):
-    """Write the table of the columns of a mission, whose first block is made already."""
+def write(
+    file: IO[str],
+    kind: str,
+    mission: Mission,
+    first: list[Any],
+    blocks: Iterable[list[Any]],
+) -> None:
+    """Write the table of the columns of a mission.
+
+    Parameters
+    ----------
+    file : text file
+    kind : str
+        "csv" or "ecsv".
+    mission : Mission
+    first, blocks : list, and iterable of lists
+        The first block of columns, computed before the file was opened, and the others.
+    """
     from attitude.formats import csv_rows
 
     file.write(_header(kind, mission))
@@ -133,12 +189,12 @@ def write(file, kind, mission, first, blocks):
         file.write(csv_rows.text(*block))
 
 
-def _labels(mission):
+def _labels(mission: Mission) -> list[tuple[str, str, str]]:
     """Name, unit and description of each column of numbers."""
     from attitude.scene import View
 
     known = View.columns()
-    # In CSV only the name can tell the part.
+    # CSV has no description: the part is in the name.
     return [
         (f"{each.name}_{part}" if part else each.name, each.unit, known[each.name].about)
         for each in mission.columns
@@ -146,7 +202,7 @@ def _labels(mission):
     ]
 
 
-def _header(kind, mission):
+def _header(kind: str, mission: Mission) -> str:
     labels = _labels(mission)
     if kind == "csv":
         names = [f"{name} [{unit}]" if unit else name for name, unit, _ in labels]

@@ -1,14 +1,17 @@
-"""Equally spaced epochs of any number, made block by block.
+"""Equally spaced epochs of any number, computed block by block.
 
-Where a date was given the steps are seconds of UTC (leap seconds are seconds too), so that 00:00
-is followed by 01:00; where start and stop count from the epoch they are seconds of TDB, those of
+If start or stop is a date, the steps are seconds of UTC (leap seconds count), so that 00:00 is
+followed by 01:00; if both count from the epoch, they are seconds of TDB, as in
 ``motion.at(seconds)``.  The two differ by microseconds.
 """
+
+from __future__ import annotations
 
 import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,12 +20,17 @@ from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.textfiles import quantities
 
-# Beyond this a table is a mistake: a terabyte of text.
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+
+    Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
+
+# A longer table is a mistake: a terabyte of text.
 _MOST_ROWS = 10**10
 _SHORTEST = Fraction(1, 10**9)
-# Seconds since J2000 of years that the calendar's four digits hold.
+# Seconds since J2000 of the years 0001 to 9999.
 _FIRST, _LAST = -63082281600.0, 252455529600.0
-# A stop that a whole number of steps misses by less, in steps, is reached.
+# The stop is included if a whole number of steps misses it by no more, in steps.
 _ROUNDING = Fraction(1, 10**9)
 
 
@@ -33,13 +41,13 @@ class Grid:
     Attributes
     ----------
     epoch : Instant
-        What `seconds` count from.
+        From which the seconds of `block` count.
     start : Instant
     step : Fraction
         Seconds, negative for times that run backwards.
     count : int
     uniform_in : str
-        "utc" or "tdb": whose seconds the steps are.
+        "utc" or "tdb": the time scale of the steps.
     """
 
     epoch: epochs.Instant
@@ -48,10 +56,13 @@ class Grid:
     count: int
     uniform_in: str
 
-    def block(self, first, count):
-        """TDB seconds since the epoch, as arrays hi and lo (N,), of some epochs.
+    def block(self, first: int, count: int) -> Pair:
+        """TDB seconds since the epoch of at most `count` epochs, from number `first` on.
 
-        From epoch number `first` on, at most `count` of them.
+        Returns
+        -------
+        hi, lo : (N,) arrays
+            The seconds are hi + lo.
         """
         number = np.arange(first, min(first + count, self.count), dtype=np.float64)
         elapsed = _times(number, self.step)
@@ -62,28 +73,27 @@ class Grid:
         if self.uniform_in == "tdb":
             return seconds
         tt0 = _tt(self.start)
-        change = time_scales.difference_at(*pairs.add(tt0, *elapsed)) - time_scales.difference_at(
-            *tt0
-        )
+        then = time_scales.difference_at(*pairs.add(tt0, *elapsed))
+        change = then - time_scales.difference_at(np.float64(tt0[0]), np.float64(tt0[1]))
         # The difference from an array and from one number may differ by 5e-15 s.
         return pairs.add(seconds, np.where(number == 0.0, 0.0, change))
 
     @property
-    def digits(self):
-        """How many decimals of a second UTC needs: 0, 3, 6 or 9."""
+    def digits(self) -> int:
+        """Decimals of a second that the dates in UTC need: 0, 3, 6 or 9."""
         if self.uniform_in == "tdb" and self.count > 1:
             return 9
         step = self.step if self.count > 1 else Fraction(0)
-        fraction = re.search(r"\.(\d+)$", self.start.utc_iso)
-        fraction = Fraction("0." + fraction.group(1)) if fraction else Fraction(0)
+        decimals = re.search(r"\.(\d+)$", self.start.utc_iso)
+        fraction = Fraction("0." + decimals.group(1)) if decimals else Fraction(0)
         for digits in (0, 3, 6):
             if (fraction * 10**digits).denominator == (step * 10**digits).denominator == 1:
                 return digits
         return 9
 
 
-def grid(epoch, start, stop, step):
-    """The Grid of three texts, as the command line gives them.
+def grid(epoch: epochs.Instant, start: str, stop: str, step: str) -> Grid:
+    """The Grid of the texts of --start, --stop and --step.
 
     Parameters
     ----------
@@ -91,19 +101,30 @@ def grid(epoch, start, stop, step):
     start, stop : str
         Dates, or times after the epoch: seconds ("3600") or with a unit ("3 d").
     step : str
-        Seconds or with a unit; negative where stop lies before start.
+        Seconds or with a unit; negative if stop lies before start.
+
+    Raises
+    ------
+    AttitudeError
+        For texts that are no times, epochs outside of the years 0001 to 9999, a step that is zero,
+        below 1e-9 s or of the wrong sign, and more than 10^10 epochs.
     """
     pace = duration(step, "--step")
     if pace == 0:
         raise AttitudeError('--step is zero; give the time between two rows, like "10 s" or "1 h".')
     if abs(pace) < _SHORTEST:
-        raise AttitudeError(f"--step is {step}; the shortest that UTC here resolves is 1e-9 s.")
+        raise AttitudeError(
+            f"--step is {step}; give at least 1e-9 s, the shortest step that dates resolve."
+        )
     first, last = _moment(start, "--start"), _moment(stop, "--stop")
     dated = isinstance(first, epochs.Instant) or isinstance(last, epochs.Instant)
     uniform_in = "utc" if dated else "tdb"
     begin = _instant(first, epoch, uniform_in, "--start", start)
     end = _instant(last, epoch, uniform_in, "--stop", stop)
-    span = _exact(_tt(end)) - _exact(_tt(begin)) if dated else last - first
+    if isinstance(first, Fraction) and isinstance(last, Fraction):
+        span = last - first
+    else:
+        span = _exact(_tt(end)) - _exact(_tt(begin))
     if span * pace < 0 and abs(span) > _ROUNDING:
         where = "before" if span < 0 else "after"
         raise AttitudeError(
@@ -118,8 +139,14 @@ def grid(epoch, start, stop, step):
     return Grid(epoch, begin, pace, max(count, 1), uniform_in)
 
 
-def duration(text, name):
-    """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d"."""
+def duration(text: str, name: str) -> Fraction:
+    """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d".
+
+    Raises
+    ------
+    AttitudeError
+        For other text; the message begins with the name.
+    """
     numbers, unit = quantities.numbers_and_unit(text, name)
     if len(numbers) != 1:
         raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
@@ -137,7 +164,7 @@ def duration(text, name):
     return length
 
 
-def _moment(text, name):
+def _moment(text: str, name: str) -> epochs.Instant | Fraction:
     """A date as Instant, a time after the epoch as Fraction."""
     if re.match(r"\s*\d{4}-\d", text):
         return epochs.instant(text, name)
@@ -152,10 +179,13 @@ def _moment(text, name):
         ) from err
 
 
-def _instant(moment, epoch, scale, name, text):
-    found = moment
-    if not isinstance(moment, epochs.Instant):
-        # Within reach before it becomes a float, which 10**400 does not.
+def _instant(
+    moment: epochs.Instant | Fraction, epoch: epochs.Instant, scale: str, name: str, text: str
+) -> epochs.Instant:
+    if isinstance(moment, epochs.Instant):
+        found = moment
+    else:
+        # Checked before it becomes a float: 10**400 has none.
         if abs(moment) > Fraction(_LAST - _FIRST):
             raise _out_of_calendar(name, text)
         hi = float(moment)
@@ -166,25 +196,30 @@ def _instant(moment, epoch, scale, name, text):
             found = epoch
         else:
             tt = pairs.add(_tt(epoch), hi, lo)
-            found = epochs.Instant(*map(float, time_scales.tdb_from("tt", *map(np.float64, tt))))
+            tdb = time_scales.tdb_from("tt", np.float64(tt[0]), np.float64(tt[1]))
+            found = epochs.Instant(float(tdb[0]), float(tdb[1]))
     if not _FIRST <= found.seconds < _LAST:
         raise _out_of_calendar(name, text)
     return found
 
 
-def _out_of_calendar(name, text):
-    return AttitudeError(f"{name} is {text}, which leads out of the years 0001 to 9999.")
+def _out_of_calendar(name: str, text: str) -> AttitudeError:
+    return AttitudeError(
+        f"{name} is {text}, which leads out of the years 0001 to 9999; give an epoch within them."
+    )
 
 
-def _tt(instant):
-    return time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+def _tt(instant: epochs.Instant) -> tuple[float, float]:
+    """TT seconds since J2000."""
+    hi, lo = time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+    return float(hi), float(lo)
 
 
-def _exact(pair):
+def _exact(pair: tuple[float, float]) -> Fraction:
     return Fraction(float(pair[0])) + Fraction(float(pair[1]))
 
 
-def _times(number, step):
+def _times(number: FloatArray, step: Fraction) -> Pair:
     """The products of whole numbers below 2**34 and a fraction, as a pair without loss."""
     # 19 bits of the step at a time, so that each product with a number of 34 bits is exact.
     hi, lo, rest = 0.0 * number, 0.0 * number, step
@@ -197,6 +232,7 @@ def _times(number, step):
     return hi, lo
 
 
-def _leading(fraction):
+def _leading(fraction: Fraction) -> float:
+    """The leading 19 bits."""
     mantissa, exponent = math.frexp(float(fraction))
     return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)

@@ -1,72 +1,90 @@
-"""``attitude lightcurve MISSION.toml``: how bright a body is, as a table and a figure."""
+"""``attitude lightcurve MISSION.toml``: the brightness of a body as a table and a figure."""
 
+from __future__ import annotations
+
+import argparse
 import sys
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain
+from typing import IO, TYPE_CHECKING, Any
 
 from attitude.cli import geometry, output
 from attitude.errors import AttitudeError
 
-HELP = "write and draw the light curve that a mission file asks for"
-EPILOG = """\
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.formats.mission import Column, Mission
+    from attitude.scene import Scene, View
+
+HELP: str = "write and draw the light curve of a mission file"
+EPILOG: str = """\
 example:
   attitude lightcurve apophis-2012.toml --output curve.ecsv --figure curve.png
 
-A mission file with a section [shape] names spin, centre, observer, times and how the body looks
-([scattering], [magnitude]); data/mission/ has examples, docs/light_curves.md tells the keys.
-Columns: UTC at which light is received, TDB seconds since the epoch of the spin, the magnitude
-(inf where nothing of the body is both lit and seen), brightness in m2/sr, phase angle, distances,
-the fraction of the Sun's disc that other bodies leave free, elevation over a ground site, then the
-columns of the file.  As x.txt the curve has DAMIT's format: brightness at unit distances, less what
-shadows take away, against the dates at which the light left.  With --figure alone no table is
-written.
+A mission file with a section [shape] names spin, centre, observer, times, scattering law and
+magnitude ([scattering], [magnitude]); data/mission/ has examples, docs/light_curves.md lists the
+keys. Columns: UTC at which light is received, TDB seconds since the epoch of the spin, the
+magnitude (inf where nothing of the body is both lit and seen), brightness in m2/sr, phase angle,
+distances, the fraction of the Sun's disc that other bodies leave free, elevation over a ground
+site, then the columns of the file. As x.txt the curve is written in DAMIT's format: brightness at
+unit distances, dimmed by shadows, against the dates at which the light left. With --figure alone no
+table is written.
 """
-# Distances from here on are told in au, m.
+# m; larger distances are written in au.
 _FAR = 1e9
-# Epochs at a time: long curves need no more memory than short ones, but for what a figure keeps.
+# Epochs in one block: the memory does not grow with the curve, except for the points of a figure.
 _BLOCK = 65536
-# What DAMIT's file keeps.
+# Arrays kept for a file of DAMIT.
 _DAMIT = ("reduced", "hi", "lo", "to_sun", "to_observer")
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     parser.add_argument("file", metavar="MISSION.toml", help="mission file with a section [shape]")
     for name in geometry.TIMES:
-        parser.add_argument(f"--{name}", metavar="TIME", help=f"instead of the {name} in the file")
+        parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
     parser.add_argument(
         "--output",
         metavar="FILE",
-        help="x.csv, x.ecsv, or x.txt as DAMIT has it (default: CSV to standard output); appears "
+        help="x.csv, x.ecsv, or x.txt in DAMIT's format (default: CSV to standard output); appears "
         "whole or not at all",
     )
     kinds = ", ".join(output.PICTURES)
     parser.add_argument(
-        "--figure", metavar="FILE", help=f"picture, its kind by its ending: {kinds}"
+        "--figure", metavar="FILE", help=f"figure, its format by its ending: {kinds}"
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Write the table, the file of DAMIT and the figure.
+
+    Raises
+    ------
+    AttitudeError
+        For a mission file, times or outputs that are not valid; nothing is written then.
+    """
     from attitude.formats import mission as missions
     from attitude.textfiles.atomic_write import written_whole
 
     kind = output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
-    picture = _picture(arguments.figure)
+    picture = _figure_kind(arguments.figure)
     mission = missions.read(arguments.file)
     if mission.magnitude is None:
         raise AttitudeError(
             f"{arguments.file}: has no section [shape], without which there is no brightness; give "
-            'it, as in shape.ellipsoid = "300, 200, 150 m".'
+            'one, as in shape.ellipsoid = "300, 200, 150 m".'
         )
     if kind == "txt":
         _require_paths(mission.scene, arguments.output)
-    views = geometry.views(mission, arguments, _BLOCK, _told)
-    first = next(views)  # what cannot be computed is said before anything is written
+    views = geometry.views(mission, arguments, _BLOCK, _print_progress)
+    first = next(views)  # errors are raised before anything is written
     mission = replace(mission, columns=_columns(mission, first[0]))
     curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
-    # Left in reverse: an error with the figure leaves no table either.
+    # Contexts end in reverse order: an error with the figure leaves no table either.
     with ExitStack() as stack:
-        # Opened before the table: what is wrong with one file is not said of the other.
+        # Opened before the table, so that an error names the file that it concerns.
         drawn = picture and stack.enter_context(
             written_whole(arguments.figure, "--figure", binary=True)
         )
@@ -74,7 +92,7 @@ def run(arguments):
             curve.run()
         else:
             curve.write(stack.enter_context(output.opened(arguments.output)))
-        if drawn:
+        if drawn and picture:
             curve.draw(drawn, picture)
         if kind == "txt":
             curve.write_damit(arguments.output)
@@ -83,32 +101,48 @@ def run(arguments):
 
 
 class _Curve:
-    """The light curve of a mission, block by block, and what a figure or DAMIT's file keeps."""
+    """The light curve of a mission, block by block, and the arrays of a figure or file of DAMIT."""
 
-    def __init__(self, mission, views, kind, *, is_drawn):
+    def __init__(
+        self,
+        mission: Mission,
+        views: Iterable[tuple[View, int]],
+        kind: str,
+        *,
+        is_drawn: bool,
+    ) -> None:
+        assert mission.magnitude is not None
+        self._magnitude = mission.magnitude
         self._mission, self._views, self._kind = mission, views, kind
-        self._is_drawn, self._parts = is_drawn, []
+        self._is_drawn = is_drawn
+        self._parts: list[dict[str, Any]] = []
 
-    def write(self, file):
-        """Make all blocks and write them as they come."""
+    def write(self, file: IO[str]) -> None:
+        """Compute all blocks and write each at once."""
         blocks = self._blocks()
         geometry.write(file, self._kind, self._mission, next(blocks), blocks)
 
-    def run(self):
-        """Make all blocks, for what is kept of them."""
+    def run(self) -> None:
+        """Compute all blocks for the arrays that are kept."""
         for view, _ in self._views:
-            self._keep(view, self._mission.magnitude.of(view))
+            self._keep(view, self._magnitude.of(view))
 
-    def draw(self, file, kind):
-        """Save the figure of what was kept to a binary file, as one of `output.PICTURES`."""
+    def draw(self, file: IO[bytes], kind: str) -> None:
+        """Save the figure to a binary file in one of the formats of `output.PICTURES`."""
         from attitude.cli import curve_figure
 
         names = [name for name in self._parts[0] if name not in _DAMIT]
         kept = {name: self._joined(name) for name in names}
         curve_figure.of(self._mission, **kept).savefig(file, format=kind, dpi=150)
 
-    def write_damit(self, path):
-        """One calibrated curve of what was kept, in units of magnitude 0 at unit distances."""
+    def write_damit(self, path: str) -> None:
+        """Write one calibrated curve, in units of magnitude 0 at unit distances.
+
+        Raises
+        ------
+        AttitudeError
+            If the brightness is zero at an epoch.
+        """
         import numpy as np
 
         from attitude import epochs
@@ -125,16 +159,16 @@ class _Curve:
         curve = damit.from_positions(left, 10.0 ** (-0.4 * reduced), sun, observer, calibrated=True)
         damit.write_damit_light_curves(path, curve)
 
-    def _blocks(self):
+    def _blocks(self) -> Iterator[list[Any]]:
         rest = replace(self._mission, columns=self._mission.columns[1:])
         for view, digits in self._views:
-            magnitude = self._mission.magnitude.of(view)
+            magnitude = self._magnitude.of(view)
             self._keep(view, magnitude)
             columns = [magnitude.tolist(), *geometry.numbers(rest, view)]
             yield [*geometry.dates(view, digits), *columns]
 
-    def _keep(self, view, magnitude):
-        kept = {}
+    def _keep(self, view: View, magnitude: FloatArray) -> None:
+        kept: dict[str, Any] = {}
         if self._is_drawn:
             kept = {"epoch": view.epoch, "seconds": view.seconds, "magnitude": magnitude}
             kept["phase_angle"] = view.phase_angle
@@ -148,7 +182,7 @@ class _Curve:
             from attitude.light_curve.magnitudes import dimming
 
             hi, lo = view.emission
-            reduced = replace(self._mission.magnitude, kind="reduced").of(view)
+            reduced = replace(self._magnitude, kind="reduced").of(view)
             if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
                 reduced = reduced + dimming(view.lit_fraction)
             vectors = (
@@ -165,25 +199,26 @@ class _Curve:
             }
         self._parts.append(kept)
 
-    def _joined(self, name):
+    def _joined(self, name: str) -> Any:
         import numpy as np
 
         parts = [part[name] for part in self._parts]
         return parts[0] if name == "epoch" else np.concatenate(parts)
 
 
-def _told(done, count):
-    """How far it has come, to who sits before a terminal and has to wait."""
+def _print_progress(done: int, count: int) -> None:
+    """Print the share of the epochs that are done on stderr, if that is a terminal."""
     if count > _BLOCK and sys.stderr.isatty():
         end = "\n" if done == count else ""
         print(f"\rattitude: {100.0 * done / count:3.0f} %", end=end, file=sys.stderr, flush=True)
 
 
-def _columns(mission, view):
-    """What is always told, then the columns of the file."""
+def _columns(mission: Mission, view: View) -> tuple[Column, ...]:
+    """The columns of every light curve, then those of the file."""
     from attitude.formats.mission import Column
 
     scene = view.scene
+    assert mission.magnitude is not None
     is_apparent = mission.magnitude.kind == "apparent"
     own = [("magnitude" if is_apparent else "reduced_magnitude", "mag"), ("brightness", "m2 / sr")]
     own.append(("phase_angle", "deg"))
@@ -194,12 +229,13 @@ def _columns(mission, view):
         own.append(("lit_fraction", ""))
     if scene.observer.has_horizon:
         own.append(("elevation", "deg"))
-    asked = {each.name: each for each in mission.columns}
-    own = [asked.pop(name, None) or Column(name, unit) for name, unit in own]
-    return (*own, *asked.values())
+    given = {each.name: each for each in mission.columns}
+    first = [given.pop(name) if name in given else Column(name, unit) for name, unit in own]
+    return (*first, *given.values())
 
 
-def _require_paths(scene, output):
+def _require_paths(scene: Scene, output: str) -> None:
+    """Raise the AttitudeError for a Sun or observer without a distance."""
     for place, name in ((scene.sun, "sun"), (scene.observer, "observer")):
         if place.is_direction:
             raise AttitudeError(
@@ -208,12 +244,12 @@ def _require_paths(scene, output):
             )
 
 
-def _picture(figure):
-    """The kind of a figure, one that can be drawn here; None where none is asked for."""
+def _figure_kind(figure: str | None) -> str | None:
+    """The format of --figure, or None without it; checks that matplotlib is installed."""
     if figure is None:
         return None
     from attitude import plots
 
     kind = output.kind_of(figure, output.PICTURES, "--figure")
-    plots.new_figure((1.0, 1.0))  # without matplotlib nothing is begun
+    plots.new_figure((1.0, 1.0))
     return kind

@@ -1,11 +1,19 @@
 """``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit."""
 
+from __future__ import annotations
+
+import argparse
 import re
+from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
 
+if TYPE_CHECKING:
+    from attitude.paths.path import Path
 
-def add_arguments(parser):
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options --orbit and --orbit-of."""
     parser.add_argument(
         "--orbit",
         metavar="FILE",
@@ -15,36 +23,38 @@ def add_arguments(parser):
     parser.add_argument(
         "--orbit-of",
         metavar="NAME",
-        help="whose orbit: the target of an SPK (name or NAIF number), or which satellite of "
-        "several in a TLE or OMM (name or catalogue number)",
+        help="the target of an SPK (name or NAIF number), or one satellite of several in a TLE or "
+        "OMM (name or catalogue number)",
     )
 
 
-def path_of(arguments):
-    """The path that the options ask for; None without them.
+def path_of(arguments: argparse.Namespace) -> Path | None:
+    """The path given by the options; None without them.
 
     Raises
     ------
     AttitudeError
-        For a file that is none of these or cannot be read, and for a body that it lacks.
+        For a file of another format or that cannot be read, and for a body that it lacks.
     """
     file, name = arguments.orbit, arguments.orbit_of
     if file is None:
         if name is not None:
-            raise AttitudeError("--orbit-of tells whose orbit to take; give the file with --orbit.")
+            raise AttitudeError("--orbit-of names a body of an orbit; give the file with --orbit.")
         return None
     from attitude import paths
 
     kind = _kind(file)
     if kind == "oem":
         if name is not None:
-            raise AttitudeError("--orbit-of has no meaning for an OEM, which is of one body.")
+            raise AttitudeError(
+                "--orbit-of has no meaning for an OEM, which holds one body; leave it out."
+            )
         found = paths.oem(file)
     elif kind == "spk":
         if name is None:
             raise AttitudeError(
-                f"--orbit {file!r} is an SPK, which may hold many bodies; give the one that turns "
-                "with --orbit-of, by its name or NAIF number."
+                f"--orbit {file!r} is an SPK, which may hold many bodies; give the one whose "
+                "attitudes are converted with --orbit-of, by its name or NAIF number."
             )
         found = paths.spk(file, int(name) if re.fullmatch(r"-?[0-9]+", name) else name)
     else:
@@ -52,12 +62,13 @@ def path_of(arguments):
     if found.center == "ssb":
         raise AttitudeError(
             f"--orbit {file!r} gives {found.name} relative to the barycenter of the solar system; "
-            "give a file whose center is the body that the orbit goes about."
+            "give a file whose center is the body at the focus of the orbit."
         )
     return found
 
 
-def _kind(file):
+def _kind(file: str) -> str:
+    """The format of a file of an orbit, from its beginning."""
     from attitude.textfiles.lines import beginning
 
     start = beginning(file)
@@ -70,6 +81,6 @@ def _kind(file):
         if re.match(mark, start, re.DOTALL):
             return kind
     raise AttitudeError(
-        f"--orbit {file!r} is in no format that is known; give an OEM in keyword = value notation, "
+        f"--orbit {file!r} is in no known format; give an OEM in keyword = value notation, "
         "two-line elements, an OMM or an SPK."
     )

@@ -1,15 +1,20 @@
-"""Where a command writes: a file whose ending tells the kind, or standard output."""
+"""The output of a command: a file, its format by its ending, or standard output."""
 
+from __future__ import annotations
+
+import argparse
 import sys
-from contextlib import nullcontext
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
 
 from attitude.errors import AttitudeError
 
-PICTURES = ("png", "svg", "pdf", "jpg")
+PICTURES: tuple[str, ...] = ("png", "svg", "pdf", "jpg")
 
 
-def add_argument(parser):
-    """The option --output of a command that writes tables."""
+def add_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option --output of a command that writes tables."""
     parser.add_argument(
         "--output",
         metavar="FILE",
@@ -17,8 +22,16 @@ def add_argument(parser):
     )
 
 
-def kind_of(name, allowed=("csv", "ecsv"), option="--output"):
-    """The kind of a file, one of the endings that are allowed; without a file the first."""
+def kind_of(
+    name: str | None, allowed: Sequence[str] = ("csv", "ecsv"), option: str = "--output"
+) -> str:
+    """The ending of a file, one of those allowed; without a file the first of them.
+
+    Raises
+    ------
+    AttitudeError
+        For another ending; the message names the option.
+    """
     if name is None:
         return allowed[0]
     ending = name.rpartition(".")[2].lower() if "." in name else ""
@@ -28,8 +41,8 @@ def kind_of(name, allowed=("csv", "ecsv"), option="--output"):
     return ending
 
 
-def opened(name):
-    """The file of --output, which appears whole or not at all; without one standard output."""
+def opened(name: str | None) -> AbstractContextManager[Any]:
+    """The text file of --output, which appears whole or not at all; without one standard output."""
     if name is None:
         return nullcontext(sys.stdout)
     from attitude.textfiles.atomic_write import written_whole

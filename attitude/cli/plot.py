@@ -1,19 +1,23 @@
-"""``attitude plot NAME|FILE.toml``: a motion as a picture of four panels."""
+"""``attitude plot NAME|FILE.toml``: a figure of a motion in four plots."""
 
+from __future__ import annotations
+
+import argparse
 import os
 
 from attitude.cli import output, target
 from attitude.errors import AttitudeError
 
-HELP = "draw a motion: polhode, body axes on the sky, rates and angles against time"
-EPILOG = """\
+HELP: str = "draw a motion: polhode, body axes on the sky, rates and angles against time"
+EPILOG: str = """\
 example:
   attitude plot toutatis --output toutatis.png
   attitude plot "99942 Apophis (2014)" --phi0 "0 deg" --psi0 "0 deg" --epoch 2012-12-23
 """
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     target.add_arguments(parser)
     parser.add_argument(
         "--span", metavar="TIME", help='time to show, such as "20 d" (default: three slow turns)'
@@ -25,11 +29,18 @@ def add_arguments(parser):
     parser.add_argument(
         "--output",
         metavar="FILE",
-        help=f"picture, its kind by its ending: {kinds} (default: the name, .png)",
+        help=f"figure, its format by its ending: {kinds} (default: NAME.png)",
     )
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Draw the figure, write it to a file and print the name of the file.
+
+    Raises
+    ------
+    AttitudeError
+        As `target.opened` and `plots.overview`, and for a file that cannot be written.
+    """
     from attitude import plots
     from attitude.textfiles import quantities
 
@@ -49,8 +60,8 @@ def run(arguments):
     print(name)
 
 
-def _file_name(name, given):
-    """A picture in the working directory, called like the entry of the catalogue or the file."""
+def _file_name(name: str, given: str) -> str:
+    """A PNG in the working directory, named after the entry of the catalogue or the file."""
     if target.is_file(given):
         name = os.path.basename(given).removesuffix(".toml")
     words = "".join(each if each.isalnum() else " " for each in name.lower()).split()

@@ -1,9 +1,13 @@
 """``attitude propagate FILE.toml``: attitudes at equally spaced epochs as a table."""
 
+from __future__ import annotations
+
+import argparse
+
 from attitude.cli import output
 
-HELP = "write a table of attitudes at equally spaced epochs"
-EPILOG = """\
+HELP: str = "write a table of attitudes at equally spaced epochs"
+EPILOG: str = """\
 example:
   attitude propagate toutatis.toml --start 1992-12-01 --stop 1992-12-20 --step "1 h" \\
       --output toutatis.csv
@@ -14,14 +18,15 @@ columns:
   w x y z        attitude from body axes to ICRF, a quaternion with its scalar first
   omega_x _y _z  with --rates: angular velocity over the body axes, rad/s
 
-A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). Where start and stop both
-count from the epoch the step is in seconds of TDB, else in those of UTC.
+A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). The step is in seconds of
+TDB if start and stop both count from the epoch, else in seconds of UTC.
 """
-# Rows that are made and written at a time: long tables need no more memory than short ones.
+# Rows computed and written in one block: the memory does not grow with the table.
 _BLOCK = 16384
 
 
-def add_arguments(parser):
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
     parser.add_argument("file", metavar="FILE.toml", help="spin file: a body and its state")
     parser.add_argument(
         "--start",
@@ -29,7 +34,7 @@ def add_arguments(parser):
         metavar="TIME",
         help='date (UTC), or seconds or a time such as "3 d" after the epoch (default: the epoch)',
     )
-    parser.add_argument("--stop", required=True, metavar="TIME", help="likewise; included")
+    parser.add_argument("--stop", required=True, metavar="TIME", help="last epoch, as --start")
     parser.add_argument(
         "--step", required=True, metavar="TIME", help='time between rows, such as "10 s" or "1 h"'
     )
@@ -39,7 +44,14 @@ def add_arguments(parser):
     output.add_argument(parser)
 
 
-def run(arguments):
+def run(arguments: argparse.Namespace) -> None:
+    """Write the table.
+
+    Raises
+    ------
+    AttitudeError
+        For a spin file, times or an output that are not valid; nothing is written then.
+    """
     from attitude.cli import table
     from attitude.cli.grid import grid
     from attitude.formats import spin_file
@@ -47,7 +59,7 @@ def run(arguments):
     kind = output.kind_of(arguments.output)
     motion = spin_file.read(arguments.file).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
-    motion.at(epochs.block(epochs.count - 1, 1)[0])  # out of reach: said before a row is written
+    motion.at(epochs.block(epochs.count - 1, 1)[0])  # refused before a row is written
     with output.opened(arguments.output) as file:
         file.write(table.header(kind, motion, rates=arguments.rates))
         for first in range(0, epochs.count, _BLOCK):

@@ -1,13 +1,22 @@
-"""Rows of a table as text, as CSV or as ECSV (which astropy reads with its units and times)."""
+"""Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times)."""
+
+from __future__ import annotations
 
 import io
+from typing import TYPE_CHECKING
 
 from attitude.formats import csv_rows
 from attitude.formats.ccsds import epochs as ccsds_epochs
 
+if TYPE_CHECKING:
+    from astropy.table import QTable
 
-def header(kind, motion, *, rates):
-    """What stands above the rows: the names of the columns and, in ECSV, what they are.
+    from attitude.cli.grid import Grid
+    from attitude.free_rotation.free_rotation import FreeRotation
+
+
+def header(kind: str, motion: FreeRotation, *, rates: bool) -> str:
+    """The lines above the rows: names of the columns; in ECSV also units and descriptions.
 
     Parameters
     ----------
@@ -15,6 +24,7 @@ def header(kind, motion, *, rates):
         "csv" or "ecsv".
     motion : FreeRotation
     rates : bool
+        Whether there are columns of the angular velocity.
     """
     if kind == "csv":
         return ",".join(csv_rows.names(rates=rates)) + "\n"
@@ -33,8 +43,8 @@ def header(kind, motion, *, rates):
     return head(table)
 
 
-def first_row(utc):
-    """A QTable of one row, with the columns that all tables here begin with."""
+def first_row(utc: str) -> QTable:
+    """A QTable of one row at a date, with the first two columns of all tables here."""
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
@@ -44,17 +54,26 @@ def first_row(utc):
     return table
 
 
-def head(table):
-    """What astropy writes above the row of a table; the rows are ours, as they come."""
+def head(table: QTable) -> str:
+    """The ECSV header that astropy writes above the row of a table of one row."""
     text = io.StringIO()
     table.write(text, format="ascii.ecsv", delimiter=",")
     return "".join(text.getvalue().splitlines(keepends=True)[:-1])
 
 
-def rows(grid, motion, first, count, *, rates):
-    """The text of some rows: UTC, TDB seconds, attitude and, if asked for, angular velocity.
+def rows(grid: Grid, motion: FreeRotation, first: int, count: int, *, rates: bool) -> str:
+    """The text of rows of a grid from `first` on: UTC, TDB seconds, attitude, angular velocity.
 
     Numbers are written so that reading gives the same doubles.
+
+    Parameters
+    ----------
+    grid : Grid
+    motion : FreeRotation
+    first, count : int
+        Number of the first row, and how many rows at most.
+    rates : bool
+        Whether the angular velocity is written.
     """
     hi, lo = grid.block(first, count)
     history = motion.at(hi, low=lo)

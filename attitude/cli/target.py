@@ -1,25 +1,32 @@
-"""What a command works on: a spin file, or a name of the catalogue with what is missing there."""
+"""The motion that a command is run for: a spin file, or a completed entry of the catalogue."""
 
+from __future__ import annotations
+
+import argparse
 import os
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from attitude.errors import AttitudeError
 
-# Option of the command line, keyword of catalog.load, how many numbers, unit, help.
+if TYPE_CHECKING:
+    from attitude.catalog import Entry
+    from attitude.free_rotation.free_rotation import FreeRotation
+
+# Option of the command line, keyword of catalog.load, unit, help.
 _NUMBERS = (
-    ("--moments", "moments", None, "three moments about the body axes, ratios will do"),
+    ("--moments", "moments", None, "three moments about the body axes, or their ratios"),
     ("--P-psi", "P_psi", "s", 'period, such as "6.58 h"'),
-    ("--P-phi", "P_phi", "s", "likewise"),
+    ("--P-phi", "P_phi", "s", 'period, such as "7.35 h"'),
     ("--pole", "pole", "rad", 'longitude and latitude, such as "250, -75 deg"'),
     ("--phi0", "phi0", "rad", 'angle at the epoch, such as "152 deg"'),
-    ("--psi0", "psi0", "rad", "likewise"),
+    ("--psi0", "psi0", "rad", 'angle at the epoch, such as "-3 deg"'),
     ("--wxyz", "wxyz", None, "attitude from body axes to the frame"),
     ("--angular-velocity", "angular_velocity", "rad/s", 'such as "1, 0, 3 deg/s", body axes'),
 )
 _WORDS = (
     ("--mode", "mode", "LAM or SAM"),
-    ("--convention", "convention", "L or S: whose axis phi belongs to"),
+    ("--convention", "convention", "L or S: phi of the long or the short axis"),
     ("--theta-branch", "theta_branch", "acute or obtuse, where psi librates"),
     ("--epoch", "epoch", "date in UTC"),
     ("--frame", "frame", "frame of the pole or of wxyz"),
@@ -27,41 +34,49 @@ _WORDS = (
 
 
 class Target(NamedTuple):
-    """A motion and what is said about it: name, source, note (text or None)."""
+    """A motion with its labels.
 
-    motion: object
+    Attributes
+    ----------
+    motion : FreeRotation
+    name : str
+        Of the entry or in the spin file; the file itself if the file has none.
+    source, note : str or None
+    """
+
+    motion: FreeRotation
     name: str
-    source: str
-    note: str
+    source: str | None
+    note: str | None
 
 
-def add_arguments(parser):
-    """NAME|FILE, and the options that complete an entry of the catalogue."""
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add NAME|FILE, and the options that complete an entry of the catalogue."""
     parser.add_argument(
         "target",
         metavar="NAME|FILE.toml",
-        help="name of the catalogue (a part will do), or spin file: a body and its state",
+        help="name in the catalogue (or a part of it), or spin file: a body and its state",
     )
-    group = parser.add_argument_group("what the catalogue does not hold of a body")
+    group = parser.add_argument_group("values that an entry of the catalogue lacks")
     for option, name, _, text in _NUMBERS:
         group.add_argument(option, dest=name, metavar="NUMBERS", nargs="+", help=text)
     for option, name, text in _WORDS:
         group.add_argument(option, dest=name, metavar="WORD", help=text)
 
 
-def is_file(text):
-    """Whether a target means a file: one that exists, or that is written like one."""
+def is_file(text: str) -> bool:
+    """Whether a target is a file: one that exists, or a name of the form of a path."""
     written_so = re.search(r"\.toml$|[/\\]", text) is not None
     return os.path.exists(text) or (written_so and not _listed(text))
 
 
-def opened(arguments):
+def opened(arguments: argparse.Namespace) -> Target:
     """The Target of parsed arguments.
 
     Raises
     ------
     AttitudeError
-        For a file that cannot be read, a name that is not there, or what is missing of it.
+        For a file that cannot be read, an unknown name, and an entry that stays incomplete.
     """
     if is_file(arguments.target):
         return _from_file(arguments)
@@ -73,9 +88,9 @@ def opened(arguments):
     )
 
 
-def incomplete(arguments):
-    """The catalogue's entry, if it lacks something and no option was given to complete it."""
-    if is_file(arguments.target) or _is_completed(arguments):
+def incomplete(arguments: argparse.Namespace) -> Entry | None:
+    """The entry of the catalogue, if values are missing in it and no option gives one."""
+    if is_file(arguments.target) or _completing(arguments):
         return None
     from attitude import catalog
 
@@ -83,23 +98,24 @@ def incomplete(arguments):
     return entry if entry.missing else None
 
 
-def _from_file(arguments):
+def _from_file(arguments: argparse.Namespace) -> Target:
     from attitude.formats import spin_file
 
-    useless = _is_completed(arguments)
+    useless = _completing(arguments)
     if useless:
         raise AttitudeError(
-            f"{', '.join(useless)} complete a name of the catalogue; in a spin file, write them "
-            "into the file."
+            f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
+            "spin file."
         )
     found = spin_file.read(arguments.target)
     return Target(found.motion, found.name or arguments.target, found.source, found.note)
 
 
-def _given(arguments):
+def _given(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of the options."""
     from attitude.textfiles import quantities
 
-    given = {}
+    given: dict[str, Any] = {}
     for option, name, unit, _ in _NUMBERS:
         words = getattr(arguments, name)
         if words is not None:
@@ -110,13 +126,14 @@ def _given(arguments):
     return given
 
 
-def _is_completed(arguments):
-    """The options for the catalogue that were given."""
+def _completing(arguments: argparse.Namespace) -> list[str]:
+    """The options given that complete an entry of the catalogue."""
     options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]
     return [option for option, name in options if getattr(arguments, name) is not None]
 
 
-def _listed(text):
+def _listed(text: str) -> bool:
+    """Whether the catalogue has a name with this text in it."""
     from attitude import catalog
 
     return any(text.lower() in name.lower() for name in catalog.names())

@@ -1,4 +1,4 @@
-"""One step of the free rotation by the schemes that others use; see `attitude.referee`.
+"""One step of the free rotation by integrators of the literature; see `attitude.referee`.
 
 Each takes three moments, four components of the attitude (body to inertial), three of the angular
 velocity over the principal axes, and a step, as tuples, and returns attitude and angular velocity.
@@ -15,7 +15,7 @@ DLM, REICH, CELLEDONI_SAFSTROM, BUSS, RK4, EXACT = range(6)
 
 @subroutine
 def one_step(kind, moments, q, w, h):
-    """The step of a scheme by its number."""
+    """One step of length h by the integrator of a number: DLM to EXACT."""
     if kind == DLM:
         return dullweber_leimkuhler_mclachlan(moments, q, w, h)
     if kind == REICH:
@@ -31,7 +31,10 @@ def one_step(kind, moments, q, w, h):
 
 @entry_point
 def run(kind, moments, start, h, every, out):
-    """States (T, 7) after each so many steps; the first is the start."""
+    """Fill out (T, 7) with the start and the states after each `every` steps.
+
+    kind: DLM to EXACT; moments (3,); start (7,): wxyz and angular velocity; h s.
+    """
     i = moments[0], moments[1], moments[2]
     q = start[0], start[1], start[2], start[3]
     w = start[4], start[5], start[6]
@@ -47,7 +50,7 @@ def run(kind, moments, start, h, every, out):
 
 @subroutine
 def exact(moments, q, w, h):
-    """The pieces of `solution.step`, not compensated."""
+    """The increments of `solution.step`, without compensated summation."""
     k = gains(moments)
     count = pieces(k, w, h)
     part = h / count
@@ -146,6 +149,7 @@ def runge_kutta(moments, q, w, h):
 
 @subroutine
 def _ahead(y, slope, h):
+    """y + h slope."""
     return (
         y[0] + h * slope[0],
         y[1] + h * slope[1],
@@ -159,6 +163,7 @@ def _ahead(y, slope, h):
 
 @subroutine
 def _slope(k, y):
+    """The rate of change of attitude and angular velocity."""
     q = product((y[0], y[1], y[2], y[3]), (0.0, 0.5 * y[4], 0.5 * y[5], 0.5 * y[6]))
     return (
         q[0],
@@ -173,12 +178,14 @@ def _slope(k, y):
 
 @subroutine
 def _rates_after(moments, w, h):
+    """The angular velocity after h, exactly."""
     _, w = exact(moments, (1.0, 0.0, 0.0, 0.0), w, h)
     return w
 
 
 @subroutine
 def _about(axis, rate, q, momentum, h):
+    """As `_turned`, about one of the principal axes."""
     v = (
         rate if axis == 0 else 0.0,
         rate if axis == 1 else 0.0,
@@ -189,7 +196,7 @@ def _about(axis, rate, q, momentum, h):
 
 @subroutine
 def _turned(q, momentum, rate, h):
-    """The body turned by a constant rate over its axes; the momentum stays in space."""
+    """Attitude and momentum over body axes after a turn at a constant rate, the momentum fixed."""
     turn = _exponential(rate, h)
     back = turn[0], -turn[1], -turn[2], -turn[3]
     return product(q, turn), turned_by(back, momentum)

@@ -1,6 +1,15 @@
-"""What a body looks like: triangle meshes, the ellipsoid, and spacecraft of simple parts.
+"""Shapes of bodies: triangle meshes, the ellipsoid, and spacecraft of simple parts.
 
-Coordinates are metres in body axes.  Nothing here knows of light or of time.
+Coordinates are metres in body axes.
+
+mesh          `Mesh`
+mesh_input    checks of its vertices, facets and materials
+closure       holes, facets that are inside out, connected parts
+integrals     mass, centre of mass and inertia: `MassProperties`
+ellipsoid     `Ellipsoid`, in closed form and as a mesh
+geodesic      even triangulations of the unit sphere
+solids        `box`, `cylinder`, `box_wing`
+files         `read`: OBJ, DAMIT, STL, PLY
 """
 
 from attitude.shape.ellipsoid import Ellipsoid

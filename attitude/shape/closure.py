@@ -1,15 +1,22 @@
-"""Whether triangles bound a solid, and if not, which of them are to blame.
+"""Whether triangles bound a solid, and if not, which facets are at fault.
 
-A surface without boundary passes every edge as often one way as the other.  That also holds for
-two plates back to back and for parts that touch along an edge, which are legal; it fails at holes
-and where a facet runs against its neighbour.
+The facets of a surface without boundary pass every edge as often one way as the other.  That also
+holds for two plates back to back and for parts that touch along an edge, which are legal; it fails
+at holes and where a facet runs against its neighbour.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray, IntArray
 
-def open_facets(facets):
-    """Sorted indices of the facets with an edge that is not balanced by one the other way."""
+
+def open_facets(facets: IntArray) -> IntArray:
+    """Sorted indices of the facets (F, 3) with an edge not balanced by one the other way."""
     start, end = facets[:, [0, 1, 2]].ravel(), facets[:, [1, 2, 0]].ravel()
     owner = np.repeat(np.arange(len(facets)), 3)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -19,11 +26,11 @@ def open_facets(facets):
     return np.unique(owner[balance[edge] != 0.0])
 
 
-def inward_facets(vertices, facets):
-    """Sorted indices of the facets of closed parts that are inside out.
+def inward_facets(vertices: FloatArray, facets: IntArray) -> IntArray:
+    """Sorted indices of the facets (F, 3) of closed parts that are inside out.
 
     A part with negative volume is inside out, unless it lies within another: then it is the wall
-    of a cavity.  Facets of open meshes are not judged.
+    of a cavity.  Empty for an open mesh.
     """
     if len(open_facets(facets)):
         return np.zeros(0, dtype=np.int64)
@@ -34,7 +41,7 @@ def inward_facets(vertices, facets):
         own = part == label
         mine = corners[own] - corners[own][0, 0]
         six = np.einsum("fi,fi->f", mine[:, 0], np.cross(mine[:, 1], mine[:, 2]))
-        # A pillow of two plates has no volume; rounding must not call it inside out.
+        # Two plates back to back have a volume of zero up to rounding, of either sign.
         if np.sum(six) >= -1e-9 * np.sum(np.abs(six)):
             continue
         point = vertices[facets[own][0, 0]]
@@ -43,8 +50,8 @@ def inward_facets(vertices, facets):
     return np.concatenate(bad) if bad else np.zeros(0, dtype=np.int64)
 
 
-def parts(facets, count):
-    """(F,) number of the connected part to which each facet belongs; they join at vertices."""
+def parts(facets: IntArray, count: int) -> IntArray:
+    """Number (F,) of the connected part of each facet; facets (F, 3) join at `count` vertices."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -55,10 +62,10 @@ def parts(facets, count):
     return number
 
 
-def winding_number(point, corners):
-    """How often closed triangles wind about a point: 1 inside, 0 outside.
+def winding_number(point: FloatArray, corners: FloatArray) -> float:
+    """Number of times that closed triangles (F, 3, 3) wind about a point (3,): 1 inside, 0 outside.
 
-    The solid angles of the facets over 4 pi (Van Oosterom & Strackee 1983, eq. 8).
+    The sum of the solid angles of the facets over 4 pi (Van Oosterom & Strackee 1983, eq. 8).
     """
     a, b, c = np.moveaxis(corners - point, 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))

@@ -1,6 +1,10 @@
 """Shapes from files: OBJ and DAMIT's shape.txt, read strictly here; STL and PLY through trimesh."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,12 +12,25 @@ from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
 from attitude.textfiles.lines import whole
 
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath, FloatArray, IntArray
+
+    # Vertices (V, 3), facets (F, 3) and the materials as `Mesh` takes them.
+    Parts = tuple[FloatArray, IntArray, str | tuple[str, ...]]
+
 _FORMATS = {".obj": "obj", ".txt": "damit", ".stl": "stl", ".ply": "ply"}
-# Statements of OBJ that say nothing about the surface as such.
+# Statements of OBJ without influence on the surface.
 _IGNORED = {"vt", "vn", "vp", "o", "g", "s", "mtllib", "l", "p", "usemap", "maplib"}
 
 
-def read(path, *, unit="m", format=None, closed=True, repair=False):
+def read(
+    path: FilePath,
+    *,
+    unit: str = "m",
+    format: str | None = None,
+    closed: bool = True,
+    repair: bool = False,
+) -> Mesh:
     """The mesh in a file.
 
     Parameters
@@ -21,15 +38,15 @@ def read(path, *, unit="m", format=None, closed=True, repair=False):
     path : str or path
         OBJ (.obj), DAMIT (.txt), STL (.stl) or PLY (.ply); the last two need trimesh.
     unit : str
-        Of the numbers in the file, as astropy spells it: "m", "km".  DAMIT's models mostly have
-        a unit of their own: read them as they are, then `Mesh.scaled`.
+        Of the numbers in the file, as astropy spells it: "m", "km".  DAMIT models mostly have a
+        unit of their own: read them in "m", then use `Mesh.scaled`.
     format : "obj", "damit", "stl" or "ply", optional
-        Where the name of the file does not tell.
+        By default that of the ending of the file.
     closed : bool
         Whether the surface must bound a solid.
     repair : bool
-        Whether trimesh may merge vertices, drop degenerate facets, turn facets round and fill
-        small holes first.  Materials are then lost.
+        Whether trimesh merges vertices, drops degenerate facets, reverses facets and fills small
+        holes first.  Materials are then lost.
 
     Returns
     -------
@@ -41,22 +58,22 @@ def read(path, *, unit="m", format=None, closed=True, repair=False):
         For a file that is missing, cut short or malformed (with the line), and for meshes that
         `Mesh` or, with ``closed``, `Mesh.require_closed` refuse.
     """
-    path = Path(path)
-    kind = format or _FORMATS.get(path.suffix.lower())
+    file = Path(path)
+    kind = format or _FORMATS.get(file.suffix.lower())
     if kind not in _FORMATS.values():
         raise AttitudeError(
-            f"{path.name}: a shape is read as obj, damit, stl or ply; name the file .obj, .txt, "
-            f".stl or .ply, or say which with format= (given {format!r})."
+            f"{file.name}: a shape is read as obj, damit, stl or ply; name the file .obj, .txt, "
+            f".stl or .ply, or give format= (given {format!r})."
         )
-    if not path.is_file():
-        raise AttitudeError(f"{path}: there is no such file.")
+    if not file.is_file():
+        raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
     factor = _metres(unit)
     if kind in ("stl", "ply"):
-        parts = _through_trimesh(path, kind)
+        parts = _through_trimesh(file, kind)
     else:
-        advice = 'give a shape in text, or say format="stl" or "ply" of a binary one'
-        lines = whole(path, advice).splitlines()
-        parts = (read_obj if kind == "obj" else read_damit)(lines, path.name)
+        advice = 'give a shape in text, or format="stl" or "ply" for a binary one'
+        lines = whole(file, advice).splitlines()
+        parts = (read_obj if kind == "obj" else read_damit)(lines, file.name)
     vertices, facets, materials = parts
     if repair:
         vertices, facets, materials = _repaired(vertices, facets)
@@ -64,12 +81,30 @@ def read(path, *, unit="m", format=None, closed=True, repair=False):
         mesh = Mesh(vertices * factor, facets, materials)
         return mesh.require_closed() if closed else mesh
     except AttitudeError as err:
-        raise AttitudeError(f"{path.name}: {err}") from err
+        raise AttitudeError(f"{file.name}: {err}") from err
 
 
-def read_obj(lines, name="OBJ"):
-    """Vertices, facets and materials of the lines of a Wavefront OBJ; polygons become fans."""
-    vertices, facets, materials = [], [], []
+def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
+    """Vertices, facets and materials of the lines of a Wavefront OBJ; polygons become fans.
+
+    Parameters
+    ----------
+    lines : iterable of str
+    name : str
+        Of the file in error messages.
+
+    Returns
+    -------
+    (V, 3) array, (F, 3) array of int, tuple of F str
+
+    Raises
+    ------
+    AttitudeError
+        For a line that is malformed, and a file without facets.
+    """
+    vertices: list[list[float]] = []
+    facets: list[tuple[int, int, int]] = []
+    materials: list[str] = []
     material = SURFACE
     for number, line in _statements(lines):
         key, *fields = line.split()
@@ -96,24 +131,39 @@ def read_obj(lines, name="OBJ"):
             material = " ".join(fields) or SURFACE
         elif key not in _IGNORED:
             raise AttitudeError(
-                f"{where}: {key!r} is no statement of a polygon mesh; allowed are v, f, usemtl and "
-                "those that only decorate (vt, vn, o, g, s, mtllib)."
+                f"{where}: {key!r} is no statement of a polygon mesh; give v, f, usemtl and "
+                "decorations (vt, vn, o, g, s, mtllib)."
             )
     if not facets:
-        raise AttitudeError(f"{name}: holds no facets; is it an OBJ file, and is it whole?")
+        raise AttitudeError(f"{name}: holds no facets; give an OBJ file that is not cut short.")
     return np.array(vertices), np.array(facets), tuple(materials)
 
 
-def read_damit(lines, name="shape.txt"):
-    """Vertices, facets and materials of the lines of a DAMIT shape model.
+def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
+    """Vertices, facets and material of the lines of a DAMIT shape model.
 
-    Numbers of vertices and facets; x y z of each vertex; three vertex numbers from 1 of each
-    facet, anticlockwise seen from outside.
+    The lines hold the numbers of vertices and facets; x y z of each vertex; three vertex numbers
+    from 1 of each facet, anticlockwise seen from outside.
+
+    Parameters
+    ----------
+    lines : iterable of str
+    name : str
+        Of the file in error messages.
+
+    Returns
+    -------
+    (V, 3) array, (F, 3) array of int, str
+
+    Raises
+    ------
+    AttitudeError
+        For a line that is malformed, and too few or too many lines.
     """
     statements = list(_statements(lines))
     if not statements:
         raise AttitudeError(
-            f"{name}: is empty; its first line gives the numbers of vertices and facets."
+            f"{name}: is empty; its first line must hold the numbers of vertices and facets."
         )
     number, first = statements[0]
     where = f"{name}, line {number}"
@@ -131,7 +181,7 @@ def read_damit(lines, name="shape.txt"):
         raise AttitudeError(
             f"{name}, line {statements[-1][0]}: the file {'ends here' if short else 'goes on'} "
             f"after {len(statements)} lines, where {vertex_count} vertices and {facet_count} "
-            f"facets need {expected}; it is {'cut short' if short else 'not what line 1 says'}."
+            f"facets need {expected}; it is {'cut short' if short else 'not as line 1 counts'}."
         )
     rows = [
         _numbers(_three(line, f"{name}, line {at}"), f"{name}, line {at}")
@@ -144,7 +194,7 @@ def read_damit(lines, name="shape.txt"):
     return np.array(rows), np.array(facets), SURFACE
 
 
-def _statements(lines):
+def _statements(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
     """Number from 1 and text of each line that is neither empty nor a comment."""
     for number, line in enumerate(lines, start=1):
         text = line.split("#", 1)[0].strip()
@@ -152,7 +202,7 @@ def _statements(lines):
             yield number, text
 
 
-def _three(line, where):
+def _three(line: str, where: str) -> list[str]:
     fields = line.split()
     if len(fields) != 3:
         raise AttitudeError(
@@ -162,7 +212,7 @@ def _three(line, where):
     return fields
 
 
-def _numbers(fields, where):
+def _numbers(fields: Sequence[str], where: str) -> list[float]:
     try:
         values = [float(field) for field in fields]
     except ValueError as err:
@@ -172,7 +222,7 @@ def _numbers(fields, where):
     return values
 
 
-def _corner(field, count, where):
+def _corner(field: str, count: int, where: str) -> int:
     """Index from 0 of "7", "7/1", "7//3", "7/1/3", or from the end, "-1"."""
     try:
         index = int(field.split("/", 1)[0])
@@ -181,12 +231,13 @@ def _corner(field, count, where):
     resolved = count + index if index < 0 else index - 1
     if not 0 <= resolved < count:
         raise AttitudeError(
-            f"{where}: vertex {index} does not exist; {count} are known here, numbered from 1."
+            f"{where}: vertex {index} does not exist; give one of the {count} above, numbered from "
+            "1."
         )
     return resolved
 
 
-def _metres(unit):
+def _metres(unit: str) -> float:
     from astropy import units
 
     try:
@@ -197,7 +248,7 @@ def _metres(unit):
         ) from err
 
 
-def _trimesh():
+def _trimesh() -> Any:
     try:
         import trimesh
     except ImportError as err:
@@ -208,23 +259,24 @@ def _trimesh():
     return trimesh
 
 
-def _through_trimesh(path, kind):
+def _through_trimesh(path: Path, kind: str) -> Parts:
     trimesh = _trimesh()
     try:
         loaded = trimesh.load(path, file_type=kind, force="mesh", process=False)
         vertices, facets = np.array(loaded.vertices), np.array(loaded.faces)
     except Exception as err:
         raise AttitudeError(
-            f"{path.name}: trimesh cannot read it as {kind} ({err}); the file may be cut short."
+            f"{path.name}: trimesh cannot read it as {kind} ({err}); it may be cut short: give a "
+            f"whole {kind} file."
         ) from err
     if len(facets) == 0:
-        raise AttitudeError(f"{path.name}: holds no facets; is it a whole {kind} file?")
-    # STL repeats the corners of each facet: those with the same coordinates are one vertex.
+        raise AttitudeError(f"{path.name}: holds no facets; give a whole {kind} file.")
+    # STL repeats the corners of each facet: equal coordinates become one vertex.
     vertices, joined = np.unique(vertices, axis=0, return_inverse=True)
     return vertices, joined.reshape(-1)[facets], SURFACE
 
 
-def _repaired(vertices, facets):
+def _repaired(vertices: FloatArray, facets: IntArray) -> Parts:
     trimesh = _trimesh()
     mesh = trimesh.Trimesh(vertices, facets, process=True, validate=True)
     mesh.update_faces(mesh.nondegenerate_faces())
@@ -233,7 +285,7 @@ def _repaired(vertices, facets):
         trimesh.repair.fix_normals(mesh, multibody=True)
     except ImportError as err:
         raise AttitudeError(
-            f"repair=True needs a package that trimesh misses ({err}): "
+            f"repair=True needs a package of trimesh that is not installed ({err}): "
             'pip install "attitude-propagation[mesh]".'
         ) from err
     return np.array(mesh.vertices), np.array(mesh.faces), SURFACE

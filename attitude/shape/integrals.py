@@ -1,37 +1,50 @@
 """Exact integrals over the solid that a closed mesh bounds, and over the surface as a thin shell.
 
 A polyhedron is a signed sum of tetrahedra from any one point to its triangles, and moments up to
-the second order of a tetrahedron or a triangle are polynomials in its corners: no quadrature, no
-error but rounding (Tonon, J. Math. Stat. 1, 8, 2005; Eberly, Polyhedral Mass Properties, 2002).
+the second order of a tetrahedron or a triangle are polynomials in its corners: exact up to rounding
+(Tonon, J. Math. Stat. 1, 8, 2005; Eberly, Polyhedral Mass Properties, 2002).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude.immutable import Immutable, frozen
 
-@dataclass(frozen=True, eq=False)
-class MassProperties:
-    """Mass (kg), centre of mass (3,) in m, and inertia tensor (3, 3) in kg m2 about that centre.
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-    All in the axes in which the shape was given.
+    from attitude.annotations import FloatArray
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class MassProperties(Immutable):
+    """Mass, centre of mass and inertia of a body, in the axes in which its shape was given.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    center_of_mass : (3,) array
+        m.
+    inertia : (3, 3) array
+        kg m2, about the centre of mass.
     """
 
     mass: float
-    center_of_mass: np.ndarray
-    inertia: np.ndarray
+    center_of_mass: FloatArray
+    inertia: FloatArray
 
-    def __post_init__(self):
-        for name in ("center_of_mass", "inertia"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
-
-    def __reduce__(self):
-        return MassProperties, (self.mass, self.center_of_mass, self.inertia)
+    def __init__(self, mass: float, center_of_mass: ArrayLike, inertia: ArrayLike) -> None:
+        self._set("mass", mass)
+        self._set("center_of_mass", frozen(np.array(center_of_mass, dtype=np.float64)))
+        self._set("inertia", frozen(np.array(inertia, dtype=np.float64)))
 
 
-def solid_moments(corners):
+def solid_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Volume, first moments and second moments of the solid that outward triangles enclose.
 
     Parameters
@@ -43,7 +56,7 @@ def solid_moments(corners):
     -------
     float, (3,), (3, 3)
         Integrals of 1, r and r r^T over the solid: m3, m4, m5.  The origin of r is that of the
-        corners, so give corners relative to a point within the body, where nothing cancels.
+        corners: without cancellation if it lies within the body.
     """
     a, b, c = np.moveaxis(corners, 1, 0)
     six = np.einsum("fi,fi->f", a, np.cross(b, c))
@@ -53,8 +66,8 @@ def solid_moments(corners):
     return float(np.sum(six) / 6.0), first, second
 
 
-def shell_moments(corners):
-    """Area, first moments and second moments of the triangles themselves; see `solid_moments`."""
+def shell_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Area, first and second moments of the surface: m2, m3, m4; see `solid_moments`."""
     a, b, c = np.moveaxis(corners, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=-1) / 2.0
     total = a + b + c
@@ -63,14 +76,28 @@ def shell_moments(corners):
     return float(np.sum(area)), first, second
 
 
-def about_center(density, measure, first, second, origin):
-    """`MassProperties` from moments about `origin`, for kg per m3 or per m2 of the measure."""
+def about_center(
+    density: float, measure: float, first: FloatArray, second: FloatArray, origin: FloatArray
+) -> MassProperties:
+    """`MassProperties` from moments about an origin (3,).
+
+    Parameters
+    ----------
+    density : float
+        kg/m3 or kg/m2.
+    measure, first, second
+        Of `solid_moments` or `shell_moments`.
+    origin : (3,) array
+        m, in the axes of the shape.
+    """
     mean = first / measure
     spread = density * (second - measure * np.outer(mean, mean))
     inertia = np.trace(spread) * np.eye(3) - spread
     return MassProperties(density * measure, origin + mean, (inertia + inertia.T) / 2.0)
 
 
-def _outer(weight, a, b, c, total):
+def _outer(
+    weight: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, total: FloatArray
+) -> FloatArray:
     """Sum over facets of weight times (a a^T + b b^T + c c^T + total total^T)."""
     return sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))

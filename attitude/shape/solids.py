@@ -1,45 +1,95 @@
 """Boxes, cylinders and the box-wing satellite, as closed meshes about the origin."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from attitude.annotations import Real, Reals
+
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
-def box(size, *, material=SURFACE, center=(0.0, 0.0, 0.0)):
-    """A box of (3,) m along x, y, z about `center`: 12 facets, two a side (-x, +x, -y, ... +z)."""
-    size = validation.real(size, "size", shape=(3,), unit="m")
-    center = validation.real(center, "center", shape=(3,), unit="m")
-    if not np.all(size > 0.0):
-        raise AttitudeError(f"size is {size.tolist()}; each edge must be greater than zero, in m.")
+def box(
+    size: Reals,
+    *,
+    material: str | Iterable[str] = SURFACE,
+    center: Reals = (0.0, 0.0, 0.0),
+) -> Mesh:
+    """A box of 12 facets, two a side in the order -x, +x, -y, +y, -z, +z.
+
+    Parameters
+    ----------
+    size : (3,) array_like
+        Edges along x, y, z: m.
+    material : str or sequence of 12 str
+    center : (3,) array_like
+        m.
+
+    Raises
+    ------
+    AttitudeError
+        For edges that are not greater than zero.
+    """
+    edges = validation.real(size, "size", shape=(3,), unit="m")
+    middle = validation.real(center, "center", shape=(3,), unit="m")
+    if not np.all(edges > 0.0):
+        raise AttitudeError(f"size is {edges.tolist()}; each edge must be greater than zero, in m.")
     bits = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     facets = [t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))]
-    return Mesh(center + (bits - 0.5) * size, facets, material)
+    return Mesh(middle + (bits - 0.5) * edges, facets, material)
 
 
-def cylinder(radius, height, *, sides=64, axis="z", material=SURFACE):
-    """A prism of `sides` sides with the volume of a circular cylinder, along a body axis.
+def cylinder(
+    radius: Real,
+    height: Real,
+    *,
+    sides: int = 64,
+    axis: str = "z",
+    material: str | Iterable[str] = SURFACE,
+) -> Mesh:
+    """A prism with the volume of a circular cylinder, about the origin along a body axis.
 
     Its cross-section has the area of the circle, pi radius^2, so volume and mass are those of the
     cylinder; the lateral area differs by 0.04% at 64 sides, falling with their square.
+
+    Parameters
+    ----------
+    radius, height : float or Quantity
+        m.
+    sides : int
+        From 3 to 100,000.
+    axis : "x", "y" or "z"
+    material : str, or sequence of 4 sides str
+        Facets of the sides first, then those of the two ends.
+
+    Raises
+    ------
+    AttitudeError
+        For lengths that are not greater than zero, and another number of sides.
     """
-    radius = validation.positive(radius, "radius", unit="m")
-    height = validation.positive(height, "height", unit="m")
-    axis = _AXES[validation.one_of(axis, "axis", tuple(_AXES))]
+    r = validation.positive(radius, "radius", unit="m")
+    length = validation.positive(height, "height", unit="m")
+    along = _AXES[validation.one_of(axis, "axis", tuple(_AXES))]
     if not (isinstance(sides, (int, np.integer)) and 3 <= sides <= 100_000):
         raise AttitudeError(f"sides is {sides!r}; give a whole number from 3 to 100000.")
     turn = 2.0 * np.pi / sides
-    rim = radius * np.sqrt(turn / np.sin(turn))
+    rim = r * np.sqrt(turn / np.sin(turn))
     k = np.arange(sides)
     circle = np.stack([rim * np.cos(k * turn), rim * np.sin(k * turn)], axis=1)
     flat = np.concatenate([circle, circle, np.zeros((2, 2))])
-    level = np.repeat([-0.5, 0.5, -0.5, 0.5], [sides, sides, 1, 1]) * height
-    # Cyclic order of the axes keeps the hand, so that normals stay outward.
-    vertices = np.roll(np.column_stack([flat, level]), axis - 2, axis=1)
+    level = np.repeat([-0.5, 0.5, -0.5, 0.5], [sides, sides, 1, 1]) * length
+    # A cyclic permutation of the axes is a rotation: normals stay outward.
+    vertices = np.roll(np.column_stack([flat, level]), along - 2, axis=1)
     after, top = (k + 1) % sides, k + sides
     bottom, lid = np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
     facets = np.concatenate(
@@ -54,16 +104,16 @@ def cylinder(radius, height, *, sides=64, axis="z", material=SURFACE):
 
 
 def box_wing(
-    body,
-    wing,
+    body: Reals,
+    wing: Reals,
     *,
-    gap=0.0,
-    thickness=0.02,
-    wing_axis="y",
-    wing_angle=0.0,
-    wings=2,
-    materials=("body", "panel front", "panel back", "panel edge"),
-):
+    gap: Real = 0.0,
+    thickness: Real = 0.02,
+    wing_axis: str = "y",
+    wing_angle: Real = 0.0,
+    wings: int = 2,
+    materials: Iterable[str] = ("body", "panel front", "panel back", "panel edge"),
+) -> Mesh:
     """A box with one or two solar wings: the satellite of radiation-pressure models.
 
     Parameters
@@ -72,17 +122,17 @@ def box_wing(
         Edges of the box along x, y, z: m.
     wing : (2,) array_like
         Length of a wing along the wing axis and its width across: m.
-    gap : float
-        Between box and wing: m.
-    thickness : float
+    gap : float or Quantity
+        Between box and wing: m, not negative.
+    thickness : float or Quantity
         Of a wing: m.
     wing_axis : "x", "y" or "z"
-        The axis along which the wings stand off the box, symmetric about its centre.
+        The axis along which the wings extend, symmetric about the centre of the box.
     wing_angle : float or Quantity
-        Radians: turn of the wings about that axis.  At zero the fronts face the next axis in the
-        order x, y, z, x (z for wings along y).
+        Turn of the wings about that axis, rad.  At zero the fronts face the next axis in the order
+        x, y, z, x (z for wings along y).
     wings : 1 or 2
-        One stands on the positive side.
+        A single wing is on the positive side.
     materials : four str
         Names for box, wing front, wing back and wing edges.
 
@@ -90,30 +140,38 @@ def box_wing(
     -------
     Mesh
         12 facets for the box and 12 for each wing; parts do not overlap.
+
+    Raises
+    ------
+    AttitudeError
+        For lengths that are not greater than zero, a negative gap, another axis or number of wings
+        or of materials.
     """
-    body = validation.real(body, "body", shape=(3,), unit="m")
+    edges = validation.real(body, "body", shape=(3,), unit="m")
     length, width = validation.real(wing, "wing", shape=(2,), unit="m")
-    gap = validation.number(gap, "gap", unit="m")
-    thickness = validation.positive(thickness, "thickness", unit="m")
+    apart = validation.number(gap, "gap", unit="m")
+    depth = validation.positive(thickness, "thickness", unit="m")
     angle = validation.number(wing_angle, "wing_angle", unit="rad")
     along = _AXES[validation.one_of(wing_axis, "wing_axis", tuple(_AXES))]
     validation.one_of(wings, "wings", (1, 2))
-    if gap < 0.0:
-        raise AttitudeError(f"gap is {gap!r} m; it must not be negative, or parts would overlap.")
+    if apart < 0.0:
+        raise AttitudeError(
+            f"gap is {apart!r} m; it must not be negative, or the parts would overlap."
+        )
     names = tuple(materials)
     if len(names) != 4:
         raise AttitudeError(f"materials has {len(names)} names; give four: {_FOUR}.")
     front, across = (along + 1) % 3, (along + 2) % 3
     size = np.empty(3)
-    size[along], size[front], size[across] = length, thickness, width
+    size[along], size[front], size[across] = length, depth, width
     turn = np.eye(3)
     c, s = np.cos(angle), np.sin(angle)
     turn[front, front], turn[front, across] = c, -s
     turn[across, front], turn[across, across] = s, c
-    mesh = box(body, material=names[0])
+    mesh = box(edges, material=names[0])
     for side in (1.0, -1.0)[:wings]:
         center = np.zeros(3)
-        center[along] = side * (body[along] / 2.0 + gap + length / 2.0)
+        center[along] = side * (edges[along] / 2.0 + apart + length / 2.0)
         labels = [names[3]] * 12
         labels[4 * front + 2 : 4 * front + 4] = [names[1]] * 2
         labels[4 * front : 4 * front + 2] = [names[2]] * 2

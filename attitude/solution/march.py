@@ -24,13 +24,10 @@ from typing import Final
 
 from attitude.compilation.decorators import entry_point, force_inlined, subroutine
 from attitude.compilation.pointers import call, number, put, put_three, scratch, whole
+from attitude.solution import march_layout as layout
 from attitude.solution.given_axes import product, turned_by
 from attitude.solution.step import advance, gains, kicked, loaded, stored, turned
 
-# How a march ended.
-FINE: Final = 0
-BAD_TORQUE: Final = 1  # a torque is not finite
-TOO_LONG: Final = 2  # a free motion turns by more than the largest angle
 _ZERO = 0.0, 0.0, 0.0
 # (rad/s)^2; below it, fourth powers of the rate are finite.
 _FASTEST = 1e150
@@ -44,13 +41,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """Take `steps` steps.
 
     Given
-        c        (20,) moments ascending (3), in a unit that makes the largest about 1, and the
-                 inverses of those in the unit of the torques (3), principal axes to body axes as
-                 wxyz (4) and as matrix by rows (9), the largest angle of a free motion (1)
-        scheme   (3, n + 1) kicks, free motions (the last entry unused), force gradients
-        models   (M, 5) each torque's address, its kind (`attitude.torques.torque`), the address
-                 of its parameters, the first column of its samples, and the address of the
-                 function for its force gradient
+        c        (20,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
         start    s since the epoch; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next
@@ -64,18 +55,18 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
-    work, samples, row = scratch(), given.ctypes.data, 8 * given.shape[1]
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     now = loaded(state)
     for step in range(steps):
         t, first = start + step * h, samples + step * n * row
         now, fault, when, turn = _step(body, plan, torques, now, t, h, first, row, work, step > 0)
-        if fault != FINE:
+        if fault != layout.FINE:
             return fault, when, turn
         if (step + 1) % every == 0:
             stored(now, kept[step // every])
     stored(now, state)
-    return FINE, 0.0, 0.0
+    return layout.FINE, 0.0, 0.0
 
 
 @entry_point
@@ -96,7 +87,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         as `march`
     """
     n = scheme.shape[1] - 1
-    work, row = scratch(), 8 * given.shape[2]
+    work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
     body, plan, torques = _body(c), (scheme.ctypes.data, n), _torques(models)
     at, done = -1, 0
@@ -117,7 +108,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
             now, fault, when, turn = _step(
                 body, plan, torques, now, t, part, first, row, work, False
             )
-            if fault != FINE:
+            if fault != layout.FINE:
                 return fault, when, turn
         if last:
             q, w, _, _ = now
@@ -128,7 +119,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
             now, i = kept, i + 1
         else:
             done += 1
-    return FINE, 0.0, 0.0
+    return layout.FINE, 0.0, 0.0
 
 
 @entry_point
@@ -145,29 +136,33 @@ def accelerations(c, models, states, times, given, out):
     """
     body, torques = _body(c), _torques(models)
     k1, k2, k3 = gains(body[0])
-    work, samples = scratch(), given.ctypes.data
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
-        _set_state(body, state, work, 0.0, 0.0, 0.0)
-        if not _torque(torques, times[i], samples + 8 * i * given.shape[1], work):
-            return BAD_TORQUE, times[i], 0.0
+        _set_input(body, state, work, 0.0, 0.0, 0.0)
+        if not _torque(torques, times[i], samples + i * row, work):
+            return layout.BAD_TORQUE, times[i], 0.0
         a, b, d = _accelerations(body, work)
         out[i, 0] = k1 * w2 * w3 + a
         out[i, 1] = k2 * w3 * w1 + b
         out[i, 2] = k3 * w1 * w2 + d
-    return FINE, 0.0, 0.0
+    return layout.FINE, 0.0, 0.0
 
 
 @subroutine
 def _body(c):
     """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle."""
     return (
-        (c[0], c[1], c[2]),
-        (c[3], c[4], c[5]),
-        (c[6], c[7], c[8], c[9]),
-        ((c[10], c[11], c[12]), (c[13], c[14], c[15]), (c[16], c[17], c[18])),
-        c[19],
+        (c[layout.MOMENTS], c[layout.MOMENTS + 1], c[layout.MOMENTS + 2]),
+        (c[layout.INVERSES], c[layout.INVERSES + 1], c[layout.INVERSES + 2]),
+        (c[layout.TURN], c[layout.TURN + 1], c[layout.TURN + 2], c[layout.TURN + 3]),
+        (
+            (c[layout.MATRIX], c[layout.MATRIX + 1], c[layout.MATRIX + 2]),
+            (c[layout.MATRIX + 3], c[layout.MATRIX + 4], c[layout.MATRIX + 5]),
+            (c[layout.MATRIX + 6], c[layout.MATRIX + 7], c[layout.MATRIX + 8]),
+        ),
+        c[layout.LARGEST_TURN],
     )
 
 
@@ -176,8 +171,8 @@ def _torques(models):
     """The address of `models`, their number, whether one is BY_RATE, whether one is SLIP."""
     rates = slips = False
     for model in range(len(models)):
-        rates = rates or models[model, 1] == BY_RATE
-        slips = slips or models[model, 1] == SLIP
+        rates = rates or models[model, layout.KIND] == BY_RATE
+        slips = slips or models[model, layout.KIND] == SLIP
     return models.ctypes.data, len(models), rates, slips
 
 
@@ -188,15 +183,15 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
     held         whether `work` has the torque at the start, left by the step that ended there
     plan         the address of the scheme, and the number of its free motions
     first, row   address of the samples of the first kick, and bytes to those of the next
-    work         address of 16 doubles: attitude and angular velocity at which torques are computed
-                 (7), their sum (3), one of them (3)
+    work         address of the scratch memory of the torques: `march_layout`
     """
-    scheme, last = plan
+    last = plan[1]
     k, limit = gains(body[0]), body[4]
-    held = held and number(scheme, last) != 0.0
+    held = held and _coefficient(plan, layout.KICKS, last) != 0.0
     done = 0.0
     for j in range(last + 1):
-        part, gradient = number(scheme, j), number(scheme, 2 * (last + 1) + j)
+        part = _coefficient(plan, layout.KICKS, j)
+        gradient = _coefficient(plan, layout.GRADIENTS, j)
         if part != 0.0 or gradient != 0.0:
             state, fine = _kick(
                 body,
@@ -210,17 +205,23 @@ def _step(body, plan, torques, state, t, h, first, row, work, held):
                 held and j == 0,
             )
             if not fine:
-                return state, BAD_TORQUE, t + done * h, 0.0
+                return state, layout.BAD_TORQUE, t + done * h, 0.0
         if j < last:
-            part = number(scheme, last + 1 + j)
+            part = _coefficient(plan, layout.FLIGHTS, j)
             flight = part * h
             w1, w2, w3 = state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
             if flight * flight * speed > limit * limit or speed > _FASTEST:
-                return state, TOO_LONG, t + done * h, abs(part) * math.sqrt(speed)
+                return state, layout.TOO_LONG, t + done * h, abs(part) * math.sqrt(speed)
             state = advance(body[0], k, flight, state)
             done += part
-    return state, FINE, 0.0, 0.0
+    return state, layout.FINE, 0.0, 0.0
+
+
+@subroutine
+def _coefficient(plan, row, j):
+    """Coefficient j in a row of the scheme."""
+    return number(plan[0], row * (plan[1] + 1) + j)
 
 
 @force_inlined
@@ -234,9 +235,9 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
         state, well = _by_runge_kutta(body, torques, state, t, h, samples, work)
         fine = fine and well
     else:
-        # work[7:10] is the torque over the body axes
+        # TORQUE in work is the torque over the body axes
         if not held or slips:
-            _set_state(body, state, work, 0.0, 0.0, 0.0)
+            _set_input(body, state, work, 0.0, 0.0, 0.0)
             fine = fine and _torque(torques, t, samples, work)
         state = _apply(body, state, h, work)
     if cubed != 0.0 and fine:
@@ -248,70 +249,84 @@ def _kick(body, torques, state, t, h, cubed, samples, work, held):
 
 @subroutine
 def _gradient(body, torques, state, t, cubed, samples, work):
-    """The state after the kick by the force gradient of the torque in work[7:10], which is kept."""
-    n1, n2, n3 = number(work, 7), number(work, 8), number(work, 9)
+    """The state after the kick by the force gradient of TORQUE, which is kept."""
+    n1, n2, n3 = _three(work, layout.TORQUE)
     a, b, d = _accelerations(body, work)
     for k in range(3):
         row = body[3][k]
-        put(work, 4 + k, row[0] * a + row[1] * b + row[2] * d)
+        put(work, layout.INPUT_OMEGA + k, row[0] * a + row[1] * b + row[2] * d)
     x = y = z = 0.0
     for model in range(torques[1]):
-        a, b, d = _call_torque(torques, model, 4, t, samples, work)
+        a, b, d = _call_torque(torques, model, layout.SLOPE, t, samples, work)
         x, y, z = x + a, y + b, z + d
-    put_three(work, 7, 2.0 * x, 2.0 * y, 2.0 * z)
-    fine = _finite(work, 7)
+    put_three(work, layout.TORQUE, 2.0 * x, 2.0 * y, 2.0 * z)
+    fine = _finite(work, layout.TORQUE)
     state = _apply(body, state, cubed, work)
-    put_three(work, 7, n1, n2, n3)
+    put_three(work, layout.TORQUE, n1, n2, n3)
     return state, fine
 
 
 @subroutine
-def _set_state(body, state, work, d1, d2, d3):
-    """Fill work[0:7]: attitude and angular velocity (plus d) over the body axes."""
+def _set_input(body, state, work, d1, d2, d3):
+    """Fill INPUT: attitude and angular velocity (plus d) over the body axes."""
     s, matrix = body[2], body[3]
     q, w, _, _ = state
     a, b, c, d = product(q, (s[0], -s[1], -s[2], -s[3]))
-    put(work, 0, a)
-    put_three(work, 1, b, c, d)
+    put(work, layout.INPUT_WXYZ, a)
+    put_three(work, layout.INPUT_WXYZ + 1, b, c, d)
     w1, w2, w3 = w[0] + d1, w[1] + d2, w[2] + d3
-    put(work, 4, matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3)
-    put(work, 5, matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3)
-    put(work, 6, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
+    put(work, layout.INPUT_OMEGA, matrix[0][0] * w1 + matrix[0][1] * w2 + matrix[0][2] * w3)
+    put(work, layout.INPUT_OMEGA + 1, matrix[1][0] * w1 + matrix[1][1] * w2 + matrix[1][2] * w3)
+    put(work, layout.INPUT_OMEGA + 2, matrix[2][0] * w1 + matrix[2][1] * w2 + matrix[2][2] * w3)
+
+
+@subroutine
+def _entry(torques, model, column):
+    """The whole number in a column of the row of one torque."""
+    return whole(torques[0] + layout.MODEL_BYTES * model, column)
 
 
 @subroutine
 def _call_torque(torques, model, function, t, samples, work):
-    """Call the function in a column of a torque's row of `models`: its result, from work[10:13]."""
-    model = torques[0] + 40 * model
-    given = samples + 8 * whole(model, 3)
-    call(whole(model, function), t, work, work + 32, given, whole(model, 2), work + 80)
-    return number(work, 10), number(work, 11), number(work, 12)
+    """Call the function in a column of a torque's row of `models`: its result, from RETURNED."""
+    given = samples + layout.ENTRY_BYTES * _entry(torques, model, layout.COLUMN)
+    parameters = _entry(torques, model, layout.PARAMETERS)
+    wxyz, omega = work + layout.INPUT_WXYZ_BYTES, work + layout.INPUT_OMEGA_BYTES
+    out = work + layout.RETURNED_BYTES
+    call(_entry(torques, model, function), t, wxyz, omega, given, parameters, out)
+    return _three(work, layout.RETURNED)
 
 
 @subroutine
 def _torque(torques, t, samples, work):
-    """Fill work[7:10] with the sum of the torques; whether it is finite."""
+    """Fill TORQUE with the sum of the torques; whether it is finite."""
     x = y = z = 0.0
     for model in range(torques[1]):
-        if whole(torques[0] + 40 * model, 1) != SLIP:
-            a, b, c = _call_torque(torques, model, 0, t, samples, work)
+        if _entry(torques, model, layout.KIND) != SLIP:
+            a, b, c = _call_torque(torques, model, layout.FUNCTION, t, samples, work)
             x, y, z = x + a, y + b, z + c
-    put_three(work, 7, x, y, z)
-    return _finite(work, 7)
+    put_three(work, layout.TORQUE, x, y, z)
+    return _finite(work, layout.TORQUE)
+
+
+@subroutine
+def _three(address, k):
+    """Three doubles from place k on."""
+    return number(address, k), number(address, k + 1), number(address, k + 2)
 
 
 @subroutine
 def _finite(address, k):
     """Whether the doubles k, k + 1, k + 2 at an address are finite."""
-    x, y, z = number(address, k), number(address, k + 1), number(address, k + 2)
+    x, y, z = _three(address, k)
     return abs(x) + abs(y) + abs(z) < math.inf
 
 
 @subroutine
 def _accelerations(body, work):
-    """The torque in work[7:10] as rates of change of the angular velocity, principal axes."""
+    """TORQUE as rates of change of the angular velocity over the principal axes."""
     inverse, m = body[1], body[3]
-    a, b, c = number(work, 7), number(work, 8), number(work, 9)
+    a, b, c = _three(work, layout.TORQUE)
     return (
         inverse[0] * (m[0][0] * a + m[1][0] * b + m[2][0] * c),
         inverse[1] * (m[0][1] * a + m[1][1] * b + m[2][1] * c),
@@ -321,7 +336,7 @@ def _accelerations(body, work):
 
 @subroutine
 def _apply(body, state, h, work):
-    """The state after h seconds of the torque in work[7:10] at a fixed attitude."""
+    """The state after h seconds of TORQUE at a fixed attitude."""
     d1, d2, d3 = _accelerations(body, work)
     return kicked(state, (h * d1, h * d2, h * d3), _ZERO)
 
@@ -334,7 +349,7 @@ def _by_runge_kutta(body, torques, state, t, h, samples, work):
     for stage in range(4):
         ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
         weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
-        _set_state(body, state, work, ahead * a, ahead * b, ahead * c)
+        _set_input(body, state, work, ahead * a, ahead * b, ahead * c)
         if not _torque(torques, t, samples, work):
             return state, False
         a, b, c = _accelerations(body, work)
@@ -348,15 +363,15 @@ def _slip(body, torques, state, t, h, samples, work):
     i, s = body[0], body[2]
     back = s[0], -s[1], -s[2], -s[3]
     for model in range(torques[1]):
-        if whole(torques[0] + 40 * model, 1) == SLIP:
+        if _entry(torques, model, layout.KIND) == SLIP:
             q, w, _, _ = state
             momentum = i[0] * w[0], i[1] * w[1], i[2] * w[2]
             dx = dy = dz = 0.0
             turn = (1.0, 0.0, 0.0, 0.0)
             for stage in range(2):
-                _set_state(body, state, work, dx, dy, dz)
-                v = turned_by(back, _call_torque(torques, model, 0, t, samples, work))
-                if not _finite(work, 10):
+                _set_input(body, state, work, dx, dy, dz)
+                v = turned_by(back, _call_torque(torques, model, layout.FUNCTION, t, samples, work))
+                if not _finite(work, layout.RETURNED):
                     return state, False
                 turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
                 # over body axes that turn by v, a fixed vector turns back

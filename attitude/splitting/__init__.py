@@ -1,8 +1,10 @@
 """Motion under torques: kicks between exact free motions.
 
 torqued_rotation   `TorquedRotation`
-steps              how it is integrated, with fixed or varying steps
+steps              states after fixed or varying steps
+system             body, torques and scheme, packed for the compiled loops
 schemes            the splitting schemes by name, `Scheme`
+ascending          principal axes in the order of the moments
 """
 
 from attitude.splitting.schemes import SCHEMES, Scheme, scheme

@@ -1,13 +1,16 @@
-"""Splitting schemes: in which order, and how long, torques and free motion act in a step.
+"""Splitting schemes: the order and the lengths of kicks and free motions in a step.
 
 A step of length h is  kick b0 h, free motion a1 h, kick b1 h, ..., free motion an h, kick bn h,
 the same forwards and backwards; each is time-reversible and, where the torque has a potential,
-symplectic.  Since the free motion is exact, momentum about any axis that the torque leaves alone
-is conserved to rounding, and what is left is the commutator of torque and motion.
+symplectic.  The free motion is exact, so momentum about any axis without torque is conserved to
+rounding, and the error is that of the commutator of torque and motion.
 """
+
+from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,22 +18,29 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
-# How far from 1 published coefficients, of 15 digits, may add up to.
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import FloatArray
+
+# Largest deviation from 1 of the sum of published coefficients, of 15 digits.
 _ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Scheme(Immutable):
     """The coefficients of a splitting scheme, in units of the step.
 
-    Attributes
+    Parameters
     ----------
     name : str
     order : int
-    kicks : (n + 1,) array
-    flights : (n,) array
-    gradients : (n + 1,) array
-        Of the force gradient, in units of h^3.
+        Of the error in the step.
+    kicks : (n + 1,) array_like
+    flights : (n,) array_like
+        Of the free motions between the kicks.
+    gradients : (n + 1,) array_like
+        Of the force gradient, in units of the cube of the step.
     source : str
 
     Raises
@@ -41,14 +51,24 @@ class Scheme(Immutable):
 
     name: str
     order: int
-    kicks: np.ndarray
-    flights: np.ndarray
-    gradients: np.ndarray
+    kicks: FloatArray
+    flights: FloatArray
+    gradients: FloatArray
     source: str
 
-    def __post_init__(self):
-        for name in ("kicks", "flights", "gradients"):
-            self._set(name, frozen(validation.real(getattr(self, name), f"{name} of a Scheme")))
+    def __init__(
+        self,
+        name: str,
+        order: int,
+        kicks: ArrayLike,
+        flights: ArrayLike,
+        gradients: ArrayLike,
+        source: str,
+    ) -> None:
+        self._set("name", name)
+        self._set("source", source)
+        for label, given in (("kicks", kicks), ("flights", flights), ("gradients", gradients)):
+            self._set(label, frozen(validation.real(given, f"{label} of a Scheme")))
         shapes = [each.shape for each in (self.kicks, self.flights, self.gradients)]
         count = self.flights.size
         if count < 1 or shapes != [(count + 1,), (count,), (count + 1,)]:
@@ -56,26 +76,32 @@ class Scheme(Immutable):
                 f"a Scheme has kicks, flights and gradients of shapes {shapes}; give n + 1, n and "
                 "n + 1 numbers, n at least 1."
             )
-        for name in ("kicks", "flights"):
-            total = math.fsum(getattr(self, name))
+        for label, values in (("kicks", self.kicks), ("flights", self.flights)):
+            total = math.fsum(values)
             if abs(total - 1.0) > _ROUNDING:
                 raise AttitudeError(
-                    f"the {name} of a Scheme add up to {total!r}; they are shares of a step, and "
-                    "must add up to 1."
+                    f"the {label} of a Scheme add up to {total!r}; they are shares of a step: give "
+                    "numbers that add up to 1."
                 )
-        if not isinstance(self.order, int) or self.order < 1:
-            raise AttitudeError(f"order is {self.order!r}; give a whole number from 1.")
+        if not isinstance(order, int) or order < 1:
+            raise AttitudeError(f"order is {order!r}; give a whole number from 1.")
+        self._set("order", order)
 
     @property
-    def evaluations(self):
-        """Torque evaluations a step (the last kick's is the next step's first)."""
-        asked = (self.kicks != 0.0) | (self.gradients != 0.0)
-        shared = int(asked[0] and asked[-1])
-        return int(np.count_nonzero(asked)) - shared + 2 * int(np.count_nonzero(self.gradients))
+    def evaluations(self) -> int:
+        """Torque evaluations a step (that of the last kick serves the first of the next step)."""
+        used = (self.kicks != 0.0) | (self.gradients != 0.0)
+        shared = int(used[0] and used[-1])
+        return int(np.count_nonzero(used)) - shared + 2 * int(np.count_nonzero(self.gradients))
 
 
-def scheme(name):
+def scheme(name: str | Scheme) -> Scheme:
     """A scheme by its name, or the scheme itself.
+
+    Parameters
+    ----------
+    name : str or Scheme
+        One of `SCHEMES`.
 
     Raises
     ------
@@ -86,7 +112,7 @@ def scheme(name):
         return name
     if not isinstance(name, str) or name not in SCHEMES:
         listed = ", ".join(repr(each) for each in SCHEMES)
-        raise AttitudeError(f"scheme is {name!r}; it must be one of {listed}, or a Scheme.")
+        raise AttitudeError(f"scheme is {name!r}; give one of {listed}, or a Scheme.")
     return SCHEMES[name]
 
 
@@ -119,7 +145,7 @@ def _blanes_moan():
 
 _XI = 0.1931833275037836
 
-SCHEMES = {
+SCHEMES: dict[str, Scheme] = {
     each.name: each
     for each in (
         Scheme(
