@@ -175,6 +175,7 @@ class Spin(Immutable):
                 )
             return cls(epoch, *published.relaxed(body, P=P, pole=pole, phi0=phi0), frame)
         _require(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
+        assert convention is not None  # or _require has raised
         if body is None:
             raise AttitudeError("body is None; give a Body, or one period P for a rotator about z.")
         state = published.from_periods(

@@ -138,7 +138,9 @@ def seconds_since(
         )
     if kind in kinds.LENGTHS:
         return readers.read(kind, leaves, shape, name, start)
-    hi, lo = pairs.add(readers.read(kind, leaves, shape, name), -start.seconds, -start.low)
+    dates, rest = readers.read(kind, leaves, shape, name)
+    assert rest is not None  # a date has both doubles
+    hi, lo = pairs.add((dates, rest), -start.seconds, -start.low)
     return np.asarray(hi), np.asarray(lo)
 
 

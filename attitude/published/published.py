@@ -165,7 +165,7 @@ def from_periods(
     body: Body,
     *,
     mode: str | Mode | None,
-    convention: str | None,
+    convention: str,
     P_psi: Real | None,
     P_phi: Real | None,
     pole: Reals,
