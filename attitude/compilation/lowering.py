@@ -53,8 +53,8 @@ class _StampedCFunc(CFunc):  # type: ignore[misc]  # numba has no types
 
     def enable_caching(self) -> None:
         super().enable_caching()
-        if not is_stamped(self._cache):
-            self._cache = NullCache()
+        on_disk: Any = self._cache
+        self._cache = on_disk if is_stamped(on_disk) else NullCache()
 
 
 def _instruction(function, signature):
