@@ -51,6 +51,8 @@ class _StampedCFunc(CFunc):  # type: ignore[misc]  # numba has no types
     `_cache` and `NullCache` are private names of numba.
     """
 
+    _cache: Any
+
     def enable_caching(self) -> None:
         super().enable_caching()
         on_disk: Any = self._cache
