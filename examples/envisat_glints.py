@@ -168,8 +168,17 @@ def draw(
             if each == number:
                 middle = (0.5 * (begin + end) - spans[number][0]) / 60.0
                 panel.axvline(middle, color="#d55e00", lw=0.8, ls="--")
-                panel.text(middle, 0.97, f"{name} ", transform=panel.get_xaxis_transform(), va="top",
-                           ha="right", rotation=90, color="#d55e00", fontsize=9)  # fmt: skip
+                panel.text(
+                    middle,
+                    0.97,
+                    f"{name} ",
+                    transform=panel.get_xaxis_transform(),
+                    rotation=90,
+                    ha="right",
+                    va="top",
+                    color="#d55e00",
+                    fontsize=9,
+                )
         panel.set_xlabel(f"minutes since {date(spans[number][0], 0)} UTC")
     if bright:
         _, name, begin, end = bright[0]

@@ -131,7 +131,30 @@ print(sum(earlier.dispatcher.stats.cache_hits.values()))
 """
 
 
-def test_an_edit_of_another_file_is_compiled(tmp_path):
+_TORQUE = """
+from attitude.torques.compiled import linear_damping
+import ctypes, numpy as np
+from attitude.compilation.pointers import C_FUNCTION
+out, omega, rest = np.zeros(3), np.ones(3), np.eye(3).ravel()
+point = lambda x: x.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+call = C_FUNCTION(linear_damping.address)
+call(0.0, point(rest), point(omega), point(rest), point(rest), point(out))
+print(out[0])
+print(linear_damping._function._cache_hits)
+"""
+
+
+@pytest.mark.parametrize(
+    ("script", "file", "name", "line", "edit", "answers"),
+    [
+        (_EMISSION, "solution/twofloat.py", "def two_sum(a, b):", "    s = a + b\n",
+         "    s = a + b + 1.0\n", ("7.0", "8.0")),
+        (_TORQUE, "solution/twofloat.py", "def two_sum(a, b):", "    s = a + b\n",
+         "    s = a + b + 1.0\n", ("-1.0", "-1.0")),
+    ],
+    ids=["entry point", "callback"],
+)  # fmt: skip
+def test_an_edit_of_another_file_is_compiled(tmp_path, script, file, name, line, edit, answers):
     """numba compares the file of a function; what it calls may stand elsewhere."""
     package = Path(attitude.__file__).parent
     copy = tmp_path / "sources" / "attitude"
@@ -144,7 +167,7 @@ def test_an_edit_of_another_file_is_compiled(tmp_path):
 
     def run():
         ran = subprocess.run(
-            [sys.executable, "-P", "-c", _EMISSION],
+            [sys.executable, "-P", "-c", script],
             env=environment,
             capture_output=True,
             text=True,
@@ -152,15 +175,14 @@ def test_an_edit_of_another_file_is_compiled(tmp_path):
         )
         return ran.stdout.split()
 
-    assert run() == ["7.0", "0"]
-    assert run() == ["7.0", "1"]
-    called = copy / "solution" / "twofloat.py"
-    text = called.read_text()
-    before, name, after = text.partition("def two_sum(a, b):")
-    edited = after.replace("    s = a + b\n", "    s = a + b + 1.0\n", 1)
-    assert edited != after, "two_sum is written in another way; edit it in another way here"
-    called.write_text(before + name + edited)
-    assert run() == ["8.0", "0"]
+    assert run() == [answers[0], "0"]
+    assert run() == [answers[0], "1"]
+    called = copy / file
+    before, here, after = called.read_text().partition(name)
+    edited = after.replace(line, edit, 1)
+    assert edited != after, f"{name} is written in another way; edit it in another way here"
+    called.write_text(before + here + edited)
+    assert run() == [answers[1], "0"]
 
 
 @reduction

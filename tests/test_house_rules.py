@@ -115,6 +115,8 @@ def _public(tree):
     """Public functions and classes of a module, methods and properties of its public classes."""
     for node in tree.body:
         if isinstance(node, (*FUNCTIONS, ast.ClassDef)) and not node.name.startswith("_"):
+            if any(ast.unparse(each).endswith("overload") for each in node.decorator_list):
+                continue
             yield node.name, node
             if isinstance(node, ast.ClassDef):
                 for inner in node.body:

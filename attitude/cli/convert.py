@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from attitude.attitude_table.table import AttitudeTable
     from attitude.cli.grid import Grid
     from attitude.epochs import Instant
-    from attitude.formats.detect import Source
+    from attitude.formats.detect import OpenedFile
     from attitude.free_rotation.free_rotation import FreeRotation
     from attitude.motion import Motion
     from attitude.paths.path import Path
@@ -110,7 +110,9 @@ def run(arguments: argparse.Namespace) -> None:
         _convert(arguments, kind, found, path)
 
 
-def _convert(arguments: argparse.Namespace, kind: str, found: Source, path: Path | None) -> None:
+def _convert(
+    arguments: argparse.Namespace, kind: str, found: OpenedFile, path: Path | None
+) -> None:
     """Write what was read, as the format `kind`."""
     from attitude.formats import detect
 

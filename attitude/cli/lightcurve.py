@@ -15,7 +15,7 @@ from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
-    from attitude.formats.mission import Column, Mission
+    from attitude.formats.mission import Mission, MissionColumn
     from attitude.scene import Scene, View
 
 HELP: str = "write and draw the light curve of a mission file"
@@ -213,9 +213,9 @@ def _print_progress(done: int, count: int) -> None:
         print(f"\rattitude: {100.0 * done / count:3.0f} %", end=end, file=sys.stderr, flush=True)
 
 
-def _columns(mission: Mission, view: View) -> tuple[Column, ...]:
+def _columns(mission: Mission, view: View) -> tuple[MissionColumn, ...]:
     """The columns of every light curve, then those of the file."""
-    from attitude.formats.mission import Column
+    from attitude.formats.mission import MissionColumn
 
     scene = view.scene
     assert mission.magnitude is not None
@@ -230,7 +230,7 @@ def _columns(mission: Mission, view: View) -> tuple[Column, ...]:
     if scene.observer.has_horizon:
         own.append(("elevation", "deg"))
     given = {each.name: each for each in mission.columns}
-    first = [given.pop(name) if name in given else Column(name, unit) for name, unit in own]
+    first = [given.pop(name) if name in given else MissionColumn(name, unit) for name, unit in own]
     return (*first, *given.values())
 
 

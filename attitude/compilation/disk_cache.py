@@ -51,21 +51,29 @@ def kept_on_disk(function: Callable[..., Any], options: Mapping[str, Any]) -> An
         dispatcher = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # numba found no folder that it can write
         return numba.njit(**options)(function)
-    # numba compares a cached function with the time and size of its own file alone, and would run
-    # machine code that contains callees from before an edit or an upgrade elsewhere.  Its stamp is
-    # therefore extended to every file of the package.  These names of numba are private:
-    # Dispatcher._cache          the numba.core.caching.FunctionCache of a function
-    # Cache._cache_file          its IndexDataCacheFile, which writes the stamp into the index
-    # IndexDataCacheFile._source_stamp   any value that can be pickled, compared by ==
-    # If one of them is renamed, nothing is kept on disk: slow, but never out of date.  If the stamp
-    # is no longer compared when an index is read, edited sources run old machine code.
-    on_disk = getattr(dispatcher, "_cache", None)
+    # Private: Dispatcher._cache, the numba.core.caching.FunctionCache of a function.
+    if not is_stamped(getattr(dispatcher, "_cache", None)):
+        return numba.njit(**options)(function)
+    return dispatcher
+
+
+def is_stamped(on_disk: Any) -> bool:
+    """Extend the stamp of a numba cache to every file of the package; whether that was possible.
+
+    numba compares a cached function with the time and size of its own file alone, and would run
+    machine code that contains callees from before an edit or an upgrade elsewhere.  These names of
+    numba are private:
+    Cache._cache_file          its IndexDataCacheFile, which writes the stamp into the index
+    IndexDataCacheFile._source_stamp   any value that can be pickled, compared by ==
+    If one of them is renamed, the caller must keep nothing on disk: slow, but never out of date.
+    If the stamp is no longer compared when an index is read, edited sources run old machine code.
+    """
     index = getattr(on_disk, "_cache_file", None)
     if index is None or not hasattr(index, "_source_stamp"):
-        return numba.njit(**options)(function)
+        return False
     index._source_stamp = (index._source_stamp, _stamp())
     _tolerate_errors(on_disk)
-    return dispatcher
+    return True
 
 
 def _tolerate_errors(on_disk: Any) -> None:

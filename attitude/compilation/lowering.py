@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import inspect
 from contextlib import suppress
-from pickle import PickleError
 from typing import TYPE_CHECKING, Any
 
 import numba
 from llvmlite import ir
 from numba import carray, types
 from numba.core import cgutils
+from numba.core.caching import NullCache
+from numba.core.ccallback import CFunc
 from numba.extending import lower_builtin, overload, type_callable
 
 from attitude.compilation import instructions, pointers, simd_lowering
-from attitude.compilation.disk_cache import kept_on_disk
+from attitude.compilation.disk_cache import is_stamped, kept_on_disk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -33,11 +34,29 @@ def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: b
 def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: bool) -> Any:
     """numba's C function of the type `pointers.C_FUNCTION`; with `kept`, on disk where possible."""
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": fastmath}
+    signature = (_C_FUNCTION.args, _C_FUNCTION.return_type)
     if kept:
-        # no folder for the cache, a full disk, a torn file
-        with suppress(RuntimeError, OSError, EOFError, PickleError):
-            return numba.cfunc(_C_FUNCTION, cache=True, **options)(function)
+        with suppress(RuntimeError):  # no folder for the cache
+            made = _StampedCFunc(function, signature, {}, options)
+            made.enable_caching()
+            made.compile()
+            return made
     return numba.cfunc(_C_FUNCTION, **options)(function)
+
+
+class _StampedCFunc(CFunc):
+    """A C function whose machine code on disk belongs to one state of all sources.
+
+    What `numba.cfunc` makes, whose cache compares the file of the function alone.  The class, its
+    `_cache` and `NullCache` are private names of numba.
+    """
+
+    _cache: Any
+
+    def enable_caching(self) -> None:
+        super().enable_caching()
+        on_disk: Any = self._cache
+        self._cache = on_disk if is_stamped(on_disk) else NullCache()
 
 
 def _instruction(function, signature):

@@ -30,7 +30,7 @@ class LanesType(types.Type):
 
 
 @register_model(LanesType)
-class _Model(models.PrimitiveModel):
+class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, kind.vector)
 

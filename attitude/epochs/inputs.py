@@ -138,9 +138,9 @@ def seconds_since(
         )
     if kind in kinds.LENGTHS:
         return readers.read(kind, leaves, shape, name, start)
-    first, rest = readers.read(kind, leaves, shape, name)
-    assert rest is not None  # dates are read in two doubles
-    hi, lo = pairs.add((first, rest), -start.seconds, -start.low)
+    dates, rest = readers.read(kind, leaves, shape, name)
+    assert rest is not None  # a date has both doubles
+    hi, lo = pairs.add((dates, rest), -start.seconds, -start.low)
     return np.asarray(hi), np.asarray(lo)
 
 

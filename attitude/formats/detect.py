@@ -88,7 +88,7 @@ def _ending(path):
     return ".apm.xml" if name.endswith(".apm.xml") else os.path.splitext(name)[1]
 
 
-class Source(NamedTuple):
+class OpenedFile(NamedTuple):
     """The content of a file in any format.
 
     Attributes
@@ -131,7 +131,7 @@ def opened(
     orbit: Path | None = None,
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
-) -> Source:
+) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
@@ -146,7 +146,7 @@ def opened(
 
     Returns
     -------
-    Source
+    OpenedFile
 
     Raises
     ------
@@ -164,7 +164,7 @@ def opened(
 
         message = apm.read(path, frame=frame, orbit=orbit, **lengths)
         names = ("object_name", "object_id", "center", "comments")
-        return Source(message.motion, {name: message.meta[name] for name in names})
+        return OpenedFile(message.motion, {name: message.meta[name] for name in names})
     if kind == "stk":
         from attitude.formats import stk
 
@@ -174,14 +174,14 @@ def opened(
 
         found = spin_file.read(path)
         labels = {"name": found.name, "source": found.source, "note": found.note}
-        return Source(found.motion, labels)
+        return OpenedFile(found.motion, labels)
     if kind == "damit":
         from attitude.formats import damit
 
         rotator = damit.read(path)
-        return Source(rotator.motion(), {"scattering": rotator.scattering})
+        return OpenedFile(rotator.motion(), {"scattering": rotator.scattering})
     if kind == "ck":
-        return Source(_kernel(path, body, kernels), {})
+        return OpenedFile(_kernel(path, body, kernels), {})
     from attitude.formats import tables
 
     return _table(tables.read(path, **lengths))
@@ -189,7 +189,7 @@ def opened(
 
 def _table(table):
     names = ("object_name", "object_id", "center", "comments")
-    return Source(table, {name: table.meta[name] for name in names if table.meta.get(name)})
+    return OpenedFile(table, {name: table.meta[name] for name in names if table.meta.get(name)})
 
 
 def _kernel(path, body, kernels):

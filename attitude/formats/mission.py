@@ -86,7 +86,7 @@ _PLACES: dict[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Column:
+class MissionColumn:
     """A quantity of a `View`, and its unit in the output.
 
     Attributes
@@ -119,7 +119,7 @@ class Mission:
     scene : Scene
     times : dict
         Texts under "start", "stop" and "step"; or a list of dates under "epochs".
-    columns : tuple of Column
+    columns : tuple of MissionColumn
     magnitude : Magnitude or None
         See `photometry`; None without a shape.
     name, source, note : str or None
@@ -127,7 +127,7 @@ class Mission:
 
     scene: Scene
     times: dict[str, Any]
-    columns: tuple[Column, ...]
+    columns: tuple[MissionColumn, ...]
     magnitude: Magnitude | None = None
     name: str | None = None
     source: str | None = None
@@ -194,8 +194,8 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
         raise AttitudeError(f"{origin}: {err}") from err
 
 
-def column(text: str) -> Column:
-    """The Column of a text such as "phase_angle deg".
+def column(text: str) -> MissionColumn:
+    """The MissionColumn of a text such as "phase_angle deg".
 
     Raises
     ------
@@ -208,7 +208,7 @@ def column(text: str) -> Column:
     known = View.columns()
     if name not in known:
         refuse_unknown({name: None}, tuple(known), "columns")
-    found = Column(name, unit or known[name].unit)
+    found = MissionColumn(name, unit or known[name].unit)
     own = known[name].unit
     if unit and unit != own:
         from astropy import units
@@ -221,7 +221,7 @@ def column(text: str) -> Column:
     return found
 
 
-def _columns(content: dict[str, Any]) -> tuple[Column, ...]:
+def _columns(content: dict[str, Any]) -> tuple[MissionColumn, ...]:
     given = content.get("columns", _BRIGHT if "shape" in content else None)
     if not isinstance(given, list) or not given:
         raise AttitudeError(

@@ -89,10 +89,9 @@ class Magnitude:
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
             return view.magnitude
-        sun = view.sun_distance if self.sun_distance is None else self.sun_distance
-        observer: FloatArray | float = view.observer_distance
-        if self.observer_distance is not None:
-            observer = self.observer_distance
+        given = self.sun_distance, self.observer_distance
+        sun = view.sun_distance if given[0] is None else given[0]
+        observer = view.observer_distance if given[1] is None else given[1]
         found = view.reduced_magnitude + magnitudes.distance_modulus(sun, observer)
         return found + magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
 

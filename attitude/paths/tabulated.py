@@ -23,7 +23,7 @@ _HIGHEST_DEGREE = 31
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Table(Path):
+class TabulatedPath(Path):
     """An interpolated table.  Made by `table`; CCSDS files are read by `oem`.
 
     Attributes
@@ -76,7 +76,7 @@ def table(
     name: str = "table",
     source: str = "table",
     span: tuple[Instant, Instant] | None = None,
-) -> Table:
+) -> TabulatedPath:
     """The path through a table of positions.
 
     Parameters
@@ -126,7 +126,7 @@ def table(
         return KnotPieces(first, knots, low, records, degree + 1)
 
     separate = method == "lagrange" and v is not None
-    return Table(
+    return TabulatedPath(
         pieces=polynomials(r, v if method == "hermite" else None),
         rates=polynomials(v, None) if separate else None,
         interpolation=method,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import BoolArray, FloatArray
     from attitude.paths.place import Place
-    from attitude.scene.lines_of_sight import Line
+    from attitude.scene.lines_of_sight import LineOfSight
     from attitude.scene.scene import Scene
     from attitude.shape import Ellipsoid, Mesh
 
@@ -64,8 +64,8 @@ class Geometry(Immutable):
     # Lines of sight -------------------------------------------------------------------------------
 
     @kept
-    def observer_line(self) -> Line:
-        """The `Line` from the body at emission to the observer at reception; m."""
+    def observer_line(self) -> LineOfSight:
+        """The `LineOfSight` from the body at emission to the observer at reception; m."""
         scene = self.scene
         if scene.observer.is_direction:
             return lines_of_sight.fixed(scene.observer)
@@ -90,8 +90,8 @@ class Geometry(Immutable):
         return frozen(out[0]), frozen(out[1])
 
     @kept
-    def sun_line(self) -> Line:
-        """The `Line` from the body at emission to the Sun when its light left towards it; m."""
+    def sun_line(self) -> LineOfSight:
+        """The line from the body at emission to the Sun when its light left towards it; m."""
         scene = self.scene
         if scene.sun.is_direction:
             return lines_of_sight.fixed(scene.sun)
@@ -100,8 +100,8 @@ class Geometry(Immutable):
         return found
 
     @kept
-    def observer_sun_line(self) -> Line:
-        """The `Line` from the observer at reception to the Sun when its light left; m."""
+    def observer_sun_line(self) -> LineOfSight:
+        """The `LineOfSight` from the observer at reception to the Sun when its light left; m."""
         scene = self.scene
         if scene.observer.is_direction:
             raise AttitudeError(
@@ -128,8 +128,8 @@ class Geometry(Immutable):
         *,
         geometric: bool = False,
         sign: float = 1.0,
-    ) -> Line:
-        """The Line from a viewer at the epochs `at` to a target; opposite to it for sign -1.0."""
+    ) -> LineOfSight:
+        """The line from a viewer at the epochs `at` to a target; opposite for sign -1.0."""
         # A Scene without a center has directions only, which have lines of their own.
         assert isinstance(target, (Path, str)) and isinstance(viewer, Path)
         scene, (hi, lo) = self.scene, at
@@ -141,7 +141,7 @@ class Geometry(Immutable):
             path = paths.relative(target, viewer, scene.ephemeris)
         return lines_of_sight.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)
 
-    def _refuse_inside(self, found: Line, place: Place) -> None:
+    def _refuse_inside(self, found: LineOfSight, place: Place) -> None:
         """Raise an AttitudeError if a place comes nearer than the farthest point of the shape."""
         assert found.distance is not None
         radius = _radius(self.scene.shape)
@@ -193,7 +193,7 @@ class Geometry(Immutable):
             return np.zeros(self.shape)
         return self.observer_distance / SPEED_OF_LIGHT_M_S
 
-    def _distance(self, found: Line) -> FloatArray:
+    def _distance(self, found: LineOfSight) -> FloatArray:
         if found.distance is None:
             return self._numbers(np.full(1, np.inf))
         return self._numbers(found.distance)

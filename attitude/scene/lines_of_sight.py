@@ -35,7 +35,7 @@ _SAMPLE = 65
 
 
 @dataclass(frozen=True, eq=False)
-class Line(Immutable):
+class LineOfSight(Immutable):
     """A line of sight at each epoch: direction and distance.
 
     Attributes
@@ -61,10 +61,10 @@ class Line(Immutable):
             frozen(self.distance)
 
 
-def fixed(place: Place) -> Line:
-    """The Line towards a `paths.Direction`."""
+def fixed(place: Place) -> LineOfSight:
+    """The LineOfSight towards a `paths.Direction`."""
     assert isinstance(place, Direction)
-    return Line(place.unit[:, None].copy(), None, repr(place))
+    return LineOfSight(place.unit[:, None].copy(), None, repr(place))
 
 
 def sample(instant: Instant, hi: FloatArray, lo: FloatArray) -> Sample:
@@ -88,8 +88,8 @@ def seen(
     some: Sample,
     tolerance: float | None,
     sign: float = 1.0,
-) -> Line:
-    """The Line along the position vectors of a path.
+) -> LineOfSight:
+    """The LineOfSight along the position vectors of a path.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def seen(
 
 
 def _compressed(path, instant, hi, lo, some, tolerance, sign):
-    """The Line by a compression of the path, or None if that costs more than it saves."""
+    """The LineOfSight by a compression of the path, or None if that costs more than it saves."""
     if not some[1].size:
         return None
     nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
@@ -141,7 +141,7 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
 
 
 def _evaluated(path, instant, hi, lo, original, sign, error=None):
-    """The Line of a path; messages and the source name the original of a compressed path."""
+    """The LineOfSight of a path; messages and the source name the original of a compressed path."""
     from attitude.scene import loops
 
     unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
@@ -157,7 +157,7 @@ def _evaluated(path, instant, hi, lo, original, sign, error=None):
             f"{spelled(instant.after(float(hi[at[0]])))}, where the direction from one to the "
             "other is undefined; give two different ones."
         )
-    return Line(unit, distance, original.source, error)
+    return LineOfSight(unit, distance, original.source, error)
 
 
 def _named(center):

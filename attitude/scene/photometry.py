@@ -56,7 +56,7 @@ class Brightness(Pointing):
             given = {} if band is None else {"sun_magnitude": band}
             out[known] = light_curve.reduced_magnitude(bright[known], **given)
         else:
-            assert scene.shape is not None  # `brightness` requires it
+            assert scene.shape is not None  # `brightness` refuses a scene without one
             angles = np.asarray(self.phase_angle).reshape(-1)[known]
             out[known] = light_curve.phased_magnitude(
                 bright[known], scene.shape, scene.law, angles, scene.phase_function

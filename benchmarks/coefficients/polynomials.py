@@ -152,9 +152,7 @@ def _series():
             lambda: [x for x in sources.literals("scene/shadow.py", "_segment") if x > 2],
             lambda: [4 * 5, 6 * 7, 8 * 9, 2 * 6],
             error=_error_of_segment,
-            claims=(
-                Claim(1.6e-15, "its first term left out is below 1.6e-15 of the whole at 0.1"),
-            ),
+            claims=(Claim(1.6e-15, "the first omitted term is below 1.6e-15 of the sum at 0.1"),),
         ),
         CoefficientTable(
             "paths/conic.py",
