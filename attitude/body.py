@@ -99,7 +99,7 @@ class Body(Immutable):
         self._set("mass", None if mass is None else validation.positive(mass, "mass", unit="kg"))
         center = (0.0, 0.0, 0.0) if center_of_mass is None else center_of_mass
         center = validation.real(center, "center_of_mass", shape=(3,), unit="m")
-        self._set("center_of_mass", frozen(center))
+        self._set("center_of_mass", frozen(center + 0.0))  # files leave out zeros, and their signs
         if moments is not None:
             self._from_moments(validation.real(moments, "moments", shape=(3,), unit=unit))
         if tensor is not None:

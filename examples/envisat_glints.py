@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from attitude import epochs, events
 from attitude.formats import mission
-from attitude.formats.photometry import Magnitude
+from attitude.formats.photometry import MagnitudeScale
 from attitude.scattering import Material, Materials
 from attitude.scene import Scene
 from attitude.shape import Mesh
@@ -141,7 +141,7 @@ def main() -> None:
 
 def draw(
     scene: Scene,
-    scale: Magnitude,
+    scale: MagnitudeScale,
     spans: list[tuple[float, float]],
     flashes: list[Glint],
     date: Callable[[float, int], str],
@@ -200,7 +200,7 @@ def draw(
     print(f"\nPicture: {PICTURE}")
 
 
-def curve(panel: "Axes", scene: Scene, scale: Magnitude, span: tuple[float, float]) -> None:
+def curve(panel: "Axes", scene: Scene, scale: MagnitudeScale, span: tuple[float, float]) -> None:
     t = np.arange(*span, 0.25)
     view = scene.at(t)
     magnitude = scale.of(view)

@@ -20,7 +20,8 @@ from tests.oracle import rotation_error
 TWICE = 8e-15  # rad: two results, each right to 4e-15
 
 any_state = states.strategy()
-revolutions = st.floats(-1e6, 1e6)
+# A power of two scales no subnormal number exactly.
+revolutions = st.floats(-1e6, 1e6).filter(lambda x: x == 0.0 or abs(x) > 1e-290)
 laws = settings(max_examples=60)
 
 

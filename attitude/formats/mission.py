@@ -58,7 +58,7 @@ from attitude.textfiles.toml import refuse_unknown, text_of, way_of
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
-    from attitude.formats.photometry import Magnitude
+    from attitude.formats.photometry import MagnitudeScale
     from attitude.motion import Motion
     from attitude.paths.place import Place
 
@@ -120,7 +120,7 @@ class Mission:
     times : dict
         Texts under "start", "stop" and "step"; or a list of dates under "epochs".
     columns : tuple of MissionColumn
-    magnitude : Magnitude or None
+    magnitude : MagnitudeScale or None
         See `photometry`; None without a shape.
     name, source, note : str or None
     """
@@ -128,7 +128,7 @@ class Mission:
     scene: Scene
     times: dict[str, Any]
     columns: tuple[MissionColumn, ...]
-    magnitude: Magnitude | None = None
+    magnitude: MagnitudeScale | None = None
     name: str | None = None
     source: str | None = None
     note: str | None = None
@@ -347,7 +347,7 @@ def _photometry(content: dict[str, Any], motion: Motion | None, folder: str) -> 
     return {**found, **scale, "law": law, "shape": shape}
 
 
-def _magnitude(content: dict[str, Any], scene: Scene) -> Magnitude | None:
+def _magnitude(content: dict[str, Any], scene: Scene) -> MagnitudeScale | None:
     if scene.shape is None:
         return None
     from attitude.formats import photometry

@@ -68,7 +68,7 @@ _FACETS = 1000
 
 
 @dataclass(frozen=True)
-class Magnitude:
+class MagnitudeScale:
     """The kind of magnitudes of a light curve.
 
     Attributes
@@ -209,8 +209,8 @@ def scale_of(given: Any) -> dict[str, Any]:
     return found
 
 
-def magnitude_of(given: Mapping[str, Any], scene: Scene) -> Magnitude:
-    """The `Magnitude` of a section [magnitude], for a Scene.
+def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
+    """The `MagnitudeScale` of a section [magnitude], for a Scene.
 
     Raises
     ------
@@ -239,7 +239,7 @@ def magnitude_of(given: Mapping[str, Any], scene: Scene) -> Magnitude:
             f"[magnitude] kind is apparent, which needs {' and '.join(far)} for a direction; give "
             'it in [magnitude], or kind = "reduced".'
         )
-    return Magnitude(kind, **distances)
+    return MagnitudeScale(kind, **distances)
 
 
 def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape.Ellipsoid:

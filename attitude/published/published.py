@@ -257,11 +257,10 @@ def from_pole(
         raise AttitudeError("one moment is zero; for a rod give angular_velocity.")
     rates = conventions.momentum_direction(theta, psi) * (moments.max() / moments)
     found = regimes(moments, rates)
-    if P_psi is not None:
-        name, given, period = "P_psi", P_psi, found.P_psi
-    else:
-        assert P_phi is not None
+    name, given, period = "P_psi", P_psi, found.P_psi
+    if P_psi is None:
         name, given, period = "P_phi", P_phi, found.P_phi(convention)
+    assert given is not None
     seconds = validation.positive(given, name, unit="s")
     if not math.isfinite(period):
         raise AttitudeError(
