@@ -145,6 +145,40 @@ def test_rates_of_a_frame_b_that_is_not_the_body_are_negative(tmp_path):
     assert np.max(np.abs(found.angular_velocity + HISTORY.angular_velocity)) < 1e-15
 
 
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize("body_is_a", [True, False])
+def test_the_frame_of_rates_by_keyword_or_by_name(tmp_path, version, body_is_a):
+    """The body turned by 90 degrees about z: its x is the frame's y, its y the frame's -x."""
+    a, b = ("SC_BODY_1", "EME2000") if body_is_a else ("EME2000", "SC_BODY_1")
+    half = (-1.0 if body_is_a else 1.0) * np.sqrt(0.5)
+    old = version == "1.0"
+    meta = [
+        *("OBJECT_NAME = SAT", "OBJECT_ID = 2026-001A", f"REF_FRAME_A = {a}", f"REF_FRAME_B = {b}"),
+        *("TIME_SYSTEM = UTC", "START_TIME = 2026-01-01T00:00:00"),
+        *(
+            "STOP_TIME = 2026-01-01T00:00:01",
+            f"ATTITUDE_TYPE = QUATERNION/{'RATE' if old else 'ANGVEL'}",
+        ),
+        *(("ATTITUDE_DIR = A2B", "QUATERNION_TYPE = LAST") if old else ()),
+    ]
+    rows = [f"2026-01-01T00:00:0{k} 0 0 {half} {np.sqrt(0.5)} 1 2 3" for k in (0, 1)]
+    # version 2: rates are those of B relative to A
+    sign = -1.0 if body_is_a and not old else 1.0
+    frame, body = ("B", "A") if body_is_a else ("A", "B")
+    for over, names in [
+        ((1.0, 2.0, 3.0), (f"REF_FRAME_{body}", "SC_BODY_1", "sc_body_1")),
+        ((2.0, -1.0, 3.0), (f"REF_FRAME_{frame}", "EME2000", "eme2000")),
+    ]:
+        for name in names:
+            path = tmp_path / "named.aem"
+            keyword = "RATE_FRAME" if old else "ANGVEL_FRAME"
+            head = [f"CCSDS_AEM_VERS = {version}", "META_START", *meta, f"{keyword} = {name}"]
+            lines = [*head, "META_STOP", "DATA_START", *rows, "DATA_STOP", ""]
+            path.write_text("\n".join(lines))
+            found = aem.read(path).angular_velocity
+            assert np.allclose(found, sign * np.radians(over), rtol=0, atol=1e-16), name  # rad/s
+
+
 def test_relative_to_an_orbit(tmp_path):
     from attitude.paths.path import Path as Orbit
 
