@@ -1,4 +1,4 @@
-"""Layouts of the arrays of `solution.march`: each entry by its name.
+"""Layouts of the arrays of `solution.torqued_step` and its loops: each entry by its name.
 
 Indices count entries of 8 bytes, doubles or whole numbers of 64 bits.
 """

@@ -9,6 +9,7 @@ import numpy as np
 from attitude import pairs
 from attitude.errors import AttitudeError
 from attitude.solution.march_layout import OMEGA, OMEGA_LOW, STATE_ENTRIES, WXYZ, WXYZ_LOW
+from attitude.splitting.pace import Pace
 from attitude.splitting.system import LARGEST_TURN
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 # is discarded and the interval doubles, so that memory is bounded, and an epoch costs at most a
 # few hundred steps for each hundred million taken.
 _EVERY, _MOST = 32, 1 << 17
-# Steps integrated, and kicks sampled, in one call of the compiled loops.
+# Steps integrated, and kicks sampled, in one call of the compiled loops: at most.
 _STEPS, _ROWS = 2048, 1 << 18
 # Adaptive steps: fraction of the step that the error estimate allows, and how it may change.
 _SAFETY, _SHRINK, _GROW = 0.9, 0.2, 4.0
@@ -47,6 +48,7 @@ class FixedSteps:
         self.system, self.h, self.every = system, h, _EVERY
         self.kept = system.start[None].copy()  # grows by doubling
         self.count = 1
+        self._steps_at_once, self._rows_at_once = Pace(_STEPS), Pace(_ROWS)
 
     @property
     def reached(self) -> float:
@@ -61,15 +63,17 @@ class FixedSteps:
         self._extend(int(number[order[-1]]))
         segment = number[order] // self.every
         rank = np.cumsum(np.diff(segment, prepend=segment[0]) != 0)
-        # As many segments and epochs as one call takes.
-        most = max(1, _ROWS // (self.every * self.system.kicks))
         out = np.empty((len(seconds), 7))
         begin = 0
         while begin < len(order):
+            # As many segments and epochs as one call takes.
+            rows = self._rows_at_once.size
+            most = max(1, rows // (self.every * self.system.kicks))
             end = int(np.searchsorted(rank, rank[begin] + most))
-            end = min(end, begin + _ROWS // self.system.kicks)
+            end = min(end, begin + max(1, rows // self.system.kicks))
             here = order[begin:end]
-            out[here] = self._revisited(segment[begin:end], number[here], parts[here])
+            with self._rows_at_once.measured(end < len(order)):
+                out[here] = self._revisited(segment[begin:end], number[here], parts[here])
             begin = end
         return out
 
@@ -86,9 +90,9 @@ class FixedSteps:
 
     def _revisited(self, segment: IntArray, number: IntArray, parts: FloatArray) -> FloatArray:
         used, place = np.unique(segment, return_inverse=True)
-        starts = np.array(pairs.product((used * self.every).astype(np.float64), self.h))
+        numbers = (used * self.every).astype(np.float64)
         steps = number - segment * self.every
-        return self.system.revisit(self.kept[used], starts, self.h, place, steps, parts)
+        return self.system.revisit(self.kept[used], numbers, self.h, place, steps, parts)
 
     def _extend(self, number: int) -> None:
         """Keep states up to a number of steps."""
@@ -98,19 +102,33 @@ class FixedSteps:
                 self.count, self.every = self.count // 2 + 1, 2 * self.every
                 continue
             run = min(
-                max(1, _STEPS // self.every),
+                max(1, self._steps_at_once.size // self.every),
                 number // self.every - (self.count - 1),
                 _MOST + 1 - self.count,
             )
+            made = self._following(run)
             if self.count + run > len(self.kept):
                 larger = np.empty((max(2 * len(self.kept), self.count + run), STATE_ENTRIES))
                 larger[: self.count] = self.kept[: self.count]
                 self.kept = larger
-            state = self.kept[self.count - 1].copy()
-            start = (self.count - 1) * self.every
-            made = self.system.march(state, start, self.h, run * self.every, self.every)
             self.kept[self.count : self.count + run] = made
             self.count += run
+
+    def _following(self, run: int) -> FloatArray:
+        """The next states to keep (run, 14): several in one block, or one after several blocks."""
+        state, first = self.kept[self.count - 1].copy(), (self.count - 1) * self.every
+        pace = self._steps_at_once
+        if run > 1:
+            steps = run * self.every
+            with pace.measured(steps >= pace.size):
+                return self.system.march(state, first, self.h, steps, self.every)
+        taken = 0
+        while taken < self.every:
+            steps = min(self.every - taken, pace.size)
+            with pace.measured(steps == pace.size):
+                self.system.march(state, first + taken, self.h, steps, self.every)
+            taken += steps
+        return state[None]
 
 
 class VaryingSteps:
@@ -149,9 +167,8 @@ class VaryingSteps:
         used, place = np.unique(place, return_inverse=True)
         kept = np.array([self.kept[k] for k in used])
         steps = np.zeros(len(place), dtype=np.int64)
-        starts = np.stack([times[used], np.zeros(len(used))])
         out = np.empty((len(seconds), 7))
-        out[order] = self.system.revisit(kept, starts, 0.0, place, steps, parts)
+        out[order] = self.system.revisit(kept, times[used], 1.0, place, steps, parts)
         return out
 
     def _extend(self, last: float) -> None:

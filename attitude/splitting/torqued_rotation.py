@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
     TorqueFunction = Callable[[float, FloatArray, FloatArray], ArrayLike]
 
+# Epochs in a block.
+_EPOCHS = 1 << 17
+
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class TorquedRotation(Motion):
@@ -166,20 +169,24 @@ class TorquedRotation(Motion):
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        # Attitudes and angular velocities are integrated together.
-        states = self._states(seconds, low)
-        found = [np.ascontiguousarray(part) for part in (states[..., :4], states[..., 4:])]
-        if order > 1:
-            found.append(self._system.acceleration(seconds, low, states))
-        return found
-
-    def _states(self, seconds: FloatArray, low: FloatArray | None) -> FloatArray:
-        """(..., 7): wxyz body to ICRF, angular velocity over body axes."""
+        # Attitudes and angular velocities are integrated together, in blocks of epochs: Ctrl-C is
+        # heard between them, and the memory beside the result is bounded.
         flat = seconds.reshape(-1)
         rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
-        out = np.full((flat.size, 7), np.nan)
+        found = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
+        for begin in range(0, flat.size, _EPOCHS):
+            here = slice(begin, begin + _EPOCHS)
+            states = self._states(flat[here], rest[here])
+            found[0][here], found[1][here] = states[:, :4], states[:, 4:]
+            if order > 1:
+                found[2][here] = self._system.acceleration(flat[here], rest[here], states)
+        return [part.reshape(*seconds.shape, part.shape[-1]) for part in found]
+
+    def _states(self, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """(N, 7): wxyz body to ICRF, angular velocity over body axes, at seconds + low (N,)."""
+        out = np.full((seconds.size, 7), np.nan)
         with np.errstate(invalid="ignore", over="ignore"):  # infinities are refused below
-            total = flat + rest
+            total = seconds + low
         if np.any(np.isinf(total)):
             raise AttitudeError(
                 "an epoch is infinite; give finite epochs, or NaN for a missing one."
@@ -187,8 +194,8 @@ class TorquedRotation(Motion):
         with self._lock:
             for grid, here in zip(self._grids, (total >= 0.0, total < 0.0), strict=True):
                 if np.any(here):
-                    out[here] = grid.states(flat[here], rest[here])
-        return self._system.over_body_axes(out).reshape(*seconds.shape, 7)
+                    out[here] = grid.states(seconds[here], low[here])
+        return self._system.over_body_axes(out)
 
 
 def _checked_tolerance(given: Real) -> float:
