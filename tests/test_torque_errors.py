@@ -11,6 +11,7 @@ import traceback
 import numba
 import numpy as np
 import pytest
+from numba.core.compiler_lock import global_compiler_lock
 
 from attitude import AttitudeError, Body, Spin
 from attitude.compilation.callback_errors import raising_callback_errors
@@ -281,3 +282,26 @@ def test_a_fork_while_another_thread_integrates(how):
         stop.set()
         other.join()
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
+def test_a_fork_while_another_thread_compiles():
+    TorquedRotation(BODY, SPIN, compiled_late, step=0.1)  # numba is in use
+    held, begin = threading.Event(), time.monotonic()
+
+    def compile_slowly():
+        with global_compiler_lock:
+            held.set()
+            time.sleep(0.3)
+
+    other = threading.Thread(target=compile_slowly)
+    other.start()
+    held.wait()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        os._exit(0 if numba.njit(lambda x: x + 1)(1) == 2 else 3)
+    other.join()
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert time.monotonic() - begin > 0.3

@@ -13,7 +13,9 @@ array([0. , 0. , 0.1])
 
 from __future__ import annotations
 
+import os
 import threading
+import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -129,15 +131,20 @@ class TorquedRotation(Motion):
         if (step is None) == (tolerance is None):
             raise AttitudeError("a TorquedRotation takes either step=(s) or tolerance=(rad).")
         self._set("_system", System(self.body, self.spin, self.torques, self.scheme))
-        self._set("_lock", threading.Lock())
         self._set("step", None if step is None else self._checked_step(step))
         self._set("tolerance", None if tolerance is None else _checked_tolerance(tolerance))
-        self._set("_grids", (self._grid(1.0), self._grid(-1.0)))
+        self._forget()
+        _living.add(self)
 
     def _checked_step(self, step: Real) -> float:
         length = validation.positive(step, "step", unit="s")
         self._system.check_step(length)
         return length
+
+    def _forget(self) -> None:
+        """Start without integrated states, and with a lock that no thread holds."""
+        self._set("_lock", threading.Lock())
+        self._set("_grids", (self._grid(1.0), self._grid(-1.0)))
 
     def _grid(self, sign: float) -> FixedSteps | VaryingSteps:
         """The states on one side of the epoch."""
@@ -196,6 +203,24 @@ class TorquedRotation(Motion):
                 if np.any(here):
                     out[here] = grid.states(seconds[here], low[here])
         return self._system.over_body_axes(out)
+
+
+# All motions of the process.
+_living: weakref.WeakSet[TorquedRotation] = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    """In a forked process, free the locks of threads that do not live there.
+
+    States that such a thread was changing are discarded.
+    """
+    for motion in list(_living):
+        if motion._lock.locked():
+            motion._forget()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def _checked_tolerance(given: Real) -> float:
