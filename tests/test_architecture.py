@@ -37,7 +37,16 @@ ORDERS = {
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "march_layout", "torqued_step", "march", "regimes", "place_of_d", "principal"),
+        *(
+            "chain",
+            "march_layout",
+            "torqued_step",
+            "march",
+            "adaptive",
+            "regimes",
+            "place_of_d",
+            "principal",
+        ),
         *("vectors", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),

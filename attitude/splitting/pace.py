@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 # s.  Python acts on a signal when a compiled loop returns; 0.2 s is felt as at once.
 _LONGEST, _SHORTEST = 0.05, 0.02
-_FIRST = 64
+_FIRST = 4
 
 
 class Pace:
@@ -26,21 +26,20 @@ class Pace:
     ----------
     size : int
         For the next block.
+    items : int
+        Of the present block; set in it.
     """
 
     def __init__(self, most: int) -> None:
-        self.most, self.size = most, min(most, _FIRST)
+        self.most, self.size, self.items = most, min(most, _FIRST), 0
 
     @contextmanager
-    def measured(self, full: bool) -> Iterator[None]:
-        """Run a block, and adapt `size` to the time that it takes.
-
-        full: whether the block has `size` items; a smaller one does not make `size` grow.
-        """
-        begin = time.monotonic()
+    def measured(self) -> Iterator[None]:
+        """Run a block that sets `items`, and adapt `size` to the time that it takes."""
+        begin, self.items = time.monotonic(), 0
         yield
         took = time.monotonic() - begin
         if took > _LONGEST:
-            self.size = max(1, int(self.size * _LONGEST / took))
-        elif full and took < _SHORTEST:
+            self.size = min(self.most, max(1, int(self.items * _LONGEST / took)))
+        elif self.items >= self.size and took < _SHORTEST:
             self.size = min(self.most, 2 * self.size)

@@ -12,6 +12,7 @@ from attitude.errors import AttitudeError
 from attitude.solution import march_layout as layout
 from attitude.solution.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude.splitting.ascending import ascending
+from attitude.torques.torque import SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,6 +50,10 @@ class System:
         Body, scheme and models of `march_layout`.
     kicks : int
         Of a step.
+    order : int
+        Of the error in the step.
+    columns : int
+        Numbers that the torques sample at each kick.
     """
 
     def __init__(self, body: Body, spin: Spin, torques: tuple[Torque, ...], chosen: Scheme) -> None:
@@ -67,6 +72,10 @@ class System:
         self.start[OMEGA] = spin.angular_velocity @ self.axes
         self.setup = self._numbers(), self._coefficients(), self._models()
         self.kicks = len(chosen.kicks)
+        self.columns = sum(torque.columns for torque in torques)
+        # The midpoint rule of a slip is of second order in a scheme of any.
+        slips = any(torque.kind == SLIP for torque in torques)
+        self.order = min(chosen.order, 2) if slips else chosen.order
 
     # Packing -------------------------------------------------------------------------------------
 
@@ -162,12 +171,18 @@ class System:
                 f"{abs(step):.3g} s; give a nearer epoch, or a longer step."
             )
 
-    def _run(self, loop: Callable[..., Any], h: float, *arguments: Any) -> None:
+    def run(self, loop: Callable[..., Any], h: float, *arguments: Any) -> None:
         """Run a compiled loop; raise what a torque raised, or the AttitudeError for its fault."""
         with raising_callback_errors():
             fault, t, rate = loop(*arguments)
         if fault == layout.FINE:
             return
+        if fault == layout.TOO_ROUGH:
+            raise AttitudeError(
+                f"no step {t:.9g} s after the epoch is short enough for the tolerance; the torque "
+                "is not smooth there, or the tolerance is below rounding. Give a larger tolerance, "
+                "or a fixed step."
+            )
         if fault == layout.TOO_LONG:
             self._refuse_step(h, rate, t)
         raise AttitudeError(
@@ -197,30 +212,19 @@ class System:
         hi, lo = starts[0][..., None], starts[1][..., None]
         return np.array(pairs.add((hi, lo), np.asarray(h)[..., None] * share))
 
-    def march(
-        self,
-        state: FloatArray,
-        start: int | tuple[float, float],
-        h: float,
-        steps: int,
-        every: int,
-    ) -> FloatArray:
+    def march(self, state: FloatArray, start: int, h: float, steps: int, every: int) -> FloatArray:
         """Take steps of one length from a state, in place; the kept states (steps // every, 14).
 
-        start: a pair of seconds, or the number of such steps from the epoch to it.
+        start: the number of such steps from the epoch to it.
         """
         from attitude.solution.march import march
 
-        if isinstance(start, tuple):
-            starts = np.array(pairs.add(pairs.product(np.arange(float(steps)), h), *start))
-        else:
-            starts = np.array(pairs.product(start + np.arange(float(steps)), h))
+        starts = np.array(pairs.product(start + np.arange(float(steps)), h))
         times = self.kick_times(starts, h)
         rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, STATE_ENTRIES))
         given = self.sampled(rows)
-        first = start[0] / h if isinstance(start, tuple) else float(start)
-        self._run(march, h, *self.setup, state, first, h, steps, given, kept, every)
+        self.run(march, h, *self.setup, state, float(start), h, steps, given, kept, every)
         return kept
 
     def revisit(
@@ -259,7 +263,7 @@ class System:
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        self._run(
+        self.run(
             *(revisit, h, *self.setup, states, numbers, h, place, steps, parts),
             *(given, within, out),
         )
@@ -281,7 +285,7 @@ class System:
         out = np.full((len(found), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
-        self._run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
+        self.run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
         out[known] = some @ self.axes.T
         return out
 
