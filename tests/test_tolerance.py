@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from attitude import Body, Spin
 from attitude.splitting import TorquedRotation
+from attitude.splitting import front as front_module
 from attitude.splitting import varying_steps as steps_module
 from attitude.torques import ConstantTorque, CustomTorque
 from tests.torque_cases import COUNT, angle, case
@@ -148,3 +149,16 @@ def test_a_tolerance_below_rounding_is_a_sentence():
     motion = TorquedRotation(Body(moments=(1, 2, 2.5)), spin, driven, tolerance=1e-14)
     with pytest.raises(ValueError, match=r"exceeds the tolerance of 1e-14 rad .* larger tolerance"):
         motion.at(300.0)
+
+
+def test_plans_do_not_depend_on_blocks(monkeypatch):
+    """Blocks follow the clock, the steps that are planned must not."""
+    given = case(0)
+
+    def found():
+        return given.motion(tolerance=given.tolerance).at(given.seconds).wxyz.tobytes()
+
+    usual = found()
+    for most in (1, 7, 100):
+        monkeypatch.setattr(front_module, "_STEPS", most)
+        assert found() == usual

@@ -109,7 +109,7 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
         elif counts[layout.REFUSALS] > _MOST_REFUSALS:
             fault, when = layout.TOO_ROUGH, t
             break
-        if rows > 0 and length != before:
+        if (rows > 0 and length != before) or (paired and estimated(clock) > clock[layout.LIMIT]):
             break
     clock[layout.TIME], clock[layout.LENGTH] = t, length
     counts[layout.KEPT], counts[layout.TRIED] = filled, tried
@@ -217,6 +217,16 @@ def between(c, scheme, models, states, times, place, parts, within, out):
         for k in range(3):
             out[i, 4 + k] = w[k]
     return layout.FINE, 0.0, 0.0
+
+
+@subroutine
+def estimated(clock):
+    """The estimate of the error of the motion with halved steps so far, rad.
+
+    An error of the angular velocity becomes one of attitude by the turn that follows.
+    """
+    rough = (1.0 + clock[layout.TURNED]) * clock[layout.ROUGH] - clock[layout.ROUGH_TURNED]
+    return clock[layout.APART] + rough
 
 
 @subroutine

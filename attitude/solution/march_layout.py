@@ -66,7 +66,8 @@ TURNED: Final = 7  # angle by which the body has turned, rad
 USUAL: Final = 8  # error of recent steps over the power of their length
 ROUGH: Final = 9  # sum of the errors of steps at which the torque is not smooth
 ROUGH_TURNED: Final = 10  # sum of these errors times TURNED at their steps
-CLOCK_ENTRIES: Final = 11
+LIMIT: Final = 11  # steps end where the estimate of the error of paired motions exceeds it, rad
+CLOCK_ENTRIES: Final = 12
 
 # Counters of adaptive steps: whole numbers.
 TAKEN: Final = 0  # since the epoch

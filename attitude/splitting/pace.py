@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 # s.  Python acts on a signal when a compiled loop returns; 0.2 s is felt as at once.
 _LONGEST, _SHORTEST = 0.05, 0.02
-_FIRST = 4
+_FIRST, _LARGEST_GROWTH = 8, 16
 
 
 class Pace:
@@ -42,4 +42,5 @@ class Pace:
         if took > _LONGEST:
             self.size = min(self.most, max(1, int(self.items * _LONGEST / took)))
         elif self.items >= self.size and took < _SHORTEST:
-            self.size = min(self.most, 2 * self.size)
+            grown = _LARGEST_GROWTH * took < _SHORTEST
+            self.size = min(self.most, (_LARGEST_GROWTH if grown else 2) * self.size)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.solution import march_layout as layout
+from attitude.solution.adaptive import estimated
 from attitude.solution.march_layout import KEPT_ENTRIES, OMEGA, STATE_ENTRIES
 from attitude.splitting.front import Front, between
 from attitude.splitting.pace import Pace
@@ -51,7 +52,7 @@ class VaryingSteps:
         last = min(last if sign > 0.0 else -first for first, last in spans)
         self._front = Front(system, sign, tolerance, paired, last)
         self.kept, self.count, self.every = self._front.row[None].copy(), 1, _EVERY
-        self.farthest = 0.0
+        self.farthest, self._least = 0.0, tolerance + _ROUNDING
         self._epochs_at_once = Pace(_EPOCHS)
 
     @property
@@ -75,10 +76,7 @@ class VaryingSteps:
         """
         if self.steps == 0:
             return 0.0
-        clock = self._front.clock
-        # An error of the angular velocity becomes one of attitude by the turn that follows.
-        rough = (1.0 + clock[layout.TURNED]) * clock[layout.ROUGH] - clock[layout.ROUGH_TURNED]
-        return float(clock[layout.APART] + rough + self.tolerance + _ROUNDING)
+        return float(estimated(self._front.clock)) + self._least
 
     def estimate(self) -> float:
         """Estimate of the largest error of the attitudes that were asked, rad."""
@@ -142,6 +140,7 @@ class VaryingSteps:
             rows = np.empty((min(_MOST + 1 - self.count, _ROWS), KEPT_ENTRIES))
             # Should it be interrupted, the copy is given up.
             front = self._front.copy()
+            front.clock[layout.LIMIT] = limit - self._least
             filled = front.advance(until, rows, self.every)
             if self.count + filled > len(self.kept):
                 larger = np.empty((max(2 * len(self.kept), self.count + filled), KEPT_ENTRIES))
