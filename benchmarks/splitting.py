@@ -11,6 +11,7 @@ The script prints, and with --output draws,
                momentum by rounding in the free motions, each with its standard error
     dop853     100 rotations under gravity gradient against DOP853 at 1e-13
     referee    error against cost of integrators of the free rotation
+    tolerance  cost of an adaptive step, and the estimate of the error of 50 motions against it
     impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
 
     python benchmarks/splitting.py [--quick] [--output docs/figures] [part ...]
@@ -24,6 +25,7 @@ import sys
 import time
 from pathlib import Path
 
+import numba
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,7 +43,8 @@ from attitude.solution.given_axes import turned_by
 from attitude.solution.march import march
 from attitude.solution.step import advance, gains, loaded, stored
 from attitude.splitting import SCHEMES, TorquedRotation
-from attitude.torques import ConstantTorque, GravityGradient
+from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
+from tests import torque_cases
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error
 from tests.rounding import moved
@@ -525,6 +528,61 @@ def impulses(quick, output):
     print(f"  worst error on {checked} arcs against a chain of 50-digit oracles: {worst:.1e} rad")
 
 
+# Tolerances ---------------------------------------------------------------------------------------
+
+
+@numba.njit
+def periodic(t, q, w):
+    return 1e-3 * math.sin(0.1 * t), 1e-3 * math.cos(0.07 * t), 0.0
+
+
+def tolerance(quick, output):
+    print("an adaptive step with its error estimate, us of the processor (the best of some runs)")
+    spin = Spin(epoch=SPIN.epoch, wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.5, 0.1))
+    torques = {
+        "constant": ConstantTorque((1e-3, 2e-3, 0.0)),
+        "compiled function": CustomTorque(periodic, depends_on_rate=False),
+        "damping": LinearDamping(1e-4),
+    }
+    for name, limit in (
+        *(("kick-rotate-kick", 1e-9), ("hoa", 1e-9), ("force-gradient", 1e-12)),
+        *(("suzuki", 1e-12), ("blanes-moan", 1e-12)),
+    ):
+        shown = []
+        for key, torque in torques.items():
+            if name == "force-gradient" and key != "constant":
+                continue
+            found = []
+            for _ in range(3 if quick else 10):
+                motion = TorquedRotation(BODY, spin, torque, scheme=name, step_tolerance=limit)
+                motion.at(0.1)
+                begin, before = time.thread_time(), motion._grids[0].steps
+                motion._grids[0].extend(20000.0)
+                steps = motion._grids[0].steps - before
+                found.append((time.thread_time() - begin) / steps * 1e6)
+            shown.append(f"{key} {min(found):.2f}")
+        print(f"  {name:20s} {', '.join(shown)}")
+    print("error and estimate, rad, of 50 motions; their ratio, and that of estimate and tolerance")
+    ratios = []
+    for number in range(torque_cases.COUNT):
+        case = torque_cases.case(number)
+        motion = case.motion(tolerance=case.tolerance)
+        finer = case.motion(tolerance=max(0.01 * case.tolerance, 1e-13), scheme="suzuki")
+        found, exact = motion.at(case.seconds).wxyz, finer.at(case.seconds).wxyz
+        error, estimate = torque_cases.angle(found, exact), motion.error_estimate
+        ratios.append((error / estimate, estimate / case.tolerance))
+        print(
+            f"  {number:2d} {case.kind:10s} {error:.1e} {estimate:.1e}   {ratios[-1][0]:.3f}   "
+            f"{ratios[-1][1]:.3f}"
+        )
+    least, most = np.min(ratios, axis=0), np.max(ratios, axis=0)
+    held = sum(one <= 1.0 and two <= 1.0 for one, two in ratios)
+    print(
+        f"  held on {held} of {len(ratios)}: error over estimate {least[0]:.3f} to {most[0]:.3f}, "
+        f"estimate over tolerance up to {most[1]:.3f}"
+    )
+
+
 def one_by_one(call, epochs):
     for t in epochs:
         call(t)
@@ -552,6 +610,7 @@ PARTS = {
     "dop853": dop853,
     "referee": referee,
     "impulses": impulses,
+    "tolerance": tolerance,
 }
 
 

@@ -32,7 +32,7 @@ def passing(path: paths.Path, phi0: float, psi0: float) -> tuple[FreeRotation, T
     tides = GravityGradient(path, "earth")
     # Tolerance of each step; the step size adapts to the encounter.
     through = TorquedRotation(
-        before.body, before.spin, tides, tolerance=1e-11, scheme="blanes-moan"
+        before.body, before.spin, tides, step_tolerance=1e-11, scheme="blanes-moan"
     )
     return before, through
 

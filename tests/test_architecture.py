@@ -31,14 +31,23 @@ HOUSE = (
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("deferral", "disk_cache", "ieee", "instructions", "simd", "simd_lowering", "pointers"),
-        *("lowering", "decorators", "callbacks"),
+        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd"),
+        *("simd_lowering", "pointers", "lowering", "decorators", "callbacks"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "march_layout", "march", "regimes", "place_of_d", "principal", "vectors"),
-        "warm_up",
+        *(
+            "chain",
+            "march_layout",
+            "torqued_step",
+            "march",
+            "adaptive",
+            "regimes",
+            "place_of_d",
+            "principal",
+        ),
+        *("vectors", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }

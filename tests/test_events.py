@@ -1,5 +1,6 @@
 """Events between samples: against closed forms, dense samples, and the laws of mirrors."""
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -427,6 +428,37 @@ def test_combined_conditions_follow_their_logic():
         changes = np.flatnonzero(wanted[1:] != wanted[:-1])
         np.testing.assert_allclose(times, t[changes], atol=1.1e-3)
         np.testing.assert_array_equal(values, wanted[changes + 1])
+
+
+def test_conditions_and_observables_pickle():
+    """For processes that search spans in parallel; logic by closures could not be pickled."""
+    motion, sun, observer = tumbling(), (1.0, 0.2, 0.1), (0.1, 1.0, 0.3)
+    lit = events.illuminated(motion, (0, 0, 1), sun)
+    seen = events.visible(motion, (0, 0, 1), observer)
+    flash = events.glint(motion, (0, 0, 1), sun, observer, sun_radius=0.2)
+    given = [lit, lit & ~seen | flash, events.in_cone(motion, (1, 0, 0), sun, 0.3)]
+    again = pickle.loads(pickle.dumps(given))
+    assert again[0].source.motion is again[2].source.motion
+    for one, other in ((given, again), (given[1], again[1])):
+        found, same = events.find_discrete(0.0, 100.0, one), events.find_discrete(0.0, 100.0, other)
+        assert len(found) > 10
+        assert np.array_equal(found.seconds, same.seconds)
+        assert np.array_equal(found.values, same.values)
+    angle = events.separation(motion, None, sun)
+    for search in (events.find_maxima, events.find_minima):
+        found, same = (search(0.0, 100.0, f) for f in (angle, pickle.loads(pickle.dumps(angle))))
+        assert len(found) > 1
+        assert np.array_equal(found.seconds, same.seconds)
+
+
+def test_conditions_of_a_scene_pickle():
+    scene = apophis_scene()
+    lit, bright = events.illuminated(scene, (0.6, 0.8, 0.0)), events.brightness(scene)
+    again, other = pickle.loads(pickle.dumps([lit, bright]))
+    found, same = (events.find_discrete(0.0, 86400.0 * 3, each) for each in (lit, again))
+    assert len(found) > 0 and np.array_equal(found.seconds, same.seconds)
+    t = np.linspace(0.0, 86400.0, 5)
+    assert np.array_equal(bright(t), other(t))
 
 
 def test_dates_and_several_conditions():

@@ -341,17 +341,17 @@ def test_fourth_order_reaches_rounding(exact):
 
 def test_adaptive_steps_reach_the_tolerance(exact):
     for tolerance in (1e-8, 1e-11):
-        motion = eccentric(tolerance=tolerance, scheme="blanes-moan")
+        motion = eccentric(step_tolerance=tolerance, scheme="blanes-moan")
         history = motion.at(SPAN)
         error = rotation_error(history.wxyz, exact[0], signed=True)
-        count = len(motion._grids[0].times)
+        count = motion._grids[0].steps
         # errors of steps add up, each below the tolerance
         assert error < tolerance * count
         assert 5 < count < 4000
     assert motion.steps_taken[1] >= SPAN
 
 
-@pytest.mark.parametrize("how", [{"step": 0.01}, {"tolerance": 1e-9}])
+@pytest.mark.parametrize("how", [{"step": 0.01}, {"tolerance": 1e-9}, {"step_tolerance": 1e-9}])
 def test_dense_output(how):
     """Between steps: the order of the scheme, continuous over steps, in any order of asking."""
     fine = eccentric(step=2e-4, scheme="blanes-moan")
@@ -538,7 +538,7 @@ def short_path(seconds_after):
     return paths.table(t, eccentric_path(t), start="2026-01-01", center="earth")
 
 
-@pytest.mark.parametrize("how", [{"step": 0.01}, {"tolerance": 1e-9}])
+@pytest.mark.parametrize("how", [{"step": 0.01}, {"tolerance": 1e-9}, {"step_tolerance": 1e-9}])
 def test_a_path_that_ends(how):
     """To its end the motion is known, and not a step more is asked of it; beyond, a sentence."""
     spin = Spin(epoch="2026-01-01", wxyz=START[0], angular_velocity=START[1])
@@ -628,8 +628,16 @@ NOTHING = ConstantTorque((0, 0, 0))
     ("call", "message"),
     [
         (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=1.0), "a step below 0.104 s could"),
-        (lambda: TorquedRotation(BODY, SPIN, NOTHING), "either step="),
-        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, tolerance=1e-9), "either step="),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, tolerance=1e-9), "one of step="),
+        (
+            lambda: TorquedRotation(BODY, SPIN, NOTHING, tolerance=1e-9, step_tolerance=1e-9),
+            "one of step=",
+        ),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, span=(0, 1)), "for tolerance="),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, span=(1, 0)), "the earlier one first"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, span=(0, np.nan)), "the earlier one first"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, span=(0, 1, 2)), "give two epochs"),
+        (lambda: TorquedRotation(BODY, SPIN, NOTHING, step_tolerance=1.0), "step_tolerance is 1.0"),
         (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=-0.1), "greater than zero"),
         (lambda: TorquedRotation(BODY, SPIN, NOTHING, tolerance=1e-20), "from 1e-14"),
         (lambda: TorquedRotation(BODY, SPIN, NOTHING, step=0.1, scheme="rk4"), "one of 'kick-"),
@@ -720,6 +728,7 @@ def test_no_step_is_short_enough_for_a_jump():
     def noise(t, wxyz, omega):
         return np.sin(1e9 * t + np.array([0.0, 1.0, 2.0])) * 1e9
 
-    motion = TorquedRotation(BODY, SPIN, CustomTorque(noise, False), tolerance=1e-13)
-    with pytest.raises(AttitudeError, match=r"not smooth there|cannot resolve"):
-        motion.at(1.0)
+    for how in ({"tolerance": 1e-13}, {"step_tolerance": 1e-13}):
+        motion = TorquedRotation(BODY, SPIN, CustomTorque(noise, False), **how)
+        with pytest.raises(AttitudeError, match=r"not smooth there"):
+            motion.at(1.0)

@@ -297,30 +297,6 @@ def test_a_user_s_function_compiled_or_not():
     assert np.max(np.abs(plain.wxyz - shipped.wxyz)) < 1e-14
 
 
-@numba.njit
-def raises_late(t, wxyz, omega):
-    if t > 1.0:
-        raise ValueError("too late")
-    return 0.0, 0.0, 0.0
-
-
-@numba.njit
-def shrinks_late(t, wxyz, omega):
-    return np.zeros(3 if t < 1.0 else 2)
-
-
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize("function", [raises_late, shrinks_late])
-@pytest.mark.parametrize("depends_on_rate", [True, False])
-def test_a_compiled_function_that_fails_is_not_passed_over(function, depends_on_rate):
-    """Numba prints what it raises and goes on: the torque of the step before would stay."""
-    torque = CustomTorque(function, depends_on_rate)
-    motion = TorquedRotation(Body(moments=(1, 2, 2.5)), SPIN, torque, step=0.1)
-    assert np.all(np.isfinite(motion.at(0.9).wxyz))
-    with pytest.raises(AttitudeError, match="the torque is not finite 1"):
-        motion.at(3.0)
-
-
 def test_arrays_of_a_user_s_function_do_not_lie_where_the_loop_works():
     """Any array of as many numbers as the loop keeps for itself had taken their place."""
 
@@ -337,16 +313,6 @@ def test_arrays_of_a_user_s_function_do_not_lie_where_the_loop_works():
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.2, 0.3))
     motions = [TorquedRotation(BODY, spin, torque(scratch), step=0.05) for scratch in (True, False)]
     assert np.array_equal(motions[0].at(40.0).wxyz, motions[1].at(40.0).wxyz)
-
-
-def test_what_a_user_s_function_raises_comes_through():
-    def broken(t, wxyz, omega):
-        if t > 1.0:
-            raise KeyError("no table entry")
-        return 0.0, 0.0, 0.0
-
-    with pytest.raises(KeyError, match="no table entry"):
-        TorquedRotation(BODY, SPIN, broken, step=0.1).at(2.0)
 
 
 def nothing(t, wxyz, omega):

@@ -5,5 +5,6 @@ instructions   machine instructions that Python cannot name: fused products, bit
 simd           SIMD vectors of doubles as values
 pointers       raw memory and calls by address in compiled loops
 disk_cache     machine code kept on disk, made anew after any change of the sources
+callback_errors  exceptions that leave C callbacks, raised after the loop that called
 deferral       no garbage collection and no Ctrl-C during a compilation
 """

@@ -1,23 +1,26 @@
 """C functions that compiled loops call by address: torques of the package and of users.
 
 Each is void f(double t, double *wxyz, double *omega, double *given, double *parameters,
-double *out); see `solution.march`.
+double *out); see `solution.torqued_step`.
 """
 
 from __future__ import annotations
 
 import ctypes
-import math
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from attitude.compilation.decorators import UNCOMPILED
 from attitude.compilation.pointers import C_FUNCTION, vector
+from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 # Of LLVM's fastmath flags those with which sums may be taken in any order.
 _SUMS = {"reassoc", "contract", "nsz"}
+# Attribute of a user's compiled function that holds its Callback.
+_ATTRIBUTE = "_attitude_callback"
 
 
 class Callback:
@@ -77,13 +80,24 @@ def is_compiled(function: object) -> bool:
 
 
 def callback_of(function: Callable[..., Any]) -> Callback:
-    """The C function that calls a user's compiled function of (t, wxyz, omega)."""
+    """The C function that calls a user's compiled function of (t, wxyz, omega).
+
+    It is kept as an attribute of the function: compiled once, and freed with the function.
+    """
+    made: Callback | None = getattr(function, _ATTRIBUTE, None)
+    if made is not None:
+        return made
 
     def torque(t, wxyz, omega, given, parameters, out):
-        # NaN if the function raises: numba then prints the error and returns.
-        out[0] = out[1] = out[2] = math.nan
         found = function(t, vector(wxyz, 4), vector(omega, 3))
-        if len(found) == 3:
-            out[0], out[1], out[2] = found[0], found[1], found[2]
+        if len(found) != 3:
+            raise AttitudeError(
+                "the function of a CustomTorque did not return three numbers; it must return a "
+                "torque in N m over the body axes at all epochs."
+            )
+        out[0], out[1], out[2] = found[0], found[1], found[2]
 
-    return Callback(torque, kept=False)
+    made = Callback(torque, kept=False)
+    with suppress(AttributeError, TypeError):  # an object that takes no attributes
+        setattr(function, _ATTRIBUTE, made)
+    return made

@@ -40,6 +40,16 @@ _INNER = {"no_cpython_wrapper": True}
 _lock = threading.RLock()
 
 
+def _after_fork() -> None:
+    """In a forked process no other thread lives, and none holds the lock."""
+    global _lock
+    _lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
 def runs_uncompiled() -> bool:
     """Whether the environment variables of the process switch compilation off."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):

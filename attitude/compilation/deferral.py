@@ -8,6 +8,7 @@ would be printed and lost, and followed by an error of numba's own.
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import threading
 from contextlib import contextmanager
@@ -47,9 +48,23 @@ def resume_collection() -> None:
     """Undo one `suspend_collection`."""
     global _suspensions
     with _lock:
-        _suspensions -= 1
+        _suspensions = max(0, _suspensions - 1)
         if _suspensions == 0 and _was_enabled:
             gc.enable()
+
+
+def _after_fork() -> None:
+    """In a forked process, undo the suspensions of the other threads, which do not live there."""
+    global _lock, _suspensions
+    _lock = threading.Lock()
+    if _suspensions:
+        _suspensions = 0
+        if _was_enabled:
+            gc.enable()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 _holds = 0

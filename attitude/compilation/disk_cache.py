@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
@@ -11,6 +12,7 @@ from typing import Any
 
 import numba
 from numba.core import event
+from numba.core.compiler_lock import global_compiler_lock
 
 from attitude.compilation import deferral
 
@@ -39,6 +41,14 @@ def _is_ours(event: Any) -> bool:
 
 
 event.register("numba:compile", _Undisturbed())
+
+# A fork waits until no other thread compiles: in the child, numba's lock would be held for ever.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(
+        before=global_compiler_lock.acquire,
+        after_in_parent=global_compiler_lock.release,
+        after_in_child=global_compiler_lock.release,
+    )
 
 
 def kept_on_disk(function: Callable[..., Any], options: Mapping[str, Any]) -> Any:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray
 
 _POINTER = ctypes.c_void_p
-# void function(double t, double *, double *, double *, double *, double *): see solution.march
+# void function(double t, double *, double *, double *, double *, double *)
 C_FUNCTION = ctypes.CFUNCTYPE(None, ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 5)
 _CALL = ctypes.CFUNCTYPE(None, ctypes.c_double, *[_POINTER] * 5)
 SCRATCH = 16  # doubles
@@ -30,7 +30,7 @@ class _Scratch(int):
 def call(
     address: int, t: float, wxyz: int, omega: int, given: int, parameters: int, out: int
 ) -> None:
-    """Call the C function of a torque (see `solution.march`); all arguments but t are addresses."""
+    """Call the C function of a torque, as `solution.torqued_step` does; all but t are addresses."""
     _CALL(int(address))(t, *map(int, (wxyz, omega, given, parameters, out)))
 
 

@@ -5,6 +5,7 @@ A condition is a logical function of the signs of one or several channels.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from attitude.validation import unit_vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from typing import TypeAlias
 
     from numpy.typing import ArrayLike
 
@@ -26,12 +28,48 @@ if TYPE_CHECKING:
     from attitude.events.directions import AnyDirection, VectorFunction
     from attitude.events.moments import AnyMotion, Moment, Source
 
+    # Whether a condition holds (N,), from the signs (N,) of its channels.
+    Logic: TypeAlias = Callable[[Sequence[BoolArray]], BoolArray]
+
+
+# Logic is made of functions and classes of this module, which can be pickled; closures cannot.
+def _first(signs: Sequence[BoolArray]) -> BoolArray:
+    return signs[0]
+
+
+def _first_two(signs: Sequence[BoolArray]) -> BoolArray:
+    return signs[0] & signs[1]
+
+
+@dataclass(frozen=True)
+class _Not:
+    """The opposite of a logic."""
+
+    logic: Logic
+
+    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
+        return ~self.logic(signs)
+
+
+@dataclass(frozen=True)
+class _Joined:
+    """Two logics joined by a function of two arrays; the first takes the first `count` signs."""
+
+    operation: Callable[[BoolArray, BoolArray], BoolArray]
+    one: Logic
+    count: int
+    other: Logic
+
+    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
+        return self.operation(self.one(signs[: self.count]), self.other(signs[self.count :]))
+
 
 class Condition:
     """True or False at every epoch; made by `in_cone`, `glint` and the other functions here.
 
     ``condition(t)`` evaluates it; ``&``, ``|`` and ``~`` combine conditions of the same motion or
-    scene.
+    scene.  Conditions can be pickled if their motion and functions can be; those of one list
+    remain conditions of one motion.
 
     Attributes
     ----------
@@ -40,12 +78,7 @@ class Condition:
     channels : tuple of Channel
     """
 
-    def __init__(
-        self,
-        source: Source,
-        channels: Sequence[Channel],
-        logic: Callable[[Sequence[BoolArray]], BoolArray],
-    ) -> None:
+    def __init__(self, source: Source, channels: Sequence[Channel], logic: Logic) -> None:
         self.source, self.channels, self._logic = source, tuple(channels), logic
 
     @property
@@ -72,7 +105,7 @@ class Condition:
         return self._joined(other, np.logical_or)
 
     def __invert__(self) -> Condition:
-        return Condition(self.source, self.channels, lambda signs: ~self._logic(signs))
+        return Condition(self.source, self.channels, _Not(self._logic))
 
     def _joined(
         self, other: Condition, operation: Callable[[BoolArray, BoolArray], BoolArray]
@@ -82,12 +115,8 @@ class Condition:
                 "only conditions of the same motion or scene can be combined with & and |; make "
                 "both from one."
             )
-        count = len(self.channels)
-        return Condition(
-            self.source,
-            self.channels + other.channels,
-            lambda signs: operation(self._logic(signs[:count]), other._logic(signs[count:])),
-        )
+        logic = _Joined(operation, self._logic, len(self.channels), other._logic)
+        return Condition(self.source, self.channels + other.channels, logic)
 
 
 def in_cone(motion: AnyMotion, axis: Reals, direction: AnyDirection, half_angle: Real) -> Condition:
@@ -258,7 +287,7 @@ def glint(
         to_observer = Aberrated(to_observer, velocity, source, sent=True)
     unit = unit_vector(normal, "normal")
     channels = Mirrored(unit, to_sun, to_observer, radius), Height(unit, to_observer)
-    return Condition(source, channels, lambda signs: signs[0] & signs[1])
+    return Condition(source, channels, _first_two)
 
 
 def same_source(one: Source, other: Source) -> bool:
@@ -282,4 +311,4 @@ def axis_or_long(axis: Reals | None, source: Source) -> FloatArray:
 
 
 def _of_one(source: Source, channel: Channel) -> Condition:
-    return Condition(source, (channel,), lambda signs: signs[0])
+    return Condition(source, (channel,), _first)

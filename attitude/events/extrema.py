@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,7 +45,8 @@ _WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
 class Observable:
     """A number at every epoch, whose extrema `find_maxima` and `find_minima` find.
 
-    Made by `separation` and `brightness`; ``observable(t)`` evaluates it.
+    Made by `separation` and `brightness`; ``observable(t)`` evaluates it.  Can be pickled if its
+    motion can be.
 
     Attributes
     ----------
@@ -92,12 +94,19 @@ def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -
     source = source_of(motion)
     unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
+    return Observable(source, _Angle(unit, seen), Receding(unit, seen))
 
-    def angle(moment: Moment) -> FloatArray:
-        u = moment.body(seen)
-        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, unit)), np.sqrt(chord_squared(u, -unit)))
 
-    return Observable(source, angle, Receding(unit, seen))
+@dataclass(frozen=True, eq=False)
+class _Angle:
+    """The angle (N,) between a body axis and a direction, rad."""
+
+    axis: FloatArray
+    direction: SearchDirection
+
+    def __call__(self, moment: Moment) -> FloatArray:
+        u, a = moment.body(self.direction), self.axis
+        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, a)), np.sqrt(chord_squared(u, -a)))
 
 
 def brightness(scene: Scene) -> Observable:
@@ -116,14 +125,15 @@ def brightness(scene: Scene) -> Observable:
             f"{type(scene).__name__} is given, which has no brightness; give a Scene with a shape, "
             "or a function of seconds to the search."
         )
+    return Observable(source, _lit_brightness if source.scene.shadow_of else _full_brightness)
 
-    shadow_of = source.scene.shadow_of
 
-    def value(moment: Moment) -> FloatArray:
-        view = moment.view
-        return view.brightness * view.lit_fraction if shadow_of else view.brightness
+def _full_brightness(moment: Moment) -> FloatArray:
+    return moment.view.brightness
 
-    return Observable(source, value)
+
+def _lit_brightness(moment: Moment) -> FloatArray:
+    return moment.view.brightness * moment.view.lit_fraction
 
 
 def find_maxima(

@@ -1,4 +1,4 @@
-"""Layouts of the arrays of `solution.march`: each entry by its name.
+"""Layouts of the arrays of `solution.torqued_step` and its loops: each entry by its name.
 
 Indices count entries of 8 bytes, doubles or whole numbers of 64 bits.
 """
@@ -52,3 +52,32 @@ RETURNED_BYTES: Final = ENTRY_BYTES * RETURNED
 FINE: Final = 0
 BAD_TORQUE: Final = 1  # a torque is not finite
 TOO_LONG: Final = 2  # a free motion turns by more than the largest angle
+TOO_ROUGH: Final = 3  # no step is short enough for the tolerance
+
+# Clock of adaptive steps: doubles, seconds since the epoch.
+TIME: Final = 0  # of the state
+LENGTH: Final = 1  # of the next step, of either sign
+UNTIL: Final = 2  # steps are taken to here at least
+LAST: Final = 3  # no step goes beyond; its absolute value
+TOLERANCE: Final = 4  # of the error of a step
+TURN_LIMIT: Final = 5  # the longest step times the angular velocity, rad
+APART: Final = 6  # largest angle between the motions with whole and with halved steps, rad
+TURNED: Final = 7  # angle by which the body has turned, rad
+USUAL: Final = 8  # error of recent steps over the power of their length
+ROUGH: Final = 9  # sum of the errors of steps at which the torque is not smooth
+ROUGH_TURNED: Final = 10  # sum of these errors times TURNED at their steps
+LIMIT: Final = 11  # steps end where the estimate of the error of paired motions exceeds it, rad
+CLOCK_ENTRIES: Final = 12
+
+# Counters of adaptive steps: whole numbers.
+TAKEN: Final = 0  # since the epoch
+REFUSALS: Final = 1  # one after the other
+KEPT: Final = 2  # rows filled by the last call
+TRIED: Final = 3  # by the last call
+COUNTERS: Final = 4
+
+# A kept state of adaptive steps: 16 doubles, with which the same steps follow again.
+KEPT_TIME: Final = 0
+KEPT_LENGTH: Final = 1  # of the next step
+KEPT_STATE: Final = slice(2, 16)
+KEPT_ENTRIES: Final = 16

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import pairs, quaternion
+from attitude.compilation.callback_errors import raising_callback_errors
 from attitude.errors import AttitudeError
 from attitude.solution import march_layout as layout
 from attitude.solution.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude.splitting.ascending import ascending
+from attitude.torques.torque import SLIP
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude.annotations import BoolArray, FloatArray, IntArray
     from attitude.body import Body
     from attitude.spin import Spin
@@ -46,6 +50,10 @@ class System:
         Body, scheme and models of `march_layout`.
     kicks : int
         Of a step.
+    order : int
+        Of the error in the step.
+    columns : int
+        Numbers that the torques sample at each kick.
     """
 
     def __init__(self, body: Body, spin: Spin, torques: tuple[Torque, ...], chosen: Scheme) -> None:
@@ -64,6 +72,10 @@ class System:
         self.start[OMEGA] = spin.angular_velocity @ self.axes
         self.setup = self._numbers(), self._coefficients(), self._models()
         self.kicks = len(chosen.kicks)
+        self.columns = sum(torque.columns for torque in torques)
+        # The midpoint rule of a slip is of second order in a scheme of any.
+        slips = any(torque.kind == SLIP for torque in torques)
+        self.order = min(chosen.order, 2) if slips else chosen.order
 
     # Packing -------------------------------------------------------------------------------------
 
@@ -159,13 +171,18 @@ class System:
                 f"{abs(step):.3g} s; give a nearer epoch, or a longer step."
             )
 
-    def _check_result(self, result: tuple[int, float, float], h: float) -> None:
-        """Raise the AttitudeError for a fault that a compiled loop returned."""
-        fault, t, rate = result
+    def run(self, loop: Callable[..., Any], h: float, *arguments: Any) -> None:
+        """Run a compiled loop; raise what a torque raised, or the AttitudeError for its fault."""
+        with raising_callback_errors():
+            fault, t, rate = loop(*arguments)
         if fault == layout.FINE:
             return
-        for torque in self.torques:
-            torque.explain()
+        if fault == layout.TOO_ROUGH:
+            raise AttitudeError(
+                f"no step {t:.9g} s after the epoch is short enough for the tolerance; the torque "
+                "is not smooth there, or the tolerance is below rounding. Give a larger tolerance, "
+                "or a fixed step."
+            )
         if fault == layout.TOO_LONG:
             self._refuse_step(h, rate, t)
         raise AttitudeError(
@@ -195,36 +212,25 @@ class System:
         hi, lo = starts[0][..., None], starts[1][..., None]
         return np.array(pairs.add((hi, lo), np.asarray(h)[..., None] * share))
 
-    def march(
-        self,
-        state: FloatArray,
-        start: int | tuple[float, float],
-        h: float,
-        steps: int,
-        every: int,
-    ) -> FloatArray:
+    def march(self, state: FloatArray, start: int, h: float, steps: int, every: int) -> FloatArray:
         """Take steps of one length from a state, in place; the kept states (steps // every, 14).
 
-        start: a pair of seconds, or the number of such steps from the epoch to it.
+        start: the number of such steps from the epoch to it.
         """
         from attitude.solution.march import march
 
-        if isinstance(start, tuple):
-            starts = np.array(pairs.add(pairs.product(np.arange(float(steps)), h), *start))
-        else:
-            starts = np.array(pairs.product(start + np.arange(float(steps)), h))
+        starts = np.array(pairs.product(start + np.arange(float(steps)), h))
         times = self.kick_times(starts, h)
         rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, STATE_ENTRIES))
         given = self.sampled(rows)
-        result = march(*self.setup, state, starts[0, 0], h, steps, given, kept, every)
-        self._check_result(result, h)
+        self.run(march, h, *self.setup, state, float(start), h, steps, given, kept, every)
         return kept
 
     def revisit(
         self,
         states: FloatArray,
-        starts: FloatArray,
+        numbers: FloatArray,
         h: float,
         place: IntArray,
         steps: IntArray,
@@ -234,8 +240,8 @@ class System:
 
         Parameters
         ----------
-        states, starts : (S, 14), (2, S) arrays
-            Kept states and their epochs, pairs of seconds.
+        states, numbers : (S, 14), (S,) arrays
+            Kept states, and the numbers of steps from the epoch to them.
         h : float
             s, of the whole steps.
         place, steps, parts : (T,) arrays
@@ -244,6 +250,7 @@ class System:
         """
         from attitude.solution.march import revisit
 
+        starts = np.array(pairs.product(numbers, h))
         # Steps of length h from the starts, as many as the farthest epoch needs.
         hi, lo = pairs.product(np.arange(max(float(steps.max()), 1.0)), h)
         whole = np.array(pairs.add((starts[0][:, None], starts[1][:, None]), hi, lo))
@@ -256,35 +263,31 @@ class System:
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        start = np.ascontiguousarray(starts[0])
-        result = revisit(*self.setup, states, start, h, place, steps, parts, given, within, out)
-        self._check_result(result, h)
+        self.run(
+            *(revisit, h, *self.setup, states, numbers, h, place, steps, parts),
+            *(given, within, out),
+        )
         return out
 
-    def acceleration(
-        self, seconds: FloatArray, low: FloatArray | None, found: FloatArray
-    ) -> FloatArray:
-        """Rates of change (..., 3) of the angular velocity over the body axes, rad/s2.
+    def acceleration(self, seconds: FloatArray, low: FloatArray, found: FloatArray) -> FloatArray:
+        """Rates of change (N, 3) of the angular velocity over the body axes, rad/s2.
 
-        found: (..., 7), attitudes and angular velocities there, as `over_body_axes` gives them.
+        found: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
+        gives them.
         """
         from attitude.solution.march import accelerations
 
-        flat = found.reshape(-1, 7)
-        known: BoolArray = np.all(np.isfinite(flat), axis=-1)
+        known: BoolArray = np.all(np.isfinite(found), axis=-1)
         states = np.zeros((int(known.sum()), STATE_ENTRIES))
-        states[:, WXYZ] = quaternion.multiply(flat[known, :4], self.turn)
-        states[:, OMEGA] = flat[known, 4:] @ self.axes
-        t = np.zeros((2, len(states)))
-        t[0] = seconds.reshape(-1)[known]
-        t[1] = 0.0 if low is None else np.asarray(low).reshape(-1)[known]
-        out = np.full((len(flat), 3), np.nan)
+        states[:, WXYZ] = quaternion.multiply(found[known, :4], self.turn)
+        states[:, OMEGA] = found[known, 4:] @ self.axes
+        t = np.stack([seconds[known], low[known]])
+        out = np.full((len(found), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
-        result = accelerations(numbers, models, states, t[0], self.sampled(t), some)
-        self._check_result(result, 0.0)
+        self.run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
         out[known] = some @ self.axes.T
-        return out.reshape((*found.shape[:-1], 3))
+        return out
 
     def over_body_axes(self, states: FloatArray) -> FloatArray:
         """(N, 7) of the integration as unit quaternions of the body axes, and rates over them."""

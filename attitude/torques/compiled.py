@@ -1,4 +1,4 @@
-"""Compiled functions of the built-in torques; `attitude.solution.march` calls them.
+"""Compiled functions of the built-in torques; `attitude.solution.torqued_step` calls them.
 
 Each takes TDB seconds t, the attitude wxyz (4,) body to ICRF, the angular velocity omega (3,) in
 rad/s over the body axes, the sampled numbers `given` (for a path: a position (3,) in m, ICRF axes)

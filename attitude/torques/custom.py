@@ -33,8 +33,8 @@ class CustomTorque(Torque):
         ``function(t, wxyz, omega)`` of TDB seconds since the epoch of the spin, the attitude (4,)
         body to ICRF and the angular velocity (3,) in rad/s over the body axes; returns three
         numbers, N m over the body axes.  One compiled by ``numba.njit`` runs at full speed, a
-        plain one costs a few microseconds a call.  An exception of a plain one propagates; numba
-        prints that of a compiled one, and the torque is reported as not finite.
+        plain one costs a few microseconds a call.  Its exceptions propagate to the caller of the
+        motion, with their traceback.
     depends_on_rate : bool
         Whether the function uses omega.  False saves three of four calls, and makes the schemes
         symplectic where the torque has a potential.
@@ -68,12 +68,10 @@ class CustomTorque(Torque):
     function: TorqueFunction
     depends_on_rate: bool = True
     slope: TorqueFunction | None = None
-    _error: list[BaseException] = field(init=False, repr=False)
     _callbacks: dict[str, Any] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)
-        self._set("_error", [])
         self._set("_callbacks", {})
         self._check("function", "omega")
         if self.slope is None:
@@ -97,11 +95,6 @@ class CustomTorque(Torque):
         """Address of a C function that calls `slope`; 0 without one."""
         return 0 if self.slope is None else self._address("slope")
 
-    def explain(self) -> None:
-        """Raise the exception that `function` or `slope` raised in a compiled loop, if one did."""
-        if self._error:
-            raise self._error.pop()
-
     def _check(self, name, third):
         """Raise an AttitudeError unless a function returns three numbers for a test state."""
         function = getattr(self, name)
@@ -121,18 +114,13 @@ class CustomTorque(Torque):
         return ctypes.cast(made, ctypes.c_void_p).value
 
     def _plain(self, function, name):
-        """A C function that calls the Python one and keeps its exception for `explain`."""
-        error = self._error
+        """A C function that calls the Python one."""
 
         @C_FUNCTION
         def torque(t, wxyz, omega, given, parameters, out):
-            try:
-                # Copies: the function may store its arguments.
-                q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
-                out[0], out[1], out[2] = _three(function(t, q, w), name)
-            except BaseException as err:
-                error.append(err)
-                out[0] = out[1] = out[2] = float("nan")
+            # Copies: the function may store its arguments.
+            q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
+            out[0], out[1], out[2] = _three(function(t, q, w), name)
 
         return torque
 

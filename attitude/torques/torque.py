@@ -44,7 +44,7 @@ class Torque(Immutable):
     columns: int = 0
 
     def address(self) -> int:
-        """Address of the compiled function of the torque; see `attitude.solution.march`."""
+        """Address of the compiled function of the torque; see `attitude.solution.torqued_step`."""
         raise NotImplementedError(f"{type(self).__name__} defines no address")
 
     def slope_address(self) -> int:
@@ -75,9 +75,6 @@ class Torque(Immutable):
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant at which `sample` is defined."""
         return -np.inf, np.inf
-
-    def explain(self) -> None:
-        """Raise the exception that a user's function raised in a compiled loop, if one did."""
 
 
 class FunctionPath(Path):

@@ -1,0 +1,286 @@
+"""Loops of splitting integrators with steps as long as an error estimate allows.
+
+Each step is taken whole and in two halves from one state.  The state after the halves goes on; the
+difference of both, divided by 2^p - 1 for a scheme of order p, is its error.  A step is kept as
+long as its error is within the tolerance and no much longer one would be: between changes the
+samples of paths can be computed in advance.
+
+A second motion may go along that takes all steps whole.  Steps of both follow the same mesh, once
+halved, so the difference of the motions bounds the error of the first at any later time wherever
+halving the steps halves the error: with all that the motion made of the errors of earlier steps.
+"""
+
+import math
+from typing import Final
+
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.pointers import scratch
+from attitude.solution import march_layout as layout
+from attitude.solution.step import loaded, stored
+from attitude.solution.torqued_step import body_of, torqued_step, torques_of
+
+# Share of the step that the estimate allows, and limits of a change.
+_SAFETY: Final = 0.9
+_SHRINK: Final = 0.2
+_GROW: Final = 4.0
+# A step grows if it may by this factor at least.
+_WORTH_GROWING: Final = 1.5
+# Before the step is long enough for its asymptotic order, estimates are too small by a factor of up
+# to 2.6 (blanes-moan under gravity gradient); they are multiplied by this.
+_MARGIN: Final = 3.0
+_MOST_REFUSALS: Final = 60
+# Errors of steps over the power p + 1 of their length change by less than this factor from step to
+# step where the torque is smooth; a larger one shows a kink or a jump.
+_UNUSUAL: Final = 30.0
+# Below this share of the tolerance it is not looked for; below this error it is rounding.
+_NEGLIGIBLE: Final = 1e-3
+_ROUNDED: Final = 1e-17
+# The first steps, whose length is a guess, show no order.
+_GUESSED: Final = 8
+
+
+@entry_point
+def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, kept, every):
+    """Try up to `most` steps, until the seconds clock[UNTIL] are reached.
+
+    Given
+        c, scheme, models   as in `march`
+        order    of the scheme
+        given    (steps, 3 n + 2, columns) samples at the kicks of whole and halved steps of the
+                 length clock[LENGTH], at a change of which the loop ends; of no steps if no torque
+                 takes samples
+        every    a state is kept after each so many steps since the epoch
+    Changed
+        clock, counts   `march_layout`
+        fine     (14,) the state
+        coarse   (14,) that of the motion with whole steps, or (0,)
+    Filled
+        kept     (K, 16); the loop ends when it is full
+    Returned
+        as `march`, or TOO_ROUGH
+    """
+    n = scheme.shape[1] - 1
+    work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
+    rows, each = given.shape[0], (3 * n + 2) * row
+    body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
+    paired = len(coarse) > 0
+    state = loaded(fine)
+    beside = loaded(coarse) if paired else state
+    t, length = clock[layout.TIME], clock[layout.LENGTH]
+    scale = _MARGIN / (2.0**order - 1.0)
+    fault, when, turn = layout.FINE, 0.0, 0.0
+    taken = filled = tried = 0
+    while tried < most and filled < len(kept) and abs(t) < abs(clock[layout.UNTIL]):
+        before, longest = length, _longest(clock[layout.TURN_LIMIT], state[1])
+        if abs(length) > longest:
+            length = math.copysign(_SAFETY * longest, length)
+        if rows > 0 and (taken == rows or length != before):
+            break
+        end = _ended(t, length, clock[layout.LAST])
+        middle, h = t + 0.5 * (end - t), end - t
+        if not abs(t) < abs(middle) < abs(end):
+            fault, when = layout.TOO_ROUGH, t
+            break
+        tried += 1
+        first = given.ctypes.data + taken * each
+        whole, other, halves, fault, when, turn = _tried(
+            body, plan, torques, (t, middle, end), state, beside, paired, first, row, work
+        )
+        if fault == layout.BAD_TORQUE:
+            break
+        error = math.inf if fault != layout.FINE else scale * _difference(state, whole, halves)
+        fault = layout.FINE
+        # a step that ends at the last epoch is no reason to change the length of others
+        cut = abs(t + length) > clock[layout.LAST]
+        longest = abs(length) if cut else _SAFETY * _longest(clock[layout.TURN_LIMIT], halves[1])
+        length, accepted = _judged(clock, counts, error, h, length, order, longest)
+        if accepted:
+            w1, w2, w3 = halves[1]
+            speed = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+            _watch(clock, counts, error, h, order, speed)
+            t, state, beside = end, halves, other
+            taken += 1
+            if paired:
+                clock[layout.APART] = max(clock[layout.APART], _angle(state, beside))
+            if counts[layout.TAKEN] % every == 0:
+                kept[filled, layout.KEPT_TIME], kept[filled, layout.KEPT_LENGTH] = t, length
+                stored(state, kept[filled, 2:])
+                filled += 1
+        elif counts[layout.REFUSALS] > _MOST_REFUSALS:
+            fault, when = layout.TOO_ROUGH, t
+            break
+        if (rows > 0 and length != before) or (paired and estimated(clock) > clock[layout.LIMIT]):
+            break
+    clock[layout.TIME], clock[layout.LENGTH] = t, length
+    counts[layout.KEPT], counts[layout.TRIED] = filled, tried
+    stored(state, fine)
+    if paired:
+        stored(beside, coarse)
+    return fault, when, turn
+
+
+@subroutine
+def _tried(body, plan, torques, times, state, beside, paired, first, row, work):
+    """A step whole, that of the motion beside it, and in two halves; then as `torqued_step`.
+
+    times   s at its start, middle and end
+    first   address of its samples
+    """
+    n = plan[1]
+    t, middle, end = times
+    now = whole = other = state
+    fault, when, turn = layout.FINE, 0.0, 0.0
+    for part in range(4):  # one call, compiled once
+        if part == 1 and not paired:
+            continue
+        begin, stop, h, samples = t, end, end - t, 0
+        if part == 1:
+            now = beside
+        elif part == 2:
+            now, stop, h, samples = state, middle, 0.5 * (end - t), n + 1
+        elif part == 3:
+            begin, h, samples = middle, 0.5 * (end - t), 2 * n + 1
+        now, fault, when, turn = torqued_step(
+            body, plan, torques, now, begin, stop, h, first + samples * row, row, work, part == 3
+        )
+        if fault != layout.FINE:
+            break
+        if part == 0:
+            whole = now
+        elif part == 1:
+            other = now
+    return whole, other, now, fault, when, turn
+
+
+@subroutine
+def _judged(clock, counts, error, h, length, order, longest):
+    """The length of the next step, and whether one of h seconds with an error is accepted.
+
+    longest   s, to which the step may grow
+    """
+    tolerance = clock[layout.TOLERANCE]
+    ratio = math.pow(tolerance / max(error, 1e-300), 1.0 / (order + 1.0))
+    factor = min(max(_SAFETY * ratio, _SHRINK), _GROW)
+    if not error <= tolerance:
+        counts[layout.REFUSALS] += 1
+        # an error of NaN has no factor
+        return (h * factor if factor < 1.0 else h * _SHRINK), False
+    counts[layout.REFUSALS] = 0
+    counts[layout.TAKEN] += 1
+    longer = min(abs(h) * factor, longest)
+    if longer > _WORTH_GROWING * abs(length):
+        length = math.copysign(longer, h)
+    return length, True
+
+
+@entry_point
+def between(c, scheme, models, states, times, place, parts, within, out):
+    """States between adaptive steps, by two halves of a shorter step.
+
+    Given
+        c, scheme, models   as in `march`
+        states   (S, 14), times (S,) s
+        place    (T,) number of the state before each epoch
+        parts    (T,) s after it
+        within   (T, 2 n + 1, columns) samples at the kicks
+    Filled
+        out      (T, 7) wxyz and angular velocity
+    Returned
+        as `march`
+    """
+    n = scheme.shape[1] - 1
+    work, row = scratch(), layout.ENTRY_BYTES * within.shape[2]
+    body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
+    for i in range(len(place)):
+        t, h = times[place[i]], 0.5 * parts[i]
+        first = within.ctypes.data + i * (2 * n + 1) * row
+        state = loaded(states[place[i]])
+        for half in range(2 if h != 0.0 else 0):
+            state, fault, when, turn = torqued_step(
+                body,
+                plan,
+                torques,
+                state,
+                t + half * h,
+                t + (half + 1) * h,
+                h,
+                first + half * n * row,
+                row,
+                work,
+                half > 0,
+            )
+            if fault != layout.FINE:
+                return fault, when, turn
+        q, w, _, _ = state
+        for k in range(4):
+            out[i, k] = q[k]
+        for k in range(3):
+            out[i, 4 + k] = w[k]
+    return layout.FINE, 0.0, 0.0
+
+
+@subroutine
+def estimated(clock):
+    """The estimate of the error of the motion with halved steps so far, rad.
+
+    An error of the angular velocity becomes one of attitude by the turn that follows.
+    """
+    rough = (1.0 + clock[layout.TURNED]) * clock[layout.ROUGH] - clock[layout.ROUGH_TURNED]
+    return clock[layout.APART] + rough
+
+
+@subroutine
+def _longest(limit, w):
+    """The longest step at the angular velocity w, s."""
+    speed = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    return limit / speed if speed > 0.0 else math.inf
+
+
+@subroutine
+def _ended(t, length, last):
+    """The seconds at which a step from t ends: no later than `last`."""
+    end = t + length
+    return end if abs(end) <= last else math.copysign(last, length)
+
+
+@subroutine
+def _difference(start, one, two):
+    """How far two states are apart: rad, and the change of the angular velocity over its size."""
+    a, b, w = one[1], two[1], start[1]
+    change = max(
+        abs((a[0] - b[0]) + (one[3][0] - two[3][0])),
+        abs((a[1] - b[1]) + (one[3][1] - two[3][1])),
+        abs((a[2] - b[2]) + (one[3][2] - two[3][2])),
+    )
+    size = max(abs(b[0]), abs(b[1]), abs(b[2]), abs(w[0]), abs(w[1]), abs(w[2]))
+    return max(_angle(one, two), change / size if size > 0.0 else 0.0)
+
+
+@subroutine
+def _angle(one, two):
+    """The angle between the attitudes of two states, if small, rad."""
+    p, q, p_low, q_low = one[0], two[0], one[2], two[2]
+    total = 0.0
+    for k in range(4):
+        d = (p[k] - q[k]) + (p_low[k] - q_low[k])
+        total += d * d
+    return 2.0 * math.sqrt(total)
+
+
+@subroutine
+def _watch(clock, counts, error, h, order, speed):
+    """Sum the turn of the body, and the errors of steps in which the torque is not smooth."""
+    clock[layout.TURNED] += abs(h) * speed
+    if error <= _ROUNDED:
+        return
+    power, usual = math.pow(abs(h), order + 1.0), clock[layout.USUAL]
+    found = error / power
+    if counts[layout.TAKEN] <= _GUESSED:
+        clock[layout.USUAL] = max(found, usual)
+        return
+    if found > _UNUSUAL * usual and error > _NEGLIGIBLE * clock[layout.TOLERANCE]:
+        # neither state of such a step is known to be the better one
+        whole = error * (2.0**order - 1.0) / _MARGIN
+        clock[layout.ROUGH] += whole
+        clock[layout.ROUGH_TURNED] += whole * clock[layout.TURNED]
+    clock[layout.USUAL] = min(max(found, usual / _UNUSUAL), usual * _UNUSUAL)
