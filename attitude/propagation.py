@@ -226,7 +226,7 @@ def constants_of(
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
-    given = _writable(moments), _writable(wxyz), _writable(omega), _writable(principal)
+    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
     if prepare_all(*given, constants, differences, rates):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
@@ -267,16 +267,21 @@ def evaluate(
         # The kernels take t_low as the rounding error of t; any two summands make such a pair.
         with np.errstate(invalid="ignore"):
             t, t_low = pairs.two_sum(t, t_low)
-    t, t_low = _writable(t), None if t_low is None else _writable(t_low)
+    t, t_low = writable(t), None if t_low is None else writable(t_low)
     body = evaluate_all(constants, t, t_low, wxyz, rates)
     if body >= 0:
-        far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
-        fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
-        raise AttitudeError(
-            f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
-            "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
-            "epoch."
-        )
+        raise beyond_reach(constants, t, body)
+
+
+def beyond_reach(constants: NDArray[Any], t: FloatArray, body: int) -> AttitudeError:
+    """The error for an epoch of a body so far away that two doubles do not resolve its phases."""
+    far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
+    fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
+    return AttitudeError(
+        f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
+        "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
+        "epoch."
+    )
 
 
 @cache
@@ -290,7 +295,7 @@ def _compiled():
     return prepare_all, evaluate_all
 
 
-def _writable(array):
+def writable(array: Any) -> Any:
     """The array, or a copy of a read-only one, for which numba would compile everything anew."""
     return array if array.flags.writeable else array.copy()
 

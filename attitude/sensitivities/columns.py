@@ -1,0 +1,136 @@
+"""Derivatives of attitudes and angular velocities of B bodies, as arrays.
+
+The nine parameters of a motion are the rotation vector of its first attitude (3, rad, inertial
+axes), its angular velocity at the epoch (3, rad/s, body axes) and its principal moments (3).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import pairs, propagation
+from attitude.compilation.deferral import uncollected
+from attitude.errors import AttitudeError
+from attitude.solution import codes
+from attitude.solution.tangent_record import BLOCK, COLUMNS, ROWS, TANGENTS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+# Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
+_MOST_GROWTH = 280.0
+
+
+def tangents_of(
+    moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
+) -> NDArray[Any]:
+    """The derivatives of the elements of B motions.
+
+    Parameters
+    ----------
+    moments, wxyz, principal : arrays
+        From which `propagation.constants_of` made the constants.
+    constants : (B,) structured array
+
+    Returns
+    -------
+    (B,) structured array of `attitude.solution.tangent_record.TANGENTS`
+
+    Raises
+    ------
+    AttitudeError
+        For a rod, whose attitude about itself does not depend on its moments and rates.
+    """
+    if np.any(moments[:, :, 0] == 0.0):
+        body = int(np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))[0])
+        raise AttitudeError(
+            f"moments are {moments[body, :, 0].tolist()}; sensitivities need three moments above "
+            "zero: the rotation of an ideal rod about itself is undefined."
+        )
+    tangents = np.zeros(len(constants), TANGENTS)
+    given = [propagation.writable(each) for each in (moments, wxyz, principal, constants)]
+    uniform = np.any(constants["form"] == codes.UNIFORM)
+    if uniform:
+        _compiled(True)[0](*given, tangents)
+    if not uniform or np.any(constants["form"] != codes.UNIFORM):
+        _compiled(False)[0](*given, tangents, np.empty(ROWS * BLOCK))
+    return tangents
+
+
+def evaluate(
+    constants: NDArray[Any],
+    tangents: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    attitude: FloatArray,
+    omega: FloatArray | None = None,
+) -> None:
+    """Fill the derivatives of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants, tangents : (B,) arrays
+        Of `propagation.constants_of` and `tangents_of`.
+    t, t_low : (1 or B, T) arrays
+        The epochs t + t_low, s; t_low may be None.
+    attitude : (B, 3, P, T) array
+        Filled: the rotation vector of the change of attitude over inertial axes, for a unit change
+        of each of the first P parameters.
+    omega : (B, 3, P, T) array or None
+        Filled: that of the angular velocity, rad/s over the body axes.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs so far away that two doubles of time do not resolve the phases, or that a
+        rotation about an unstable axis amplifies errors beyond the range of doubles.
+    """
+    if t_low is not None:
+        with np.errstate(invalid="ignore"):
+            t, t_low = pairs.two_sum(t, t_low)
+    t = propagation.writable(t)
+    t_low = None if t_low is None else propagation.writable(t_low)
+    constants, tangents = propagation.writable(constants), propagation.writable(tangents)
+    _refuse_overflow(tangents, t)
+    block = np.empty(ROWS * BLOCK)
+    for form in set(constants["form"].tolist()):
+        loop = _compiled(form == codes.UNIFORM)[1][form]
+        body = loop(constants, tangents, t, t_low, block, attitude, omega)
+        if body >= 0:
+            raise propagation.beyond_reach(constants, t, body)
+
+
+def _refuse_overflow(tangents, t):
+    growth = 4.0 * np.pi * tangents["wobble"][:, 0] * tangents["grows"]
+    if not np.any(growth > 0.0):
+        return
+    far = np.nanmax(np.abs(t), axis=1, initial=0.0)
+    if np.any(growth * far > _MOST_GROWTH):
+        rate = float(np.max(growth))
+        raise AttitudeError(
+            f"an epoch lies {np.max(far):.3g} s from that of the state; this rotation about its "
+            f"middle axis is unstable and multiplies errors by e every {1.0 / rate:.3g} s. Give "
+            f"epochs within {_MOST_GROWTH / rate:.3g} s."
+        )
+
+
+@cache
+def _compiled(uniform):
+    """Set-up of uniform, or of other, motions, and the loop of each form."""
+    with uncollected():
+        from attitude.solution import sensitivity, tangent_setup
+
+    if uniform:
+        return tangent_setup.uniform_setup, {codes.UNIFORM: sensitivity.uniform}
+    return tangent_setup.tumbling_setup, {
+        codes.TRIGONOMETRIC: sensitivity.trigonometric,
+        codes.HYPERBOLIC: sensitivity.hyperbolic,
+    }
+
+
+PARAMETERS = COLUMNS

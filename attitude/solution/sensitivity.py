@@ -1,0 +1,103 @@
+"""Loops over bodies, blocks of epochs and columns: sensitivities in arrays.
+
+Given
+    constants  (B,) of solution.record; those of another form are skipped
+    tangents   (B,) of solution.tangent_record
+    t, t_low   (1 or B, T) seconds; t_low may be None
+    block      (ROWS BLOCK,) working memory
+Filled
+    attitude   (B, 3, P, T) rotation vectors of the changes with P parameters, inertial axes
+    omega      (B, 3, P, T) changes of the angular velocity, rad/s over the body axes, or None
+Returned
+    -1, or the first body with an epoch beyond its reach
+"""
+
+from attitude.compilation.decorators import entry_point
+from attitude.solution import codes
+from attitude.solution.columns import attitude_column, copy_column, rate_column
+from attitude.solution.kernel import _any_beyond, reach
+from attitude.solution.tangent_record import BLOCK
+from attitude.solution.tangents import (
+    hyperbolic_block,
+    hyperbolic_rates_block,
+    trigonometric_block,
+    trigonometric_rates_block,
+)
+from attitude.solution.uniform_tangents import (
+    uniform_block,
+    uniform_column,
+    uniform_rate_column,
+)
+
+
+@entry_point
+def trigonometric(constants, tangents, t, t_low, block, attitude, omega):
+    """Fill the columns of motions of the trigonometric form; see the module docstring."""
+    columns = attitude.shape[2]
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.TRIGONOMETRIC:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        for first in range(0, t.shape[1], BLOCK):
+            last = min(first + BLOCK, t.shape[1])
+            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+            trigonometric_block(c, d, times, low, block)
+            if omega is not None:
+                trigonometric_rates_block(c, last - first, block)
+            for j in range(columns):
+                attitude_column(d, j, last - first, block)
+                copy_column(block, b, j, first, last, attitude)
+                if omega is not None:
+                    rate_column(d, j, last - first, block)
+                    copy_column(block, b, j, first, last, omega)
+    return -1
+
+
+@entry_point
+def hyperbolic(constants, tangents, t, t_low, block, attitude, omega):
+    """Fill the columns of motions of the hyperbolic form; see the module docstring."""
+    columns = attitude.shape[2]
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.HYPERBOLIC:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        for first in range(0, t.shape[1], BLOCK):
+            last = min(first + BLOCK, t.shape[1])
+            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+            hyperbolic_block(c, d, times, low, block)
+            if omega is not None:
+                hyperbolic_rates_block(c, last - first, block)
+            for j in range(columns):
+                attitude_column(d, j, last - first, block)
+                copy_column(block, b, j, first, last, attitude)
+                if omega is not None:
+                    rate_column(d, j, last - first, block)
+                    copy_column(block, b, j, first, last, omega)
+    return -1
+
+
+@entry_point
+def uniform(constants, tangents, t, t_low, block, attitude, omega):
+    """Fill the columns of motions of constant angular velocity; see the module docstring."""
+    columns = attitude.shape[2]
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.UNIFORM:
+            continue
+        if _any_beyond(t[k], reach(c)):
+            return b
+        for first in range(0, t.shape[1], BLOCK):
+            last = min(first + BLOCK, t.shape[1])
+            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+            uniform_block(c, d, times, low, block)
+            for j in range(columns):
+                uniform_column(d, j, last - first, block)
+                copy_column(block, b, j, first, last, attitude)
+                if omega is not None:
+                    uniform_rate_column(d, j, last - first, block)
+                    copy_column(block, b, j, first, last, omega)
+    return -1
