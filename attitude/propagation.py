@@ -154,6 +154,7 @@ def propagate(
     >>> wxyz[1].round(6)
     array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
+    angular_velocity = validation.flag(angular_velocity, "angular_velocity")
     moments = validation.rows(moments, "moments", 3)
     wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
     omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")

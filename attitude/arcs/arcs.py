@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, frames, pairs, propagation
+from attitude import epochs, frames, pairs, propagation, validation
 from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
@@ -101,6 +101,11 @@ class Arcs(Motion):
             )
         if isinstance(changes, Change):
             changes = (changes,)
+        if not isinstance(changes, Iterable):
+            raise AttitudeError(
+                f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
+                "list of them."
+            )
         self._set("body", body)
         self._set("spin", spin)
         self._set("changes", tuple(changes))
@@ -131,7 +136,7 @@ class Arcs(Motion):
 
         For inner loops: `at` without units, dates and the history.
         """
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 0)[0]
+        return self._evaluate(*epochs.plain_seconds(seconds, low), 0)[0]
 
     def angular_acceleration_at(
         self,
@@ -154,13 +159,17 @@ class Arcs(Motion):
         (..., 3) array
             rad/s2, body axes.
         """
+        seconds, low = epochs.plain_seconds(seconds, low)
         if angular_velocity is None:
             angular_velocity = self.angular_velocity_at(seconds, low)
+        angular_velocity = validation.real(
+            angular_velocity, "angular_velocity", shape=(*seconds.shape, 3), finite=False
+        )
         out = np.empty(angular_velocity.shape)
         for body, on in self._bodies_on(seconds, low):
             motion = FreeRotation(body, self.spin)
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
-        out[np.isnan(np.asarray(seconds))] = np.nan
+        out[np.isnan(seconds)] = np.nan
         return out
 
     def constant_body(self, what: str) -> Body:
@@ -192,7 +201,7 @@ class Arcs(Motion):
 
     def rate_bounds(self, seconds: float) -> RateBounds:
         """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
-        omega = self.angular_velocity_at(np.float64(seconds))
+        omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))
         return rate_bounds.of_free_rotation(self.body_at(float(seconds)), omega)
 
     def body_at(self, t: EpochOrSeconds) -> Body:
