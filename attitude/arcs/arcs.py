@@ -240,13 +240,14 @@ class Arcs(Motion):
         ]
         self._check_order(times)
         body, spin = self.body, self.spin
-        q = frames.attitude_to_icrf(spin.frame, spin.wxyz)
+        q = spin.wxyz_icrf_as_pairs.copy()
         w = body.rates_about_principal_axes(spin.angular_velocity)
         bodies = [body]
         self._set("_bodies", bodies)
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
         starts = np.zeros((len(records), 2))
-        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity))
+        low = q[None, :, 1].copy() if spin.is_rounded else None
+        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
             time = times[k]
@@ -385,7 +386,9 @@ def _compiled():
     return evaluate_arcs
 
 
-def _constants(body, q, w, differences=None):
+def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
     state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
-    return propagation.constants_of(body.moments_as_pairs[None], *state, differences=differences)[0]
+    return propagation.constants_of(
+        body.moments_as_pairs[None], *state, differences=differences, wxyz_low=low
+    )[0]

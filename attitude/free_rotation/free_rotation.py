@@ -87,12 +87,16 @@ class FreeRotation(Motion):
             )
         self._constants: Any
         body, spin = self.body, self.spin
+        wxyz, low = spin.wxyz_icrf, None
+        if spin.is_rounded:
+            low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
         constants = propagation.constants_of(
             body.moments_as_pairs[None],
-            spin.wxyz_icrf[None],
+            wxyz[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
             body.principal_wxyz[None],
             differences=body.differences(spin.angular_velocity),
+            wxyz_low=low,
         )
         self._set("_constants", frozen(constants))
 
