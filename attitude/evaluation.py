@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import pairs
 from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray
+
+# So many epochs, 2 ms of work, are evaluated in one call of compiled code: Python acts on signals,
+# such as that of Ctrl-C, between the calls.
+EPOCHS = 1 << 18
 
 _FAULTS = {
     codes.BAD_MOMENT: (
@@ -130,20 +134,28 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases.
     """
     _, evaluate_all = _compiled()
-    if t_low is not None:
-        # The kernels take t_low as the rounding error of t; any two summands make such a pair.
-        with np.errstate(invalid="ignore"):
-            t, t_low = pairs.two_sum(t, t_low)
-    t, t_low = _writable(t), None if t_low is None else _writable(t_low)
-    body = evaluate_all(constants, t, t_low, wxyz, rates)
-    if body >= 0:
-        far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
-        fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
-        raise AttitudeError(
-            f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
-            "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
-            "epoch."
-        )
+    given = read_only(t), None if t_low is None else read_only(t_low)
+    count = t.shape[1]
+    block = max(EPOCHS // max(len(constants), 1), 1)
+    for first in range(0, count, block):
+        end = min(first + block, count)
+        body = evaluate_all(constants, *given, wxyz, rates, first, end)
+        if body >= 0:
+            row = body if len(t) > 1 else 0
+            _refuse(
+                constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
+            )
+
+
+def _refuse(constants, t, t_low):
+    """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
+    far = np.nanmax(np.abs(t if t_low is None else t + t_low))
+    fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
+    raise AttitudeError(
+        f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
+        "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
+        "epoch."
+    )
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Immutable, copied, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -163,8 +163,8 @@ class Motion(Immutable):
         hi, lo = epochs.seconds_since(self.epoch, t, low)
         found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
-        kept = None if lo is None else np.array(lo)
-        history = AttitudeHistory(self, self.epoch, np.array(hi), kept, found[0])
+        kept = None if lo is None else copied(lo)
+        history = AttitudeHistory(self, self.epoch, copied(hi), kept, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history

@@ -10,6 +10,7 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.evaluation import constants_of, evaluate
+from attitude.immutable import put
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Reals
@@ -245,5 +246,5 @@ def _result(memory, out, scalar):
     if out is None:
         return view
     if not np.shares_memory(out, view):
-        out[...] = view
+        put(out, view)
     return out

@@ -26,9 +26,10 @@ from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.evaluation import EPOCHS
 from attitude.free_rotation import rate_bounds
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import frozen
+from attitude.immutable import frozen, read_only
 from attitude.motion import Motion
 from attitude.solution.record import CONSTANTS
 from attitude.spin import Spin
@@ -345,20 +346,23 @@ class Arcs(Motion):
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape
-        # Read-only views: one type of array, one compilation.
-        t = frozen(np.ascontiguousarray(seconds).reshape(-1))
-        if low is None:
-            t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
-        else:
-            # The low part decides between equal high parts: the pair is normalised.
-            with np.errstate(invalid="ignore", over="ignore"):
-                pair = pairs.two_sum(t, np.ascontiguousarray(low).reshape(-1))
-            t, t_low = frozen(pair[0]), frozen(pair[1])
-        wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if order else None
-        beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
-        if beyond >= 0:
-            self._refuse(float(t[beyond]))
+        flat = np.ascontiguousarray(seconds).reshape(-1)
+        rest = None if low is None else np.ascontiguousarray(low).reshape(-1)
+        wxyz = np.empty((1, 4, flat.size))
+        omega = np.empty((1, 3, flat.size)) if order else None
+        for begin in range(0, flat.size, EPOCHS):  # Python acts on Ctrl-C between the calls
+            # Read-only views: one type of array, one compilation.
+            t = read_only(flat[begin : begin + EPOCHS])
+            if rest is None:
+                t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
+            else:
+                # The low part decides between equal high parts: the pair is normalised.
+                with np.errstate(invalid="ignore", over="ignore"):
+                    pair = pairs.two_sum(t, rest[begin : begin + EPOCHS])
+                t, t_low = frozen(pair[0]), frozen(pair[1])
+            beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega, begin)
+            if beyond >= 0:
+                self._refuse(float(t[beyond]))
         found = [wxyz[0].T.reshape(*shape, 4)]
         if order:
             assert omega is not None

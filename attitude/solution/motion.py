@@ -90,14 +90,16 @@ def evaluate_all(
     t_low: FloatArray | None,
     wxyz: FloatArray,
     rates: FloatArray | None,
+    first: int,
+    end: int,
 ) -> int:
-    """Fill attitudes, and angular velocities unless rates is None, of B motions: see `kernel`.
+    """Fill columns of attitudes, and of angular velocities unless rates is None: see `kernel`.
 
     Returned
         -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
     for form in set(constants["form"].tolist()):
-        body = OF_FORM[form](constants, t, t_low, wxyz, rates)
+        body = OF_FORM[form](constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:
             return body
     return -1

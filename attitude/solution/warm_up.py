@@ -75,8 +75,10 @@ def compile_loops() -> None:
         ):
             stage(constants)
         attach_all(wxyz, wxyz, principal, constants)
+        t = np.zeros((1, 0))
+        t.flags.writeable = False  # as in attitude.evaluation: one type of array
         for loop in OF_FORM.values():
-            loop(constants, np.zeros((1, 0)), None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)))
+            loop(constants, t, None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)), 0, 0, 0)
 
 
 def _no_pairs():
