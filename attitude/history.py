@@ -123,17 +123,29 @@ class AttitudeHistory(Immutable):
 
     def body_to_inertial(self, v: Reals) -> FloatArray:
         """Components (S, 3) in ICRF of vectors (3,) or (S, 3) in body axes."""
-        vectors = validation.rows(v, "v", 3)
+        vectors = self._vectors(v)
         if _is_one_for_many(vectors, self.wxyz):
             return _one_for_many(vectors, quaternion.conjugate(self.wxyz))
         return quaternion.rotate(self.wxyz, vectors)
 
     def inertial_to_body(self, v: Reals) -> FloatArray:
         """Components (S, 3) in body axes of vectors (3,) or (S, 3) in ICRF."""
-        vectors = validation.rows(v, "v", 3)
+        vectors = self._vectors(v)
         if _is_one_for_many(vectors, self.wxyz):
             return _one_for_many(vectors, self.wxyz)
         return quaternion.rotate(quaternion.conjugate(self.wxyz), vectors)
+
+    def _vectors(self, v: Reals) -> FloatArray:
+        """Vectors (..., 3) whose leading axes broadcast with the shape of the epochs."""
+        vectors = validation.rows(v, "v", 3)
+        try:
+            np.broadcast_shapes(vectors.shape[:-1], self.shape)
+        except ValueError as err:
+            raise AttitudeError(
+                f"v has shape {vectors.shape}, and the history has epochs {self.shape}; give one "
+                f"vector (3,), or one for each epoch, {(*self.shape, 3)}."
+            ) from err
+        return vectors
 
     @cached_property
     def matrix(self) -> FloatArray:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from attitude import epochs
+from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Immutable, copied, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -163,15 +163,15 @@ class Motion(Immutable):
         hi, lo = epochs.seconds_since(self.epoch, t, low)
         found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
-        kept = None if lo is None else np.array(lo)
-        history = AttitudeHistory(self, self.epoch, np.array(hi), kept, found[0])
+        kept = None if lo is None else copied(lo)
+        history = AttitudeHistory(self, self.epoch, copied(hi), kept, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history
 
     def angular_velocity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        hi, lo = _as_arrays(seconds, low)
+        hi, lo = epochs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 1)[1]
 
     def angular_acceleration_at(
@@ -186,7 +186,7 @@ class Motion(Immutable):
         `angular_velocity` (..., 3), rad/s in body axes at the same epochs, saves motions with a
         body a second evaluation.
         """
-        hi, lo = _as_arrays(seconds, low)
+        hi, lo = epochs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 2)[2]
 
     def body_at(self, t: Epoch | float) -> Body | None:
@@ -316,10 +316,7 @@ def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:
     """
     if isinstance(given, Motion):
         return given
-    if isinstance(given, type):
-        raise AttitudeError(
-            f"{name} is the class {given.__name__}; give an object, made by {given.__name__}(...)."
-        )
+    validation.refuse_class(given, name)
     if not callable(getattr(given, "at", None)):
         raise AttitudeError(
             f"{name} is {type(given).__name__}; give a FreeRotation, or another object with .at(t) "
@@ -338,8 +335,3 @@ def _epoch_of(given: Any) -> epochs.Instant:
         f"the motion ({type(given).__name__}) has neither .epoch nor .spin, from which its seconds "
         "count; give it an Instant as .epoch."
     )
-
-
-def _as_arrays(seconds: ArrayLike, low: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
-    hi = np.asarray(seconds, dtype=np.float64)
-    return hi, None if low is None else np.asarray(low, dtype=np.float64)

@@ -1,56 +1,23 @@
-"""Exact attitudes from plain arrays, for optimisers and inner loops.
-
-The compiled solution is imported (and, the first time on a machine, compiled) at the first
-propagation.
-"""
+"""Exact attitudes from plain arrays, for optimisers and inner loops."""
 
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
-from attitude import pairs, validation
-from attitude.compilation.deferral import uncollected
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.solution import codes
-from attitude.solution.record import CONSTANTS
+from attitude.evaluation import constants_of, evaluate
+from attitude.immutable import put
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from attitude.annotations import FloatArray, Reals
 
 # The constants of so many bodies are computed together: they stay in the second-level cache.
 _BLOCK = 256
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
-
-_FAULTS = {
-    codes.BAD_MOMENT: (
-        "moments are {moments}; principal moments of inertia must be finite and not negative, "
-        "and at most one of them zero."
-    ),
-    codes.NO_TRIANGLE: (
-        "moments are {moments}; no body has a moment of inertia that exceeds the sum of the other "
-        "two. Check the numbers and their units."
-    ),
-    codes.RATIO_TOO_LARGE: (
-        "moments are {moments}; they may differ by a factor of at most 1e45. Give 0 for the "
-        "moment of an ideal rod about itself."
-    ),
-    codes.SPIN_ABOUT_ROD: (
-        "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
-        "axis without inertia is undefined. Give 0 for that component, or a moment above zero."
-    ),
-    codes.UNEQUAL_ROD: (
-        "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
-        "moments are equal. Give two equal moments, or three above zero."
-    ),
-    codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
-    codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
-}
 
 
 @overload
@@ -154,6 +121,7 @@ def propagate(
     >>> wxyz[1].round(6)
     array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
+    angular_velocity = validation.flag(angular_velocity, "angular_velocity")
     moments = validation.rows(moments, "moments", 3)
     wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
     omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")
@@ -181,123 +149,6 @@ def propagate(
     )
     wxyz = _result(wxyz, out, scalar)
     return wxyz if rates is None else (wxyz, _result(rates, rates_out, scalar))
-
-
-def constants_of(
-    moments: FloatArray,
-    wxyz: FloatArray,
-    omega: FloatArray,
-    principal: FloatArray,
-    *,
-    differences: FloatArray | None = None,
-    rates: bool = True,
-    first: int = 0,
-    count: int = 1,
-) -> NDArray[Any]:
-    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
-
-    Parameters
-    ----------
-    moments, omega : (B, 3, 2) arrays
-        Principal moments of inertia in any unit, and rad/s over the principal axes.
-    wxyz : (B, 4) array
-        Attitudes at the epoch, body to inertial.
-    principal : (1 or B, 4) array
-        Unit quaternion from principal axes to body axes.
-    differences : (3, 2) array, optional
-        Of a single motion, where these are known to more digits than follow from pairs of moments
-        and rates: see `attitude.solution.principal.PrincipalAxes.differences`.
-    rates : bool
-        Whether `evaluate` is to compute angular velocities.
-    first, count : int
-        Number of the first body, and of all bodies, for the error message.
-
-    Returns
-    -------
-    (B,) structured array of `attitude.solution.record.CONSTANTS`
-
-    Raises
-    ------
-    AttitudeError
-        For the first state that is not physical.
-    """
-    prepare_all, _ = _compiled()
-    # zeros, two microseconds faster than np.zeros of a record with so many fields
-    constants: NDArray[Any] = np.ndarray(
-        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
-    )
-    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
-    if prepare_all(*given, constants, differences, rates):
-        k = int(np.flatnonzero(constants["fault"])[0])
-        sentence = _FAULTS[int(constants["fault"][k])].format(
-            moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
-        )
-        where = f"State {first + k} of {count}: " if count > 1 else ""
-        raise AttitudeError(where + sentence)
-    return constants
-
-
-def evaluate(
-    constants: NDArray[Any],
-    t: FloatArray,
-    t_low: FloatArray | None,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
-) -> None:
-    """Fill attitudes and angular velocities of B motions at given epochs.
-
-    Parameters
-    ----------
-    constants : (B,) array
-        Of `constants_of`.
-    t, t_low : (1 or B, T) arrays
-        The epochs t + t_low, s; t_low may be None.
-    wxyz : (B, 4, T) array
-        Filled: body to inertial.
-    rates : (B, 3, T) array or None
-        Filled: rad/s over the body axes.
-
-    Raises
-    ------
-    AttitudeError
-        For epochs so far away that two doubles of time do not resolve the phases.
-    """
-    _, evaluate_all = _compiled()
-    if t_low is not None:
-        # The kernels take t_low as the rounding error of t; any two summands make such a pair.
-        with np.errstate(invalid="ignore"):
-            t, t_low = pairs.two_sum(t, t_low)
-    t, t_low = writable(t), None if t_low is None else writable(t_low)
-    body = evaluate_all(constants, t, t_low, wxyz, rates)
-    if body >= 0:
-        raise beyond_reach(constants, t, body)
-
-
-def beyond_reach(constants: NDArray[Any], t: FloatArray, body: int) -> AttitudeError:
-    """The error for an epoch of a body so far away that two doubles do not resolve its phases."""
-    far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
-    fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
-    return AttitudeError(
-        f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
-        "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
-        "epoch."
-    )
-
-
-@cache
-def _compiled():
-    with uncollected():
-        from attitude.solution.motion import evaluate_all, prepare_all
-
-        # The first call of compiled code makes numba read its registries: here, for no body.
-        pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
-        prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
-    return prepare_all, evaluate_all
-
-
-def writable(array: Any) -> Any:
-    """The array, or a copy of a read-only one, for which numba would compile everything anew."""
-    return array if array.flags.writeable else array.copy()
 
 
 def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates):
@@ -395,9 +246,5 @@ def _result(memory, out, scalar):
     if out is None:
         return view
     if not np.shares_memory(out, view):
-        out[...] = view
+        put(out, view)
     return out
-
-
-def _listed(row):
-    return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"

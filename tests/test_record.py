@@ -38,7 +38,7 @@ def constants_of(name):
 def evaluated(constants, rates):
     wxyz = np.empty((1, 4, EPOCHS.size))
     omega = np.empty((1, 3, EPOCHS.size)) if rates else None
-    assert evaluate_all(constants, EPOCHS, None, wxyz, omega) == -1
+    assert evaluate_all(constants, EPOCHS, None, wxyz, omega, 0, EPOCHS.shape[1]) == -1
     return np.concatenate([wxyz.ravel(), [] if omega is None else omega.ravel()])
 
 

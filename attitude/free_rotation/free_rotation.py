@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import frames, propagation, published, quaternion
+from attitude import frames, propagation, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
@@ -87,12 +87,16 @@ class FreeRotation(Motion):
             )
         self._constants: Any
         body, spin = self.body, self.spin
+        wxyz, low = spin.wxyz_icrf, None
+        if spin.is_rounded:
+            low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
         constants = propagation.constants_of(
             body.moments_as_pairs[None],
-            spin.wxyz_icrf[None],
+            wxyz[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
             body.principal_wxyz[None],
             differences=body.differences(spin.angular_velocity),
+            wxyz_low=low,
         )
         self._set("_constants", frozen(constants))
 
@@ -131,6 +135,7 @@ class FreeRotation(Motion):
         Both over the body axes: Euler's equations.
         """
         axes, moments = self.body.principal_axes, self.body.moments
+        angular_velocity = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
         w = np.moveaxis(angular_velocity @ axes, -1, 0)
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):

@@ -14,6 +14,7 @@ array([0. , 0. , 0.1])
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,7 @@ from attitude.splitting.system import System
 from attitude.torques.torque import Torque
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from numpy.typing import ArrayLike
 
@@ -201,11 +202,18 @@ def _checked_tolerance(given: Real) -> float:
 
 
 def _torques(given: Any) -> tuple[Torque, ...]:
+    validation.refuse_class(given, "torques")
     if isinstance(given, Torque) or callable(given):
         given = (given,)
+    if not isinstance(given, Iterable):
+        raise AttitudeError(
+            f"torques is {validation.shown(given)}; give an object of attitude.torques, a function "
+            "of (t, wxyz, omega), or a list of them."
+        )
     found = []
-    for torque in given:
+    for k, torque in enumerate(given):
         if not isinstance(torque, Torque):
+            validation.refuse_class(torque, f"torques[{k}]")
             if not callable(torque):
                 raise AttitudeError(
                     f"torques holds {torque!r}; give objects of attitude.torques, or functions of "
