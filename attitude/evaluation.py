@@ -97,7 +97,7 @@ def constants_of(
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
-    given = _writable(moments), _writable(wxyz), _writable(omega), _writable(principal)
+    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
     if prepare_all(*given, constants, differences, rates, wxyz_low):
         k = int(np.flatnonzero(constants["fault"])[0])
         sentence = _FAULTS[int(constants["fault"][k])].format(
@@ -142,12 +142,12 @@ def evaluate(
         body = evaluate_all(constants, *given, wxyz, rates, first, end)
         if body >= 0:
             row = body if len(t) > 1 else 0
-            _refuse(
+            refuse_epoch(
                 constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
             )
 
 
-def _refuse(constants, t, t_low):
+def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
     """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
     far = np.nanmax(np.abs(t if t_low is None else t + t_low))
     fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
@@ -169,7 +169,7 @@ def _compiled():
     return prepare_all, evaluate_all
 
 
-def _writable(array):
+def writable(array: Any) -> Any:
     """The array, or a copy of a read-only one, for which numba would compile everything anew."""
     return array if array.flags.writeable else array.copy()
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import pairs, propagation
+from attitude import evaluation
 from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 from attitude.solution import codes
 from attitude.solution.tangent_record import BLOCK, COLUMNS, ROWS, TANGENTS
 
@@ -34,7 +35,7 @@ def tangents_of(
     Parameters
     ----------
     moments, wxyz, principal : arrays
-        From which `propagation.constants_of` made the constants.
+        From which `evaluation.constants_of` made the constants.
     constants : (B,) structured array
 
     Returns
@@ -53,7 +54,7 @@ def tangents_of(
             "zero: the rotation of an ideal rod about itself is undefined."
         )
     tangents = np.zeros(len(constants), TANGENTS)
-    given = [propagation.writable(each) for each in (moments, wxyz, principal, constants)]
+    given = [evaluation.writable(each) for each in (moments, wxyz, principal, constants)]
     uniform = np.any(constants["form"] == codes.UNIFORM)
     if uniform:
         _compiled(True)[0](*given, tangents)
@@ -75,7 +76,7 @@ def evaluate(
     Parameters
     ----------
     constants, tangents : (B,) arrays
-        Of `propagation.constants_of` and `tangents_of`.
+        Of `evaluation.constants_of` and `tangents_of`.
     t, t_low : (1 or B, T) arrays
         The epochs t + t_low, s; t_low may be None.
     attitude : (B, 3, P, T) array
@@ -90,19 +91,21 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases, or that a
         rotation about an unstable axis amplifies errors beyond the range of doubles.
     """
-    if t_low is not None:
-        with np.errstate(invalid="ignore"):
-            t, t_low = pairs.two_sum(t, t_low)
-    t = propagation.writable(t)
-    t_low = None if t_low is None else propagation.writable(t_low)
-    constants, tangents = propagation.writable(constants), propagation.writable(tangents)
     _refuse_overflow(tangents, t)
+    given = evaluation.writable(constants), evaluation.writable(tangents)
+    times = read_only(t), None if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
-    for form in set(constants["form"].tolist()):
-        loop = _compiled(form == codes.UNIFORM)[1][form]
-        body = loop(constants, tangents, t, t_low, block, attitude, omega)
-        if body >= 0:
-            raise propagation.beyond_reach(constants, t, body)
+    count = t.shape[1]
+    size = max(evaluation.EPOCHS // (4 * max(len(constants), 1)), 1)
+    for first in range(0, count, size):
+        end = min(first + size, count)
+        for form in set(constants["form"].tolist()):
+            loop = _compiled(form == codes.UNIFORM)[1][form]
+            body = loop(*given, *times, block, attitude, omega, first, end)
+            if body >= 0:
+                k = body if len(t) > 1 else 0
+                low = None if t_low is None else t_low[k, first:end]
+                evaluation.refuse_epoch(constants[body], t[k, first:end], low)
 
 
 def _refuse_overflow(tangents, t):

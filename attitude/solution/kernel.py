@@ -46,7 +46,7 @@ def reach(c):
 
 
 @subroutine
-def _any_beyond(t, low, most):
+def any_beyond(t, low, most):
     """Whether any |t + low| exceeds `most`; low may be None."""
     # No early exit: this reduction is vectorised and costs less than reading t once more.
     found = 0
@@ -56,7 +56,7 @@ def _any_beyond(t, low, most):
 
 
 @subroutine
-def _epoch(times, lows, i):
+def epoch_pair(times, lows, i):
     """The epoch i as a pair; lows may be None.  Any two summands make such a pair."""
     if lows is None:
         return times[i], 0.0
@@ -70,21 +70,21 @@ def _five(row):
 
 
 @subroutine
-def _frame(c):
+def frame_of(c):
     """The matrix from internal pair to attitude, as rows."""
     f = c.frame
     return four(f[0]), four(f[1]), four(f[2]), four(f[3])
 
 
 @subroutine
-def _rate_series(c):
+def rate_series_of(c):
     """The four series of the angular velocity."""
     r = c.rates
     return _five(r[0]), _five(r[1]), _five(r[2]), _five(r[3])
 
 
 @subroutine
-def _axes(c):
+def axes_of(c):
     """The matrix from internal to given body axes, as rows."""
     a = c.axes
     return (
@@ -138,7 +138,7 @@ def uniform(constants, t, t_low, wxyz, rates, first, end, column):
             continue
         times = t[k, first:end]
         lows = None if t_low is None else t_low[k, first:end]
-        if _any_beyond(times, lows, reach(c)):
+        if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
         gh, gl = c.precession[0], c.precession[1]
@@ -147,7 +147,7 @@ def uniform(constants, t, t_low, wxyz, rates, first, end, column):
         if rates is not None:
             omega = _three_rows(rates, b, column, column + end - first)
         for i in range(len(times)):
-            t_hi, t_lo = _epoch(times, lows, i)
+            t_hi, t_lo = epoch_pair(times, lows, i)
             s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
             sine, cosine = sincos(s, lo)
             for j in range(4):
@@ -168,7 +168,7 @@ def trigonometric(constants, t, t_low, wxyz, rates, first, end, column):
             continue
         times = t[k, first:end]
         lows = None if t_low is None else t_low[k, first:end]
-        if _any_beyond(times, lows, reach(c)):
+        if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
         gh, gl = c.precession[0], c.precession[1]
@@ -176,12 +176,12 @@ def trigonometric(constants, t, t_low, wxyz, rates, first, end, column):
         xh, xl = c.nutation0[0], c.nutation0[1]
         alpha = four(c.alpha[0]), four(c.alpha[1])
         beta = four(c.beta[0]), four(c.beta[1])
-        frame = _frame(c)
+        frame = frame_of(c)
         if rates is not None:
-            series, axes = _rate_series(c), _axes(c)
+            series, axes = rate_series_of(c), axes_of(c)
             omega = _three_rows(rates, b, column, column + end - first)
         for i in range(len(times)):
-            t_hi, t_lo = _epoch(times, lows, i)
+            t_hi, t_lo = epoch_pair(times, lows, i)
             s, lo, _ = phase(fh, fl, xh, xl, t_hi, t_lo, 1.0)
             sn, cn = sincos(s, lo)
             pair = trigonometric_pair(alpha, beta, sn, cn)
@@ -202,7 +202,7 @@ def hyperbolic(constants, t, t_low, wxyz, rates, first, end, column):
             continue
         times = t[k, first:end]
         lows = None if t_low is None else t_low[k, first:end]
-        if _any_beyond(times, lows, reach(c)):
+        if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
         gh, gl = c.precession[0], c.precession[1]
@@ -210,12 +210,12 @@ def hyperbolic(constants, t, t_low, wxyz, rates, first, end, column):
         xh, xl = c.nutation0[0], c.nutation0[1]
         winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
         alpha = four(c.alpha[0]), four(c.alpha[1])
-        frame = _frame(c)
+        frame = frame_of(c)
         if rates is not None:
-            series, axes = _rate_series(c), _axes(c)
+            series, axes = rate_series_of(c), axes_of(c)
             omega = _three_rows(rates, b, column, column + end - first)
         for i in range(len(times)):
-            t_hi, t_lo = _epoch(times, lows, i)
+            t_hi, t_lo = epoch_pair(times, lows, i)
             s, lo, half_turns = phase(fh, fl, xh, xl, t_hi, t_lo, winds)
             dx = s + lo
             arguments = hyperbolic_arguments(dx, decay, nome)

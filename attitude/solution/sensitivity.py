@@ -3,7 +3,9 @@
 Given
     constants  (B,) of solution.record; those of another form are skipped
     tangents   (B,) of solution.tangent_record
-    t, t_low   (1 or B, T) seconds; t_low may be None
+    t          (1 or B, T) seconds since the epoch of the state
+    t_low      None, or a second double of the seconds, in the same shape
+    first, end the epochs t[:, first:end] are evaluated
     block      (ROWS BLOCK,) working memory
 Filled
     attitude   (B, 3, P, T) rotation vectors of the changes with P parameters, inertial axes
@@ -15,7 +17,7 @@ Returned
 from attitude.compilation.decorators import entry_point
 from attitude.solution import codes
 from attitude.solution.columns import attitude_column, copy_column, rate_column
-from attitude.solution.kernel import _any_beyond, reach
+from attitude.solution.kernel import any_beyond, reach
 from attitude.solution.tangent_record import BLOCK
 from attitude.solution.tangents import (
     hyperbolic_block,
@@ -31,73 +33,76 @@ from attitude.solution.uniform_tangents import (
 
 
 @entry_point
-def trigonometric(constants, tangents, t, t_low, block, attitude, omega):
+def trigonometric(constants, tangents, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         if c.form != codes.TRIGONOMETRIC:
             continue
-        if _any_beyond(t[k], reach(c)):
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for first in range(0, t.shape[1], BLOCK):
-            last = min(first + BLOCK, t.shape[1])
-            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             trigonometric_block(c, d, times, low, block)
             if omega is not None:
-                trigonometric_rates_block(c, last - first, block)
+                trigonometric_rates_block(c, stop - start, block)
             for j in range(columns):
-                attitude_column(d, j, last - first, block)
-                copy_column(block, b, j, first, last, attitude)
+                attitude_column(d, j, stop - start, block)
+                copy_column(block, b, j, start, stop, attitude)
                 if omega is not None:
-                    rate_column(d, j, last - first, block)
-                    copy_column(block, b, j, first, last, omega)
+                    rate_column(d, j, stop - start, block)
+                    copy_column(block, b, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def hyperbolic(constants, tangents, t, t_low, block, attitude, omega):
+def hyperbolic(constants, tangents, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         if c.form != codes.HYPERBOLIC:
             continue
-        if _any_beyond(t[k], reach(c)):
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for first in range(0, t.shape[1], BLOCK):
-            last = min(first + BLOCK, t.shape[1])
-            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             hyperbolic_block(c, d, times, low, block)
             if omega is not None:
-                hyperbolic_rates_block(c, last - first, block)
+                hyperbolic_rates_block(c, stop - start, block)
             for j in range(columns):
-                attitude_column(d, j, last - first, block)
-                copy_column(block, b, j, first, last, attitude)
+                attitude_column(d, j, stop - start, block)
+                copy_column(block, b, j, start, stop, attitude)
                 if omega is not None:
-                    rate_column(d, j, last - first, block)
-                    copy_column(block, b, j, first, last, omega)
+                    rate_column(d, j, stop - start, block)
+                    copy_column(block, b, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def uniform(constants, tangents, t, t_low, block, attitude, omega):
+def uniform(constants, tangents, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         if c.form != codes.UNIFORM:
             continue
-        if _any_beyond(t[k], reach(c)):
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for first in range(0, t.shape[1], BLOCK):
-            last = min(first + BLOCK, t.shape[1])
-            times, low = t[k, first:last], None if t_low is None else t_low[k, first:last]
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             uniform_block(c, d, times, low, block)
             for j in range(columns):
-                uniform_column(d, j, last - first, block)
-                copy_column(block, b, j, first, last, attitude)
+                uniform_column(d, j, stop - start, block)
+                copy_column(block, b, j, start, stop, attitude)
                 if omega is not None:
-                    uniform_rate_column(d, j, last - first, block)
-                    copy_column(block, b, j, first, last, omega)
+                    uniform_rate_column(d, j, stop - start, block)
+                    copy_column(block, b, j, start, stop, omega)
     return -1

@@ -18,7 +18,7 @@ import math
 
 from attitude.compilation.decorators import force_inlined, subroutine
 from attitude.compilation.instructions import fma, rint
-from attitude.solution.kernel import _axes, _frame, _rate_series
+from attitude.solution.kernel import axes_of, epoch_pair, frame_of, rate_series_of
 from attitude.solution.phases import negated_if_odd, phase, sincos
 from attitude.solution.series import (
     cubic,
@@ -136,10 +136,9 @@ def trigonometric_block(c, d, t, t_low, block):
     alpha = four(c.alpha[0]), four(c.alpha[1])
     beta = four(c.beta[0]), four(c.beta[1])
     by_v, by_rho, by_x = _four_rows(d.series[0]), _four_rows(d.series[1]), _four_rows(d.series[2])
-    frame, invariant = _frame(c), _matrix(d.invariant)
+    frame, invariant = frame_of(c), _matrix(d.invariant)
     for i in range(len(t)):
-        time = t[i]
-        low = 0.0 if t_low is None else t_low[i]
+        time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
         sn, cn = sincos(s, lo)
         pair = trigonometric_pair(alpha, beta, sn, cn)
@@ -187,11 +186,10 @@ def hyperbolic_block(c, d, t, t_low, block):
     alpha = four(c.alpha[0]), four(c.alpha[1])
     by_y = four(d.series[0, 0]), four(d.series[0, 1])
     by_nome = four(d.series[1, 0]), four(d.series[1, 1])
-    frame, invariant = _frame(c), _matrix(d.invariant)
+    frame, invariant = frame_of(c), _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
     for i in range(len(t)):
-        time = t[i]
-        low = 0.0 if t_low is None else t_low[i]
+        time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx = s + lo
         arguments = hyperbolic_arguments(dx, decay, nome)
@@ -243,7 +241,7 @@ def _by_y(alpha, ratio, dx, half_turns, arguments):
 @force_inlined
 def trigonometric_rates_block(c, n, block):
     """Fill the angular velocities of a block after `trigonometric_block`."""
-    series, axes = _rate_series(c), _axes(c)
+    series, axes = rate_series_of(c), axes_of(c)
     for i in range(n):
         sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
         _store_rates(axes, trigonometric_rates(series, sn, cn), block, i)
@@ -252,7 +250,7 @@ def trigonometric_rates_block(c, n, block):
 @force_inlined
 def hyperbolic_rates_block(c, n, block):
     """Fill the angular velocities of a block after `hyperbolic_block`."""
-    series, axes, decay, nome = _rate_series(c), _axes(c), c.decay, c.nome
+    series, axes, decay, nome = rate_series_of(c), axes_of(c), c.decay, c.nome
     for i in range(n):
         dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
         arguments = hyperbolic_arguments(dx, decay, nome)

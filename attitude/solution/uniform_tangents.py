@@ -15,6 +15,7 @@ import math
 from attitude.compilation.decorators import force_inlined, subroutine
 from attitude.compilation.instructions import fma
 from attitude.solution.given_axes import turned_by, unit
+from attitude.solution.kernel import epoch_pair
 from attitude.solution.phases import phase, sincos
 from attitude.solution.series import four
 from attitude.solution.tangent_record import BASIS, BLOCK, COLUMNS, FOUND, SECONDS, WXYZ
@@ -180,10 +181,10 @@ def uniform_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     start, turn = four(c.frame[0]), four(c.frame[1])
     for i in range(len(t)):
-        low = 0.0 if t_low is None else t_low[i]
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t[i], low, 1.0)
+        time, low = epoch_pair(t, t_low, i)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         sine, cosine = sincos(s, lo)
-        block[SECONDS + i] = t[i] + low
+        block[SECONDS + i] = time + low
         block[COSINE + i] = fma(-2.0 * sine, sine, 1.0)
         block[SINE + i] = 2.0 * sine * cosine
         block[WXYZ + i] = fma(start[0], cosine, turn[0] * sine)
@@ -200,8 +201,8 @@ def _wobbles(d, t, t_low, block):
     half = 2.0 * math.pi * fh
     over = 0.0 if fh == 0.0 else 1.0 / half
     for i in range(len(t)):
-        low = 0.0 if t_low is None else t_low[i]
-        seconds = t[i] + low
+        time, low = epoch_pair(t, t_low, i)
+        seconds = time + low
         if fh == 0.0:
             swing, lift = seconds, 0.5 * seconds * seconds
         else:
@@ -209,7 +210,7 @@ def _wobbles(d, t, t_low, block):
                 sine = math.sinh(half * seconds)
                 cosine = math.sqrt(1.0 + sine * sine)
             else:
-                s, lo, _ = phase(fh, fl, 0.0, 0.0, t[i], low, 1.0)
+                s, lo, _ = phase(fh, fl, 0.0, 0.0, time, low, 1.0)
                 sine, cosine = sincos(s, lo)
             swing, lift = over * sine * cosine, 0.5 * (over * sine) * (over * sine)
         block[SWING + i] = swing
