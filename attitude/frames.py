@@ -110,7 +110,7 @@ def attitude_to_icrf(frame: str, wxyz: Iterable[Iterable[float]]) -> FloatArray:
     AttitudeError
         For an unknown frame.
     """
-    a, b, c, d = _exact_in_pairs(known(frame))
+    a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
     w, x, y, z = ((float(hi), float(lo)) for hi, lo in wxyz)
     return np.array(
         [

@@ -117,6 +117,34 @@ class AttitudeHistory(Immutable):
         )
 
     @cached_property
+    def covariance(self) -> FloatArray:
+        """(S, 6, 6) covariance of attitude (rotation vector, rad, ICRF axes) and rates (body axes).
+
+        It follows from the covariance of the motion's spin to first order (`nonlinearity` says
+        where that holds).
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance.
+        """
+        return frozen(self.motion.covariance_at(self.seconds, self.low))
+
+    @cached_property
+    def sigma(self) -> FloatArray:
+        """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
+        matrix = self.motion.covariance_at(self.seconds, self.low, rates=False)
+        return frozen(np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0)))
+
+    @cached_property
+    def nonlinearity(self) -> FloatArray:
+        """(S,) ratio of the second to the first order of errors of one standard deviation.
+
+        Beyond 0.1 the covariance misleads: take `FreeRotation.sample` or `sigma_points`.
+        """
+        return frozen(self.motion.nonlinearity_at(self.seconds, self.low))
+
+    @cached_property
     def angular_velocity_inertial(self) -> FloatArray:
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))

@@ -189,6 +189,31 @@ class Motion(Immutable):
         hi, lo = epochs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 2)[2]
 
+    def covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
+    ) -> FloatArray:
+        """Covariance at TDB seconds since the epoch, from that of the spin.
+
+        (S, 6, 6): rotation vector of the attitude (rad, ICRF axes) and angular velocity (rad/s,
+        body axes); without rates (S, 3, 3), of the attitude.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin of the motion has no covariance, or the motion no derivatives.
+        """
+        raise AttitudeError(
+            f"{type(self).__name__} has no derivatives; covariances follow from a FreeRotation "
+            "whose spin has a covariance."
+        )
+
+    def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Second over first order (S,) of the errors; as `covariance_at`."""
+        raise AttitudeError(
+            f"{type(self).__name__} has no derivatives; give a FreeRotation whose spin has a "
+            "covariance."
+        )
+
     def body_at(self, t: Epoch | float) -> Body | None:
         """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
         return self.body

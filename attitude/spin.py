@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,8 +12,11 @@ import numpy as np
 from attitude import epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
+from attitude.sensitivities import covariance as covariances
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from scipy.spatial.transform import Rotation
 
     from attitude.annotations import Epoch, FloatArray, Real, Reals
@@ -34,6 +38,11 @@ class Spin(Immutable):
         Over the body axes: rad/s, or any Quantity, or text such as "14.5 deg/day".
     frame : str
         "icrf" (the same axes as GCRF and SPICE's J2000), "eme2000" or "ecliptic" (of J2000).
+    covariance : (9, 9) or (6, 6) array_like, or mapping, optional
+        Of the errors of the attitude (rotation vector, rad, axes of `frame`), the angular velocity
+        (rad/s, body axes) and the principal moments (kg m2, or relative); (6, 6) for exact moments.
+        Or standard deviations by name, as in ``{"attitude": "1 deg", "angular_velocity":
+        "0.01 deg/s", "moments": 0.1}``, each one number or three.
 
     Attributes
     ----------
@@ -47,12 +56,13 @@ class Spin(Immutable):
         rad/s over the body axes.
     frame : str
         In lower case.
+    covariance : (9, 9) array or None
 
     Raises
     ------
     AttitudeError
         For a date that cannot be read, a quaternion of zero length, a shape, unit or frame that
-        is not known.
+        is not known, and a covariance that is not symmetric or not positive.
 
     >>> Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 1, 15, 1 rad/s in body axes>
@@ -62,10 +72,16 @@ class Spin(Immutable):
     wxyz: FloatArray
     angular_velocity: FloatArray
     frame: str
+    covariance: FloatArray | None
     wxyz_as_pairs: FloatArray = field(init=False)
 
     def __init__(
-        self, epoch: Epoch, wxyz: Reals, angular_velocity: Reals, frame: str = "icrf"
+        self,
+        epoch: Epoch,
+        wxyz: Reals,
+        angular_velocity: Reals,
+        frame: str = "icrf",
+        covariance: Reals | Mapping[str, Reals] | None = None,
     ) -> None:
         self._set("epoch", epochs.instant(epoch, "epoch"))
         self._set("frame", frames.known(frame))
@@ -74,6 +90,8 @@ class Spin(Immutable):
         self._set("wxyz", frozen(in_pairs[:, 0].copy()))
         rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
         self._set("angular_velocity", frozen(rate))
+        errors = None if covariance is None else frozen(covariances.known(covariance))
+        self._set("covariance", errors)
 
     @classmethod
     def from_rotation(
@@ -290,6 +308,23 @@ class Spin(Immutable):
         if self.frame == "icrf":
             return self.wxyz_as_pairs
         return frozen(frames.attitude_to_icrf(self.frame, self.wxyz_as_pairs))
+
+    @cached_property
+    def covariance_icrf(self) -> FloatArray | None:
+        """The covariance (9, 9) with the attitude over ICRF axes, or None."""
+        if self.covariance is None or self.frame == "icrf":
+            return self.covariance
+        turn = np.eye(9)
+        turn[:3, :3] = frames.matrix_to_icrf(self.frame)
+        return frozen(turn @ self.covariance @ turn.T)
+
+    def with_covariance(self, covariance: Reals | Mapping[str, Reals] | None) -> Spin:
+        """The same spin with a covariance, given as to the constructor; None for no errors."""
+        other = copy(self)
+        known = None if covariance is None else frozen(covariances.known(covariance))
+        other._set("covariance", known)
+        other.__dict__.pop("covariance_icrf", None)
+        return other
 
     def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)

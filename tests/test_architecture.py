@@ -17,7 +17,7 @@ HOUSE = (
     ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
-    ("evaluation", "propagation", "regime"),
+    ("evaluation", "sensitivities", "propagation", "regime"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation"),
@@ -38,7 +38,8 @@ ORDERS = {
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "march", "regimes", "place_of_d", "principal", "vectors"),
-        "warm_up",
+        *("second_kind", "derivatives", "tangent_record", "tangent_series", "tangents", "columns"),
+        *("uniform_tangents", "tangent_setup", "sensitivity", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, propagation, quaternion
+from attitude import AttitudeError, Body, FreeRotation, Spin, evaluation, quaternion
 from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
 from attitude.arcs.triggers import AxisCrossesDirection, PointMeetsPlane
 from attitude.solution.flow import flow
@@ -134,7 +134,7 @@ def test_flow_in_two_doubles(revolutions):
         moments, w = np.zeros((3, 2)), np.zeros((3, 2))
         moments[:, 0], w[:, 0] = state.moments, state.omega0
         identity = np.array([[1.0, 0.0, 0.0, 0.0]])
-        record = propagation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
+        record = evaluation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
         q = np.zeros((4, 2))
         q[0, 0] = 1.0
         flow(record, moments, (time, 0.0), q, w)

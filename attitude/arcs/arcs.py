@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, frames, pairs, propagation, validation
+from attitude import epochs, evaluation, frames, pairs, validation
 from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
@@ -376,7 +376,7 @@ class Arcs(Motion):
         number = self._arc(t)
         local = np.array([[t - self._starts[number, 0]]])
         out = np.empty((1, 4, 1))
-        propagation.evaluate(self._constants[number : number + 1], local, None, out, None)
+        evaluation.evaluate(self._constants[number : number + 1], local, None, out, None)
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
@@ -393,6 +393,6 @@ def _compiled():
 def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
     state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
-    return propagation.constants_of(
+    return evaluation.constants_of(
         body.moments_as_pairs[None], *state, differences=differences, wxyz_low=low
     )[0]

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import frames, propagation, published, quaternion, validation
+from attitude import evaluation, frames, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
+from attitude.free_rotation.differentiable import Differentiable
 from attitude.immutable import frozen
-from attitude.motion import Motion
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
@@ -33,7 +33,7 @@ _ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeRotation(Motion):
+class FreeRotation(Differentiable):
     """Torque-free motion of a rigid body, in closed form.
 
     Parameters
@@ -90,7 +90,7 @@ class FreeRotation(Motion):
         wxyz, low = spin.wxyz_icrf, None
         if spin.is_rounded:
             low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
-        constants = propagation.constants_of(
+        constants = evaluation.constants_of(
             body.moments_as_pairs[None],
             wxyz[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
@@ -347,7 +347,7 @@ class FreeRotation(Motion):
         t_low = None if low is None else np.ascontiguousarray(low).reshape(1, -1)
         wxyz = np.empty((1, 4, t.size))
         omega = np.empty((1, 3, t.size)) if order else None
-        propagation.evaluate(self._constants, t, t_low, wxyz, omega)
+        evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
         found = [wxyz[0].T.reshape(*shape, 4)]
         if omega is not None:
             found.append(omega[0].T.reshape(*shape, 3))

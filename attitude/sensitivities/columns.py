@@ -16,7 +16,7 @@ from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 from attitude.solution import codes
-from attitude.solution.tangent_record import BLOCK, COLUMNS, ROWS, TANGENTS
+from attitude.solution.tangent_record import BLOCK, ROWS, TANGENTS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -91,17 +91,61 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases, or that a
         rotation about an unstable axis amplifies errors beyond the range of doubles.
     """
+    _in_blocks(constants, tangents, t, t_low, 1, (attitude, omega))
+
+
+def covariances(
+    constants: NDArray[Any],
+    tangents: NDArray[Any],
+    factors: FloatArray,
+    t: FloatArray,
+    t_low: FloatArray | None,
+    out: FloatArray,
+) -> None:
+    """Fill the covariances of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants, tangents, t, t_low : arrays
+        As in `evaluate`.
+    factors : (B, 9, 9) array
+        W of covariances W W^T of the parameters.
+    out : (B, 3, 3, T) or (B, 6, 6, T) array
+        Filled: of the rotation vector of the attitude (rad2, inertial axes), and with 6 of the
+        angular velocity too (rad/s, body axes).
+
+    Raises
+    ------
+    AttitudeError
+        As `evaluate`.
+    """
+    _in_blocks(constants, _mixed(tangents, factors), t, t_low, 2, (out,))
+
+
+def _mixed(tangents, factors):
+    """The records for parameters of which the given ones are linear combinations."""
+    mixed = tangents.copy()
+    for name in ("weights", "offset", "impulse", "of_moment"):
+        mixed[name] = tangents[name] @ factors
+    for name in ("uniform", "uniform_rates"):
+        mixed[name] = tangents[name] @ factors[:, None]
+    return mixed
+
+
+def _in_blocks(constants, tangents, t, t_low, kind, outputs):
+    """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
     _refuse_overflow(tangents, t)
     given = evaluation.writable(constants), evaluation.writable(tangents)
     times = read_only(t), None if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
     count = t.shape[1]
     size = max(evaluation.EPOCHS // (4 * max(len(constants), 1)), 1)
+    forms = set(constants["form"].tolist())
     for first in range(0, count, size):
         end = min(first + size, count)
-        for form in set(constants["form"].tolist()):
-            loop = _compiled(form == codes.UNIFORM)[1][form]
-            body = loop(*given, *times, block, attitude, omega, first, end)
+        for form in forms:
+            loop = _compiled(form == codes.UNIFORM)[kind][form]
+            body = loop(*given, *times, block, *outputs, first, end)
             if body >= 0:
                 k = body if len(t) > 1 else 0
                 low = None if t_low is None else t_low[k, first:end]
@@ -124,16 +168,24 @@ def _refuse_overflow(tangents, t):
 
 @cache
 def _compiled(uniform):
-    """Set-up of uniform, or of other, motions, and the loop of each form."""
+    """Set-up of uniform, or of other, motions, and the loops of each form."""
     with uncollected():
         from attitude.solution import sensitivity, tangent_setup
 
     if uniform:
-        return tangent_setup.uniform_setup, {codes.UNIFORM: sensitivity.uniform}
-    return tangent_setup.tumbling_setup, {
-        codes.TRIGONOMETRIC: sensitivity.trigonometric,
-        codes.HYPERBOLIC: sensitivity.hyperbolic,
-    }
-
-
-PARAMETERS = COLUMNS
+        return (
+            tangent_setup.uniform_setup,
+            {codes.UNIFORM: sensitivity.uniform},
+            {codes.UNIFORM: sensitivity.uniform_covariance},
+        )
+    return (
+        tangent_setup.tumbling_setup,
+        {
+            codes.TRIGONOMETRIC: sensitivity.trigonometric,
+            codes.HYPERBOLIC: sensitivity.hyperbolic,
+        },
+        {
+            codes.TRIGONOMETRIC: sensitivity.trigonometric_covariance,
+            codes.HYPERBOLIC: sensitivity.hyperbolic_covariance,
+        },
+    )

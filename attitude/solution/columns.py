@@ -23,9 +23,11 @@ from attitude.solution.tangent_record import (
     RATE,
     SECOND,
     SECONDS,
+    SUMS,
     THIRD,
     TIME,
     TURN,
+    TURNED,
     WIND,
     WXYZ,
     Y,
@@ -117,3 +119,75 @@ def copy_column(block, row, column, first, last, out):
         y[i] = block[FOUND + BLOCK + i]
     for i in range(len(z)):
         z[i] = block[FOUND + 2 * BLOCK + i]
+
+
+@force_inlined
+def start_sums(n, rows, block):
+    """Set the rows of the sums of products to 0."""
+    for k in range(rows):
+        for i in range(n):
+            block[SUMS + k * BLOCK + i] = 0.0
+
+
+@force_inlined
+def keep_turn(n, block):
+    """Keep the change of attitude while that of the angular velocity is found."""
+    for i in range(n):
+        block[TURNED + i] = block[FOUND + i]
+        block[TURNED + BLOCK + i] = block[FOUND + BLOCK + i]
+        block[TURNED + 2 * BLOCK + i] = block[FOUND + 2 * BLOCK + i]
+
+
+@force_inlined
+def add_products(n, block):
+    """Add the products of the rows found: xx, xy, yy, xz, yz, zz."""
+    for i in range(n):
+        x, y, z = block[FOUND + i], block[FOUND + BLOCK + i], block[FOUND + 2 * BLOCK + i]
+        block[SUMS + i] = fma(x, x, block[SUMS + i])
+        block[SUMS + BLOCK + i] = fma(x, y, block[SUMS + BLOCK + i])
+        block[SUMS + 2 * BLOCK + i] = fma(y, y, block[SUMS + 2 * BLOCK + i])
+        block[SUMS + 3 * BLOCK + i] = fma(x, z, block[SUMS + 3 * BLOCK + i])
+        block[SUMS + 4 * BLOCK + i] = fma(y, z, block[SUMS + 4 * BLOCK + i])
+        block[SUMS + 5 * BLOCK + i] = fma(z, z, block[SUMS + 5 * BLOCK + i])
+
+
+@force_inlined
+def add_products_of_rates(n, block):
+    """Add the products of the change of angular velocity with that of attitude and with itself."""
+    for i in range(n):
+        x, y, z = block[TURNED + i], block[TURNED + BLOCK + i], block[TURNED + 2 * BLOCK + i]
+        u = block[FOUND + i]
+        block[SUMS + 6 * BLOCK + i] = fma(x, u, block[SUMS + 6 * BLOCK + i])
+        block[SUMS + 7 * BLOCK + i] = fma(y, u, block[SUMS + 7 * BLOCK + i])
+        block[SUMS + 8 * BLOCK + i] = fma(z, u, block[SUMS + 8 * BLOCK + i])
+        block[SUMS + 9 * BLOCK + i] = fma(u, u, block[SUMS + 9 * BLOCK + i])
+        v = block[FOUND + BLOCK + i]
+        block[SUMS + 10 * BLOCK + i] = fma(x, v, block[SUMS + 10 * BLOCK + i])
+        block[SUMS + 11 * BLOCK + i] = fma(y, v, block[SUMS + 11 * BLOCK + i])
+        block[SUMS + 12 * BLOCK + i] = fma(z, v, block[SUMS + 12 * BLOCK + i])
+        block[SUMS + 13 * BLOCK + i] = fma(u, v, block[SUMS + 13 * BLOCK + i])
+        block[SUMS + 14 * BLOCK + i] = fma(v, v, block[SUMS + 14 * BLOCK + i])
+        w = block[FOUND + 2 * BLOCK + i]
+        block[SUMS + 15 * BLOCK + i] = fma(x, w, block[SUMS + 15 * BLOCK + i])
+        block[SUMS + 16 * BLOCK + i] = fma(y, w, block[SUMS + 16 * BLOCK + i])
+        block[SUMS + 17 * BLOCK + i] = fma(z, w, block[SUMS + 17 * BLOCK + i])
+        block[SUMS + 18 * BLOCK + i] = fma(u, w, block[SUMS + 18 * BLOCK + i])
+        block[SUMS + 19 * BLOCK + i] = fma(v, w, block[SUMS + 19 * BLOCK + i])
+        block[SUMS + 20 * BLOCK + i] = fma(w, w, block[SUMS + 20 * BLOCK + i])
+
+
+@force_inlined
+def copy_sums(block, row, start, stop, out):
+    """Copy the sums, a lower triangle, to epochs of symmetric matrices (B, D, D, T)."""
+    number = 0
+    for k in range(out.shape[1]):
+        for j in range(k + 1):
+            below, above = out[row, k, j], out[row, j, k]
+            below, above = below[start:stop], above[start:stop]
+            first = SUMS + number * BLOCK
+            sums = block[first : first + len(below)]
+            for i in range(len(below)):
+                below[i] = sums[i]
+            for i in range(len(above)):
+                above[i] = sums[i]
+            number += 1

@@ -10,15 +10,26 @@ Given
 Filled
     attitude   (B, 3, P, T) rotation vectors of the changes with P parameters, inertial axes
     omega      (B, 3, P, T) changes of the angular velocity, rad/s over the body axes, or None
+    out        (B, D, D, T) sums of the products of the columns: of the changes of attitude (D = 3),
+               and of the angular velocity too (D = 6)
 Returned
     -1, or the first body with an epoch beyond its reach
 """
 
 from attitude.compilation.decorators import entry_point
 from attitude.solution import codes
-from attitude.solution.columns import attitude_column, copy_column, rate_column
+from attitude.solution.columns import (
+    add_products,
+    add_products_of_rates,
+    attitude_column,
+    copy_column,
+    copy_sums,
+    keep_turn,
+    rate_column,
+    start_sums,
+)
 from attitude.solution.kernel import any_beyond, reach
-from attitude.solution.tangent_record import BLOCK
+from attitude.solution.tangent_record import BLOCK, COLUMNS
 from attitude.solution.tangents import (
     hyperbolic_block,
     hyperbolic_rates_block,
@@ -105,4 +116,92 @@ def uniform(constants, tangents, t, t_low, block, attitude, omega, first, end):
                 if omega is not None:
                     uniform_rate_column(d, j, stop - start, block)
                     copy_column(block, b, j, start, stop, omega)
+    return -1
+
+
+@entry_point
+def trigonometric_covariance(constants, tangents, t, t_low, block, out, first, end):
+    """Fill the covariances of motions of the trigonometric form; see the module docstring."""
+    rates = out.shape[1] == 6
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.TRIGONOMETRIC:
+            continue
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
+            return b
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            n = stop - start
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+            trigonometric_block(c, d, times, low, block)
+            if rates:
+                trigonometric_rates_block(c, n, block)
+            start_sums(n, 21 if rates else 6, block)
+            for j in range(COLUMNS):
+                attitude_column(d, j, n, block)
+                add_products(n, block)
+                if rates:
+                    keep_turn(n, block)
+                    rate_column(d, j, n, block)
+                    add_products_of_rates(n, block)
+            copy_sums(block, b, start, stop, out)
+    return -1
+
+
+@entry_point
+def hyperbolic_covariance(constants, tangents, t, t_low, block, out, first, end):
+    """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
+    rates = out.shape[1] == 6
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.HYPERBOLIC:
+            continue
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
+            return b
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            n = stop - start
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+            hyperbolic_block(c, d, times, low, block)
+            if rates:
+                hyperbolic_rates_block(c, n, block)
+            start_sums(n, 21 if rates else 6, block)
+            for j in range(COLUMNS):
+                attitude_column(d, j, n, block)
+                add_products(n, block)
+                if rates:
+                    keep_turn(n, block)
+                    rate_column(d, j, n, block)
+                    add_products_of_rates(n, block)
+            copy_sums(block, b, start, stop, out)
+    return -1
+
+
+@entry_point
+def uniform_covariance(constants, tangents, t, t_low, block, out, first, end):
+    """Fill the covariances of motions of the uniform form; see the module docstring."""
+    rates = out.shape[1] == 6
+    for b in range(len(constants)):
+        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        if c.form != codes.UNIFORM:
+            continue
+        lows = None if t_low is None else t_low[k, first:end]
+        if any_beyond(t[k, first:end], lows, reach(c)):
+            return b
+        for start in range(first, end, BLOCK):
+            stop = min(start + BLOCK, end)
+            n = stop - start
+            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+            uniform_block(c, d, times, low, block)
+            start_sums(n, 21 if rates else 6, block)
+            for j in range(COLUMNS):
+                uniform_column(d, j, n, block)
+                add_products(n, block)
+                if rates:
+                    keep_turn(n, block)
+                    uniform_rate_column(d, j, n, block)
+                    add_products_of_rates(n, block)
+            copy_sums(block, b, start, stop, out)
     return -1

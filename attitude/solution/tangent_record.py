@@ -17,7 +17,8 @@ import numpy as np
 BLOCK = 248
 SECONDS, BASIS, Y, PASSED = (BLOCK * row for row in (0, 1, 10, 11))
 WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (12, 16, 19, 21))
-ROWS = 24
+TURNED, SUMS = BLOCK * 24, BLOCK * 27
+ROWS = 48
 
 # Parameters: initial attitude (3), angular velocity (3), principal moments (3).
 COLUMNS = 9
