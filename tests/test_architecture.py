@@ -39,7 +39,7 @@ ORDERS = {
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "march", "regimes", "place_of_d", "principal", "vectors"),
         *("second_kind", "derivatives", "tangent_record", "tangent_series", "tangents", "columns"),
-        *("uniform_tangents", "tangent_setup", "sensitivity", "warm_up"),
+        *("uniform_tangents", "tangent_setup", "short_times", "sensitivity", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from attitude.spin import Spin
 
 
+# Squares of turns, rad2, that are rounding errors of attitudes.
+_ROUNDING = 1e-28
+
+
 class Differentiable(Motion):
     """A motion whose attitudes have derivatives by its initial state and its moments.
 
@@ -131,7 +135,7 @@ class Differentiable(Motion):
         plus, minus = np.array(turns[0::2]), np.array(turns[1::2])
         first = np.sum((0.5 * (plus - minus)) ** 2, axis=(0, -1))
         second = np.sum((0.5 * (plus + minus)) ** 2, axis=(0, -1))
-        found = np.sqrt(np.divide(second, first, out=np.zeros_like(first), where=first > 0.0))
+        found = np.sqrt(np.divide(second, first, out=np.zeros_like(first), where=first > _ROUNDING))
         # A turn of more than half a revolution is another one's: nothing is linear any more.
         far = np.max(np.sum(plus**2 + minus**2, axis=-1), axis=0) > 0.5 * np.pi**2
         return np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(found, 1.0), found))

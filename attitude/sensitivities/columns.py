@@ -91,7 +91,8 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases, or that a
         rotation about an unstable axis amplifies errors beyond the range of doubles.
     """
-    _in_blocks(constants, tangents, t, t_low, 1, (attitude, omega))
+    short = _short_of(constants, tangents, t)
+    _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega))
 
 
 def covariances(
@@ -119,7 +120,26 @@ def covariances(
     AttitudeError
         As `evaluate`.
     """
-    _in_blocks(constants, _mixed(tangents, factors), t, t_low, 2, (out,))
+    short = _short_of(constants, tangents, t)
+    if len(short):
+        short["series"] = np.moveaxis(factors, 1, 2)[:, None] @ short["series"]
+    _in_blocks(constants, _mixed(tangents, factors), short, t, t_low, 2, (out,))
+
+
+def _short_of(constants, tangents, t):
+    """The series of the motions for epochs near that of the state, or none if none is near."""
+    if np.all(constants["form"] == codes.UNIFORM):
+        return np.empty(0, _short().SHORT)
+    reach = np.empty(len(constants))
+    _short().reaches(evaluation.writable(constants), reach)
+    with np.errstate(invalid="ignore"):
+        near = (np.abs(t) <= reach[:, None]) & (t != 0.0)
+    if not np.any(near):
+        return np.empty(0, _short().SHORT)
+    short = np.zeros(len(constants), _short().SHORT)
+    given = evaluation.writable(constants), evaluation.writable(tangents)
+    _short().short_setup(*given, reach, short)
+    return short
 
 
 def _mixed(tangents, factors):
@@ -132,7 +152,7 @@ def _mixed(tangents, factors):
     return mixed
 
 
-def _in_blocks(constants, tangents, t, t_low, kind, outputs):
+def _in_blocks(constants, tangents, short, t, t_low, kind, outputs):
     """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
     _refuse_overflow(tangents, t)
     given = evaluation.writable(constants), evaluation.writable(tangents)
@@ -145,7 +165,7 @@ def _in_blocks(constants, tangents, t, t_low, kind, outputs):
         end = min(first + size, count)
         for form in forms:
             loop = _compiled(form == codes.UNIFORM)[kind][form]
-            body = loop(*given, *times, block, *outputs, first, end)
+            body = loop(*given, short, *times, block, *outputs, first, end)
             if body >= 0:
                 k = body if len(t) > 1 else 0
                 low = None if t_low is None else t_low[k, first:end]
@@ -164,6 +184,14 @@ def _refuse_overflow(tangents, t):
             f"middle axis is unstable and multiplies errors by e every {1.0 / rate:.3g} s. Give "
             f"epochs within {_MOST_GROWTH / rate:.3g} s."
         )
+
+
+@cache
+def _short():
+    with uncollected():
+        from attitude.solution import short_times
+
+    return short_times
 
 
 @cache

@@ -42,7 +42,7 @@ def derive(inertia, c, out):
     first, second, _minus1, _minus3 = four(c.jacobi)
     third = 3 - first - second
     axes = c.axes
-    state = _state(c)
+    state = state_of(c)
     action = _action(c)
     by_speed, by_moment = math.ldexp(1.0, -c.tempo), math.ldexp(1.0, -inertia)
     for row in range(7):
@@ -80,7 +80,7 @@ def _unit(k):
 
 
 @subroutine
-def _state(c):
+def state_of(c):
     """The scaled state over the internal axes, its invariants and integrals, in doubles."""
     first, second, minus1, minus3 = four(c.jacobi)
     third = 3 - first - second

@@ -3,6 +3,7 @@
 Given
     constants  (B,) of solution.record; those of another form are skipped
     tangents   (B,) of solution.tangent_record
+    short      (B,) of solution.short_times, or (0,) if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
     t_low      None, or a second double of the seconds, in the same shape
     first, end the epochs t[:, first:end] are evaluated
@@ -29,6 +30,7 @@ from attitude.solution.columns import (
     start_sums,
 )
 from attitude.solution.kernel import any_beyond, reach
+from attitude.solution.short_times import any_near, near_column, near_rate_column
 from attitude.solution.tangent_record import BLOCK, COLUMNS
 from attitude.solution.tangents import (
     hyperbolic_block,
@@ -44,7 +46,7 @@ from attitude.solution.uniform_tangents import (
 
 
 @entry_point
-def trigonometric(constants, tangents, t, t_low, block, attitude, omega, first, end):
+def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
@@ -58,19 +60,24 @@ def trigonometric(constants, tangents, t, t_low, block, attitude, omega, first, 
             stop = min(start + BLOCK, end)
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             trigonometric_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             if omega is not None:
                 trigonometric_rates_block(c, stop - start, block)
             for j in range(columns):
                 attitude_column(d, j, stop - start, block)
+                if near:
+                    near_column(d, short[b], j, stop - start, block)
                 copy_column(block, b, j, start, stop, attitude)
                 if omega is not None:
                     rate_column(d, j, stop - start, block)
+                    if near:
+                        near_rate_column(short[b], j, stop - start, block)
                     copy_column(block, b, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def hyperbolic(constants, tangents, t, t_low, block, attitude, omega, first, end):
+def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
@@ -84,19 +91,24 @@ def hyperbolic(constants, tangents, t, t_low, block, attitude, omega, first, end
             stop = min(start + BLOCK, end)
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             hyperbolic_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             if omega is not None:
                 hyperbolic_rates_block(c, stop - start, block)
             for j in range(columns):
                 attitude_column(d, j, stop - start, block)
+                if near:
+                    near_column(d, short[b], j, stop - start, block)
                 copy_column(block, b, j, start, stop, attitude)
                 if omega is not None:
                     rate_column(d, j, stop - start, block)
+                    if near:
+                        near_rate_column(short[b], j, stop - start, block)
                     copy_column(block, b, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def uniform(constants, tangents, t, t_low, block, attitude, omega, first, end):
+def uniform(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
@@ -120,7 +132,7 @@ def uniform(constants, tangents, t, t_low, block, attitude, omega, first, end):
 
 
 @entry_point
-def trigonometric_covariance(constants, tangents, t, t_low, block, out, first, end):
+def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, first, end):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):
@@ -135,22 +147,27 @@ def trigonometric_covariance(constants, tangents, t, t_low, block, out, first, e
             n = stop - start
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             trigonometric_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             if rates:
                 trigonometric_rates_block(c, n, block)
             start_sums(n, 21 if rates else 6, block)
             for j in range(COLUMNS):
                 attitude_column(d, j, n, block)
+                if near:
+                    near_column(d, short[b], j, n, block)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
                     rate_column(d, j, n, block)
+                    if near:
+                        near_rate_column(short[b], j, n, block)
                     add_products_of_rates(n, block)
             copy_sums(block, b, start, stop, out)
     return -1
 
 
 @entry_point
-def hyperbolic_covariance(constants, tangents, t, t_low, block, out, first, end):
+def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, first, end):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):
@@ -165,22 +182,27 @@ def hyperbolic_covariance(constants, tangents, t, t_low, block, out, first, end)
             n = stop - start
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             hyperbolic_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             if rates:
                 hyperbolic_rates_block(c, n, block)
             start_sums(n, 21 if rates else 6, block)
             for j in range(COLUMNS):
                 attitude_column(d, j, n, block)
+                if near:
+                    near_column(d, short[b], j, n, block)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
                     rate_column(d, j, n, block)
+                    if near:
+                        near_rate_column(short[b], j, n, block)
                     add_products_of_rates(n, block)
             copy_sums(block, b, start, stop, out)
     return -1
 
 
 @entry_point
-def uniform_covariance(constants, tangents, t, t_low, block, out, first, end):
+def uniform_covariance(constants, tangents, short, t, t_low, block, out, first, end):
     """Fill the covariances of motions of the uniform form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):

@@ -26,7 +26,7 @@ COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 *
 
 
 @subroutine
-def _couplings(c):
+def couplings_of(c):
     """(Ij - Ik)/Ii of Euler's equations, pairs."""
     a, b, d = pair(c.moments[0]), pair(c.moments[1]), pair(c.moments[2])
     return div(sub(b, d), a), div(sub(d, a), b), div(sub(a, b), d)
@@ -58,7 +58,7 @@ def _applied(couplings, omega, v):
 
 
 @subroutine
-def _forced(couplings, omega, moments, m):
+def forced(couplings, omega, moments, m):
     """f of a unit change of moment m."""
     wx, wy, wz = omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]
     if m == 0:
@@ -98,7 +98,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
         moments    (3) principal moments
         wxyz, principal  attitude at the epoch, and principal to given body axes
     """
-    pairs_of = _couplings(c)
+    pairs_of = couplings_of(c)
     _wobble(c, d, pairs_of)
     couplings = pairs_of[0][0], pairs_of[1][0], pairs_of[2][0]
     omega = (
@@ -120,7 +120,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
         if 3 <= j < 6:
             u0 = turned_by(back, unit_vector(j - 3))
         elif j >= 6:
-            u3 = _forced(couplings, omega, moments, j - 6)
+            u3 = forced(couplings, omega, moments, j - 6)
         u1 = _applied(couplings, omega, u0)
         u2 = _applied(couplings, omega, u1)
         more = _applied(couplings, omega, u3)
