@@ -10,18 +10,21 @@ import numpy as np
 
 from attitude import epochs, quaternion, validation
 from attitude import representations as forms
+from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import sensitivity
 from attitude.free_rotation.sensitivity import Sensitivity
 from attitude.motion import Motion
 from attitude.sensitivities import covariance as covariances
+from attitude.sensitivities.elements import Elements, elements_of, state_of
+from attitude.spin import Spin
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epochs, FloatArray
-    from attitude.body import Body
-    from attitude.spin import Spin
+    from attitude.annotations import Epoch, Epochs, FloatArray, Real, Reals
 
 
 # Squares of turns, rad2, that are rounding errors of attitudes.
@@ -47,7 +50,12 @@ class Differentiable(Motion):
 
     @overload
     def sensitivity_at(
-        self, t: Epochs, low: ArrayLike | None = None, *, axes: str = "inertial"
+        self,
+        t: Epochs,
+        low: ArrayLike | None = None,
+        *,
+        axes: str = "inertial",
+        by: str = "state",
     ) -> FloatArray: ...
 
     @overload
@@ -58,6 +66,7 @@ class Differentiable(Motion):
         *,
         angular_velocity: Literal[True],
         axes: str = "inertial",
+        by: str = "state",
     ) -> tuple[FloatArray, FloatArray]: ...
 
     def sensitivity_at(
@@ -67,6 +76,7 @@ class Differentiable(Motion):
         *,
         angular_velocity: bool = False,
         axes: str = "inertial",
+        by: str = "state",
     ) -> FloatArray | tuple[FloatArray, FloatArray]:
         """The derivatives of the attitude by the initial state and the moments, in closed form.
 
@@ -78,6 +88,9 @@ class Differentiable(Motion):
             Whether the derivatives of the angular velocity are returned too.
         axes : str
             "inertial" (ICRF) or "body": axes of the changes of attitude, then and at the epoch.
+        by : str
+            "state", or "elements": eight columns, of the attitude at the epoch (3) and of
+            `elements` (5) in their order.
 
         Returns
         -------
@@ -102,6 +115,7 @@ class Differentiable(Motion):
         seconds, lo = epochs.seconds_since(self.epoch, t, low)
         if axes not in ("inertial", "body"):
             raise AttitudeError(f'axes is {axes!r}; give "inertial" or "body".')
+        validation.one_of(by, "by", ("state", "elements"))
         rates = validation.flag(angular_velocity, "angular_velocity")
         attitude, omega = self._sensitivity.at(seconds, lo, rates)
         if axes == "body":
@@ -109,7 +123,59 @@ class Differentiable(Motion):
             attitude = sensitivity.to_body_axes(wxyz, self.spin.wxyz_icrf, attitude)
             if omega is not None:
                 omega[..., :3] = omega[..., :3] @ quaternion.matrix(self.spin.wxyz_icrf)
+        if by == "elements":
+            change = self._sensitivity.by_elements()
+            attitude = _combined(attitude, change)
+            omega = None if omega is None else _combined(omega, change)
         return attitude if omega is None else (attitude, omega)
+
+    @cached_property
+    def elements(self) -> Elements:
+        """The normal form: rates, phase, amplitude and ellipticity of the motion.
+
+        Raises
+        ------
+        AttitudeError
+            Where no nutation is defined: at rest, spheres, the middle axis, and the equator of a
+            symmetric body.
+        """
+        return elements_of(self._constants[0])
+
+    @classmethod
+    def from_elements(
+        cls,
+        elements: Elements | Sequence[float],
+        *,
+        epoch: Epoch,
+        wxyz: Reals,
+        frame: str = "icrf",
+        largest_moment: Real | None = None,
+    ) -> Self:
+        """The motion with given elements.
+
+        Parameters
+        ----------
+        elements : Elements or five numbers
+            precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
+            `attitude.sensitivities.elements`.
+        epoch, wxyz, frame
+            As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
+            (the momentum circulates about the third, the second is the middle one).
+        largest_moment : float or Quantity, optional
+            kg m2.  Without it the moments are relative, the largest being 1.
+
+        Raises
+        ------
+        AttitudeError
+            For elements outside their range, and elements that no body has.
+        """
+        numbers = validation.real(elements, "elements", shape=(5,), finite=False)
+        given = Elements(*numbers.tolist())
+        moments, omega = state_of(given)
+        if largest_moment is not None:
+            moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
+        body = Body(moments=moments, relative=largest_moment is None)
+        return cls(body, Spin(epoch, wxyz, omega, frame))
 
     def covariance_at(
         self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
@@ -207,3 +273,8 @@ class Differentiable(Motion):
         """
         given = validation.real(changes, "changes", shape=(9,))
         return type(self)(*sensitivity.changed(self.body, self.spin, given))
+
+
+def _combined(columns: FloatArray, change: FloatArray) -> FloatArray:
+    """Columns (..., 3, 8) by attitude and elements from those (..., 3, 9) by the state."""
+    return np.concatenate([columns[..., :3], columns[..., 3:] @ change], axis=-1)

@@ -12,6 +12,7 @@ from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
+from attitude.sensitivities.elements import inputs_by_elements
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -51,6 +52,10 @@ class Sensitivity:
         shape = (*seconds.shape, 3, 9)
         found = np.moveaxis(attitude[0], -1, 0).reshape(shape)
         return found, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
+
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements."""
+        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
 
     def covariance_at(self, seconds: FloatArray, low: FloatArray | None, rates: bool) -> FloatArray:
         """Covariances (S, 3, 3) of the attitude, or (S, 6, 6) with the angular velocity."""

@@ -4,4 +4,6 @@
     Derivatives of attitudes and angular velocities of many bodies, as arrays.
 ``covariance``
     Covariances of states, and what follows from them at other epochs.
+``elements``
+    The normal form of a motion, and the state that has given elements.
 """
