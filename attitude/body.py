@@ -26,6 +26,8 @@ _ZERO_MOMENT = 1e-15
 # Violation of the triangle inequality, relative to the largest moment, that measured moments may
 # have; as in the compiled solution.
 _TRIANGLE = 1e-14
+# Largest moment of which sums and differences are finite.
+_LARGEST = 0.25 * float(np.finfo(float).max)
 # Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
@@ -92,6 +94,7 @@ class Body(Immutable):
         self._moments: FloatArray
         self._axes: FloatArray
         self._found: PrincipalAxes | None
+        relative = validation.flag(relative, "relative")
         unit = None if relative else "kg m2"
         if (moments is None) == (tensor is None):
             raise AttitudeError("a Body takes either moments=(3 numbers) or tensor=(3 x 3).")
@@ -126,6 +129,7 @@ class Body(Immutable):
         AttitudeError
             For other shapes, and a mass that is not above zero.
         """
+        relative = validation.flag(relative, "relative")
         masses = validation.real(masses, "masses", unit=None if relative else "kg")
         positions = validation.real(positions, "positions", unit=None if relative else "m")
         if masses.ndim != 1 or positions.shape != (len(masses), 3) or len(masses) == 0:
@@ -136,10 +140,12 @@ class Body(Immutable):
         if np.any(masses <= 0.0):
             bad = masses[masses <= 0.0][0]
             raise AttitudeError(f"masses holds {bad}; every mass must be greater than zero.")
-        total = masses.sum()
-        center = masses @ positions / total
-        arms = positions - center
-        second = (masses[:, None] * arms).T @ arms
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = masses.sum()
+            center = masses @ positions / total
+            arms = positions - center
+            second = (masses[:, None] * arms).T @ arms
+        _refuse_infinity(second, "masses and positions")
         tensor = np.trace(second) * np.eye(3) - 0.5 * (second + second.T)
         mass = None if relative else total
         return cls(tensor=tensor, mass=mass, relative=relative, center_of_mass=center)
@@ -164,8 +170,10 @@ class Body(Immutable):
         if np.any(axes <= 0.0):
             raise AttitudeError(f"axes are {axes.tolist()}; semi-axes must be greater than zero.")
         kilograms = 1.0 if mass is None else validation.positive(mass, "mass", unit="kg")
-        squares = axes**2
-        moments = 0.2 * kilograms * (squares.sum() - squares)
+        with np.errstate(over="ignore", invalid="ignore"):
+            squares = axes**2
+            moments = 0.2 * kilograms * (squares.sum() - squares)
+        _refuse_infinity(moments, "axes")
         return cls(moments=moments, mass=mass, relative=mass is None)
 
     @classmethod
@@ -214,10 +222,7 @@ class Body(Immutable):
                 f"tensor is not symmetric: entries across its diagonal differ by {off:.3g}. Give "
                 "a symmetric inertia tensor (products of inertia with a minus sign)."
             )
-        if largest > 0.25 * np.finfo(float).max:
-            raise AttitudeError(
-                f"tensor holds {largest:.3g}, so large that sums overflow; give smaller numbers."
-            )
+        _refuse_overflow(largest, "tensor")
         tensor = 0.5 * (tensor + tensor.T)
         if np.all(tensor == np.diag(np.diag(tensor))):
             self._from_moments(np.diag(tensor).copy())
@@ -277,6 +282,7 @@ class Body(Immutable):
 
 def _check(moments: FloatArray, name: str) -> None:
     """AttitudeError for principal moments that no body has."""
+    _refuse_overflow(moments.max(), name)
     if np.any(moments < 0.0) or not np.any(moments > 0.0):
         raise AttitudeError(
             f"{name} are {_listed(moments)}; moments of inertia must not be negative, and at most "
@@ -287,6 +293,24 @@ def _check(moments: FloatArray, name: str) -> None:
         raise AttitudeError(
             f"{name} are {_listed(moments)}; no body has a moment of inertia that exceeds the sum "
             f"of the other two (here by {excess:.3g}). Check the numbers and their units."
+        )
+
+
+def _refuse_infinity(products: FloatArray, name: str) -> None:
+    """AttitudeError for moments that are beyond the largest double."""
+    if not np.all(np.isfinite(products)):
+        raise AttitudeError(
+            f"the moments of inertia of these {name} exceed the largest double; give smaller "
+            "numbers, for example in larger units."
+        )
+
+
+def _refuse_overflow(largest: float, name: str) -> None:
+    """AttitudeError for moments whose sums may exceed the largest double."""
+    if largest > _LARGEST:
+        raise AttitudeError(
+            f"{name} holds {largest:.3g}, so large that sums overflow; give numbers up to "
+            f"{_LARGEST:.3g}, for example in a larger unit with relative=True."
         )
 
 

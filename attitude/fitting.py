@@ -118,13 +118,17 @@ def fit(
     records = _Records(table, sigma, rate_sigma)
     model = _Model(body, axes)
     if len(records) < (3 if model.count > 6 else 2):
-        raise AttitudeError(
-            f"the table has {len(records)} records; give three or more (two with body=)."
-        )
+        raise AttitudeError(_too_few(len(records)))
     x = model.guess(records)
     for count in records.stages():
         x = _improved(model, records.first(count), x)
     return _result(model, records, x)
+
+
+def _too_few(count: int) -> str:
+    """The sentence about a table that is too short."""
+    plural = "" if count == 1 else "s"
+    return f"the table has {count} record{plural}; give three or more (two with body=)."
 
 
 class _Records:
@@ -145,6 +149,8 @@ class _Records:
                 f"table is {validation.shown(table)}; give an AttitudeTable, or an AttitudeHistory "
                 "of epochs (N,)."
             )
+        if not len(history):
+            raise AttitudeError(_too_few(0))
         self.epoch = history.epoch
         low = np.zeros(len(history)) if history.low is None else np.asarray(history.low)
         self.t, self.low = np.asarray(history.seconds), low

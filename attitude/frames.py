@@ -25,6 +25,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen
+from attitude.pairs import add, times
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -99,25 +100,25 @@ def vector_to_icrf(frame: str, vector: Iterable[float]) -> FloatArray:
     return _pairs(_exact_matrix(known(frame)) @ _fractions(vector))
 
 
-def attitude_to_icrf(frame: str, wxyz: Iterable[float]) -> FloatArray:
-    """The quaternion to ICRF (4, 2), in pairs of doubles, of a quaternion (4,) to a frame.
+def attitude_to_icrf(frame: str, wxyz: Iterable[Iterable[float]]) -> FloatArray:
+    """The quaternion to ICRF (4, 2) of a quaternion (4, 2) to a frame, both in pairs of doubles.
+
+    Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
 
     Raises
     ------
     AttitudeError
         For an unknown frame.
     """
-    # Exact: `quaternion.multiply` rounds to doubles.
-    (a, b, c, d), (w, x, y, z) = _exact(known(frame)), _fractions(wxyz)
-    return _pairs(
-        np.array(
-            [
-                a * w - b * x - c * y - d * z,
-                a * x + b * w + c * z - d * y,
-                a * y - b * z + c * w + d * x,
-                a * z + b * y - c * x + d * w,
-            ]
-        )
+    a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
+    w, x, y, z = ((float(hi), float(lo)) for hi, lo in wxyz)
+    return np.array(
+        [
+            _sum(times(a, w), times(b, x), times(c, y), times(d, z), signs=(1, -1, -1, -1)),
+            _sum(times(a, x), times(b, w), times(c, z), times(d, y), signs=(1, 1, 1, -1)),
+            _sum(times(a, y), times(b, z), times(c, w), times(d, x), signs=(1, -1, 1, 1)),
+            _sum(times(a, z), times(b, y), times(c, x), times(d, w), signs=(1, 1, -1, 1)),
+        ]
     )
 
 
@@ -169,6 +170,21 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+@cache
+def _exact_in_pairs(frame: str) -> list[list[float]]:
+    """The quaternion to ICRF as four pairs of floats."""
+    found: list[list[float]] = _pairs(_exact(frame)).tolist()
+    return found
+
+
+def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, float]:
+    """The sum of pairs with signs, as a pair."""
+    total = (0.0, 0.0)
+    for (hi, lo), sign in zip(terms, signs, strict=True):
+        total = add(total, sign * hi, sign * lo)
+    return total
 
 
 def _fractions(numbers: Iterable[float | str]) -> NDArray[Any]:

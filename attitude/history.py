@@ -117,23 +117,63 @@ class AttitudeHistory(Immutable):
         )
 
     @cached_property
+    def covariance(self) -> FloatArray:
+        """(S, 6, 6) covariance of attitude (rotation vector, rad, ICRF axes) and rates (body axes).
+
+        It follows from the covariance of the motion's spin to first order (`nonlinearity` says
+        where that holds).
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance.
+        """
+        return frozen(self.motion.covariance_at(self.seconds, self.low))
+
+    @cached_property
+    def sigma(self) -> FloatArray:
+        """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
+        matrix = self.motion.covariance_at(self.seconds, self.low, rates=False)
+        return frozen(np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0)))
+
+    @cached_property
+    def nonlinearity(self) -> FloatArray:
+        """(S,) ratio of the second to the first order of errors of one standard deviation.
+
+        Beyond 0.1 the covariance misleads: take `FreeRotation.sample` or `sigma_points`.
+        """
+        return frozen(self.motion.nonlinearity_at(self.seconds, self.low))
+
+    @cached_property
     def angular_velocity_inertial(self) -> FloatArray:
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))
 
     def body_to_inertial(self, v: Reals) -> FloatArray:
         """Components (S, 3) in ICRF of vectors (3,) or (S, 3) in body axes."""
-        vectors = validation.rows(v, "v", 3)
+        vectors = self._vectors(v)
         if _is_one_for_many(vectors, self.wxyz):
             return _one_for_many(vectors, quaternion.conjugate(self.wxyz))
         return quaternion.rotate(self.wxyz, vectors)
 
     def inertial_to_body(self, v: Reals) -> FloatArray:
         """Components (S, 3) in body axes of vectors (3,) or (S, 3) in ICRF."""
-        vectors = validation.rows(v, "v", 3)
+        vectors = self._vectors(v)
         if _is_one_for_many(vectors, self.wxyz):
             return _one_for_many(vectors, self.wxyz)
         return quaternion.rotate(quaternion.conjugate(self.wxyz), vectors)
+
+    def _vectors(self, v: Reals) -> FloatArray:
+        """Vectors (..., 3) whose leading axes broadcast with the shape of the epochs."""
+        vectors = validation.rows(v, "v", 3)
+        try:
+            np.broadcast_shapes(vectors.shape[:-1], self.shape)
+        except ValueError as err:
+            raise AttitudeError(
+                f"v has shape {vectors.shape}, and the history has epochs {self.shape}; give one "
+                f"vector (3,), or one for each epoch, {(*self.shape, 3)}."
+            ) from err
+        return vectors
 
     @cached_property
     def matrix(self) -> FloatArray:

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 Array = TypeVar("Array", bound=NDArray[Any])
 
+# Entries that are copied at a time.
+_PART = 1 << 20
+
 
 def frozen(array: Array) -> Array:
     """The array itself, made read-only in place."""
@@ -32,6 +35,30 @@ def read_only(array: Array) -> Array:
     view = array.view()
     view.flags.writeable = False
     return view
+
+
+def copied(array: Array) -> Array:
+    """A copy, made in parts: Python acts on signals, such as that of Ctrl-C, between two of them.
+
+    The first write to each page of new memory costs more than the copy: 0.1 s for 5e7 doubles.
+    """
+    copy = np.empty_like(array)
+    put(copy, array)
+    return copy
+
+
+def put(target: NDArray[Any], source: NDArray[Any]) -> None:
+    """Copy an array (..., N) or (..., N, K) into one of the same shape, in parts as `copied`."""
+    if target.size <= _PART:
+        target[...] = source
+        return
+    axis = target.ndim - 1 if target.ndim < 2 or target.shape[-1] > target.shape[-2] else -2
+    before = (slice(None),) * (axis % target.ndim)
+    length = target.shape[axis]
+    step = max(length * _PART // target.size, 1)
+    for first in range(0, length, step):
+        part = (*before, slice(first, first + step))
+        target[part] = source[part]
 
 
 class Immutable:

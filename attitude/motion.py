@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from attitude import epochs
+from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Immutable, copied, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -163,15 +163,15 @@ class Motion(Immutable):
         hi, lo = epochs.seconds_since(self.epoch, t, low)
         found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
-        kept = None if lo is None else np.array(lo)
-        history = AttitudeHistory(self, self.epoch, np.array(hi), kept, found[0])
+        kept = None if lo is None else copied(lo)
+        history = AttitudeHistory(self, self.epoch, copied(hi), kept, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history
 
     def angular_velocity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
-        hi, lo = _as_arrays(seconds, low)
+        hi, lo = epochs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 1)[1]
 
     def angular_acceleration_at(
@@ -186,8 +186,33 @@ class Motion(Immutable):
         `angular_velocity` (..., 3), rad/s in body axes at the same epochs, saves motions with a
         body a second evaluation.
         """
-        hi, lo = _as_arrays(seconds, low)
+        hi, lo = epochs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 2)[2]
+
+    def covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
+    ) -> FloatArray:
+        """Covariance at TDB seconds since the epoch, from that of the spin.
+
+        (S, 6, 6): rotation vector of the attitude (rad, ICRF axes) and angular velocity (rad/s,
+        body axes); without rates (S, 3, 3), of the attitude.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin of the motion has no covariance, or the motion no derivatives.
+        """
+        raise AttitudeError(
+            f"{type(self).__name__} has no derivatives; covariances follow from a FreeRotation "
+            "whose spin has a covariance."
+        )
+
+    def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Second over first order (S,) of the errors; as `covariance_at`."""
+        raise AttitudeError(
+            f"{type(self).__name__} has no derivatives; give a FreeRotation whose spin has a "
+            "covariance."
+        )
 
     def body_at(self, t: Epoch | float) -> Body | None:
         """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
@@ -316,10 +341,7 @@ def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:
     """
     if isinstance(given, Motion):
         return given
-    if isinstance(given, type):
-        raise AttitudeError(
-            f"{name} is the class {given.__name__}; give an object, made by {given.__name__}(...)."
-        )
+    validation.refuse_class(given, name)
     if not callable(getattr(given, "at", None)):
         raise AttitudeError(
             f"{name} is {type(given).__name__}; give a FreeRotation, or another object with .at(t) "
@@ -338,8 +360,3 @@ def _epoch_of(given: Any) -> epochs.Instant:
         f"the motion ({type(given).__name__}) has neither .epoch nor .spin, from which its seconds "
         "count; give it an Instant as .epoch."
     )
-
-
-def _as_arrays(seconds: ArrayLike, low: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
-    hi = np.asarray(seconds, dtype=np.float64)
-    return hi, None if low is None else np.asarray(low, dtype=np.float64)

@@ -38,6 +38,26 @@ def product(a: Doubles, b: Doubles) -> Pair:
     return p, ((a * b - p) + a * b_low + a_low * b) + a_low * b_low
 
 
+def times(a: tuple[Doubles, Doubles], b: tuple[Doubles, Doubles]) -> Pair:
+    """The product of two pairs, to 8 eps squared."""
+    p, e = product(a[0], b[0])
+    return two_sum(p, e + (a[0] * b[1] + a[1] * b[0]))
+
+
+def root(a: tuple[Doubles, Doubles]) -> Pair:
+    """The square root of a pair a > 0, to 4 eps squared."""
+    r = a[0] ** 0.5
+    p, e = product(r, r)
+    return two_sum(r, (((a[0] - p) - e) + a[1]) / (2.0 * r))
+
+
+def quotient(a: tuple[Doubles, Doubles], b: tuple[Doubles, Doubles]) -> Pair:
+    """The quotient a / b of two pairs, to 8 eps squared."""
+    q = a[0] / b[0]
+    p, e = product(q, b[0])
+    return two_sum(q, ((((a[0] - p) - e) + a[1]) - q * b[1]) / b[0])
+
+
 def _halves(x: Doubles) -> Pair:
     """x as two numbers of 26 bits each."""
     big = 134217729.0 * x

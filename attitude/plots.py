@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import frames, propagation, validation
+from attitude import evaluation, frames, validation
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode as curves
 from attitude.published import conventions
@@ -174,7 +174,7 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
     pairs = np.zeros_like(omega)
     pairs[..., 0] = moments
     identity = np.tile([1.0, 0.0, 0.0, 0.0], (len(units), 1))
-    constants = propagation.constants_of(pairs, identity, omega, identity[:1])
+    constants = evaluation.constants_of(pairs, identity, omega, identity[:1])
     for k, record in enumerate(constants):
         line = curves.polhode(record, np.eye(3), 361)
         color = "black" if k == len(places) else "#999999"

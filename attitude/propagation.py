@@ -1,56 +1,24 @@
-"""Exact attitudes from plain arrays, for optimisers and inner loops.
-
-The compiled solution is imported (and, the first time on a machine, compiled) at the first
-propagation.
-"""
+"""Exact attitudes from plain arrays, for optimisers and inner loops."""
 
 from __future__ import annotations
 
 import math
-from functools import cache
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
-from attitude import pairs, validation
-from attitude.compilation.deferral import uncollected
+from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.solution import codes
-from attitude.solution.record import CONSTANTS
+from attitude.evaluation import constants_of, evaluate
+from attitude.immutable import put
+from attitude.sensitivities import columns
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from attitude.annotations import FloatArray, Reals
 
 # The constants of so many bodies are computed together: they stay in the second-level cache.
 _BLOCK = 256
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
-
-_FAULTS = {
-    codes.BAD_MOMENT: (
-        "moments are {moments}; principal moments of inertia must be finite and not negative, "
-        "and at most one of them zero."
-    ),
-    codes.NO_TRIANGLE: (
-        "moments are {moments}; no body has a moment of inertia that exceeds the sum of the other "
-        "two. Check the numbers and their units."
-    ),
-    codes.RATIO_TOO_LARGE: (
-        "moments are {moments}; they may differ by a factor of at most 1e45. Give 0 for the "
-        "moment of an ideal rod about itself."
-    ),
-    codes.SPIN_ABOUT_ROD: (
-        "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
-        "axis without inertia is undefined. Give 0 for that component, or a moment above zero."
-    ),
-    codes.UNEQUAL_ROD: (
-        "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
-        "moments are equal. Give two equal moments, or three above zero."
-    ),
-    codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
-    codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
-}
 
 
 @overload
@@ -89,6 +57,22 @@ def propagate(
     t: Reals,
     *,
     t_low: Reals | None = None,
+    angular_velocity: bool = False,
+    sensitivity: Literal[True],
+    out: FloatArray | None = None,
+    rates_out: FloatArray | None = None,
+    sensitivity_out: FloatArray | None = None,
+) -> tuple[FloatArray, ...]: ...
+
+
+@overload
+def propagate(
+    moments: Reals,
+    wxyz0: Reals,
+    omega0: Reals,
+    t: Reals,
+    *,
+    t_low: Reals | None = None,
     angular_velocity: bool,
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
@@ -103,9 +87,11 @@ def propagate(
     *,
     t_low: Reals | None = None,
     angular_velocity: bool = False,
+    sensitivity: bool = False,
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
-) -> FloatArray | tuple[FloatArray, FloatArray]:
+    sensitivity_out: FloatArray | None = None,
+) -> FloatArray | tuple[FloatArray, ...]:
     """Exact attitudes of freely rotating bodies at any time.
 
     Parameters
@@ -123,9 +109,12 @@ def propagate(
         What one double of t leaves out: the epoch is t + t_low.
     angular_velocity : bool
         Whether the angular velocity is returned too.
-    out, rates_out : float64 arrays (..., T, 4) and (..., T, 3), optional
-        Filled with the results, and returned.  Views of (..., 4, T) memory are filled in place;
-        others cost a copy.
+    sensitivity : bool
+        Whether the derivatives of the attitude are returned too, and with `angular_velocity` those
+        of the angular velocity.
+    out, rates_out, sensitivity_out : float64 arrays (..., T, 4), (..., T, 3), (..., T, 3, 9)
+        Optional.  Filled with the results, and returned.  Views of (..., 4, T) memory are filled
+        in place; others cost a copy.
 
     Returns
     -------
@@ -134,12 +123,19 @@ def propagate(
         wxyz0.  A view of component-major memory; without the T axis if t is a single number.
     omega : (..., T, 3) array, only with angular_velocity=True
         rad/s over the body axes.
+    sensitivity : (..., T, 3, 9) array, only with sensitivity=True
+        The rotation vector (rad, inertial axes) of the change of attitude for a unit change of the
+        first attitude (3, rotation vector, inertial axes), of the angular velocity (3, rad/s, body
+        axes) and of the moments (3).  Its error is 4e-15 of the largest entry of a column, near the
+        separatrix 1e-15/mc (benchmarks/sensitivity.py).
+    omega_sensitivity : (..., T, 3, 9) array, only with both
+        That of the angular velocity, over the body axes.
 
     Raises
     ------
     AttitudeError
         For states that are not physical, shapes that do not broadcast, or spans of more than
-        5e16 turns, which two doubles of time cannot resolve.
+        5e16 turns, which two doubles of time cannot resolve; for sensitivities of a rod.
 
     Notes
     -----
@@ -154,6 +150,8 @@ def propagate(
     >>> wxyz[1].round(6)
     array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
+    angular_velocity = validation.flag(angular_velocity, "angular_velocity")
+    sensitivity = validation.flag(sensitivity, "sensitivity")
     moments = validation.rows(moments, "moments", 3)
     wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
     omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")
@@ -164,138 +162,40 @@ def propagate(
         t_low = _low_parts(validation.seconds(t_low, "t_low"), t)
     lead = _leading_shape(moments, wxyz0, omega0, t)
     count = math.prod(lead)
-    wxyz = _result_memory(out, "out", (*lead, *t.shape[-1:]), 4, scalar)
-    rates = None
+    shape = (*lead, *t.shape[-1:])
+    results = [(_result_memory(out, "out", shape, (4,), scalar), out)]
     if angular_velocity:
-        rates = _result_memory(rates_out, "rates_out", (*lead, *t.shape[-1:]), 3, scalar)
+        results.append((_result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
     elif rates_out is not None:
         raise AttitudeError("rates_out is given without angular_velocity=True; give both.")
+    if sensitivity:
+        memory = _result_memory(sensitivity_out, "sensitivity_out", shape, (3, 9), scalar)
+        results.append((memory, sensitivity_out))
+        if angular_velocity:
+            results.append((_result_memory(None, "", shape, (3, 9), scalar), None))
+    elif sensitivity_out is not None:
+        raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
+    flat = [_bodies(memory, len(lead), count) for memory, _ in results]
     _propagate_blocks(
         _flat(moments, lead, count),
         _flat(wxyz0, lead, count),
         _flat(omega0, lead, count),
         _epochs(t, lead, count),
         None if t_low is None else _epochs(t_low, lead, count),
-        wxyz.reshape(count, 4, t.shape[-1]),
-        None if rates is None else rates.reshape(count, 3, t.shape[-1]),
+        flat[0],
+        flat[1] if angular_velocity else None,
+        flat[-2 if angular_velocity else -1 :] if sensitivity else [],
     )
-    wxyz = _result(wxyz, out, scalar)
-    return wxyz if rates is None else (wxyz, _result(rates, rates_out, scalar))
+    found = tuple(_result(memory, given, scalar, len(lead)) for memory, given in results)
+    return found if len(found) > 1 else found[0]
 
 
-def constants_of(
-    moments: FloatArray,
-    wxyz: FloatArray,
-    omega: FloatArray,
-    principal: FloatArray,
-    *,
-    differences: FloatArray | None = None,
-    rates: bool = True,
-    first: int = 0,
-    count: int = 1,
-) -> NDArray[Any]:
-    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
-
-    Parameters
-    ----------
-    moments, omega : (B, 3, 2) arrays
-        Principal moments of inertia in any unit, and rad/s over the principal axes.
-    wxyz : (B, 4) array
-        Attitudes at the epoch, body to inertial.
-    principal : (1 or B, 4) array
-        Unit quaternion from principal axes to body axes.
-    differences : (3, 2) array, optional
-        Of a single motion, where these are known to more digits than follow from pairs of moments
-        and rates: see `attitude.solution.principal.PrincipalAxes.differences`.
-    rates : bool
-        Whether `evaluate` is to compute angular velocities.
-    first, count : int
-        Number of the first body, and of all bodies, for the error message.
-
-    Returns
-    -------
-    (B,) structured array of `attitude.solution.record.CONSTANTS`
-
-    Raises
-    ------
-    AttitudeError
-        For the first state that is not physical.
-    """
-    prepare_all, _ = _compiled()
-    # zeros, two microseconds faster than np.zeros of a record with so many fields
-    constants: NDArray[Any] = np.ndarray(
-        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
-    )
-    given = _writable(moments), _writable(wxyz), _writable(omega), _writable(principal)
-    if prepare_all(*given, constants, differences, rates):
-        k = int(np.flatnonzero(constants["fault"])[0])
-        sentence = _FAULTS[int(constants["fault"][k])].format(
-            moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
-        )
-        where = f"State {first + k} of {count}: " if count > 1 else ""
-        raise AttitudeError(where + sentence)
-    return constants
+def _bodies(memory, leading, count):
+    """The memory with its leading axes as one, of bodies."""
+    return memory.reshape(count, *memory.shape[leading:])
 
 
-def evaluate(
-    constants: NDArray[Any],
-    t: FloatArray,
-    t_low: FloatArray | None,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
-) -> None:
-    """Fill attitudes and angular velocities of B motions at given epochs.
-
-    Parameters
-    ----------
-    constants : (B,) array
-        Of `constants_of`.
-    t, t_low : (1 or B, T) arrays
-        The epochs t + t_low, s; t_low may be None.
-    wxyz : (B, 4, T) array
-        Filled: body to inertial.
-    rates : (B, 3, T) array or None
-        Filled: rad/s over the body axes.
-
-    Raises
-    ------
-    AttitudeError
-        For epochs so far away that two doubles of time do not resolve the phases.
-    """
-    _, evaluate_all = _compiled()
-    if t_low is not None:
-        # The kernels take t_low as the rounding error of t; any two summands make such a pair.
-        with np.errstate(invalid="ignore"):
-            t, t_low = pairs.two_sum(t, t_low)
-    t, t_low = _writable(t), None if t_low is None else _writable(t_low)
-    body = evaluate_all(constants, t, t_low, wxyz, rates)
-    if body >= 0:
-        far = np.nanmax(np.abs(t[body if len(t) > 1 else 0]))
-        fastest = max(abs(constants[phase][body, 0]) for phase in ("precession", "nutation"))
-        raise AttitudeError(
-            f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
-            "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
-            "epoch."
-        )
-
-
-@cache
-def _compiled():
-    with uncollected():
-        from attitude.solution.motion import evaluate_all, prepare_all
-
-        # The first call of compiled code makes numba read its registries: here, for no body.
-        pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
-        prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
-    return prepare_all, evaluate_all
-
-
-def _writable(array):
-    """The array, or a copy of a read-only one, for which numba would compile everything anew."""
-    return array if array.flags.writeable else array.copy()
-
-
-def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates):
+def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity):
     """Fill the results of B bodies, _BLOCK bodies at a time."""
     count = len(moments)
     pairs = np.zeros((2, min(count, _BLOCK), 3, 2))
@@ -313,13 +213,11 @@ def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates):
             count=count,
         )
         here = part if len(t) > 1 else slice(None)
-        evaluate(
-            constants,
-            t[here],
-            None if t_low is None else t_low[here],
-            wxyz[part],
-            None if rates is None else rates[part],
-        )
+        times = t[here], None if t_low is None else t_low[here]
+        evaluate(constants, *times, wxyz[part], None if rates is None else rates[part])
+        if sensitivity:
+            tangents = columns.tangents_of(pairs[0, :size], wxyz0[part], _IDENTITY, constants)
+            columns.evaluate(constants, tangents, *times, *(each[part] for each in sensitivity))
 
 
 def _low_parts(t_low, t):
@@ -368,9 +266,9 @@ def _epochs(t, lead, count):
 
 
 def _result_memory(out, name, shape, width, scalar):
-    """Component-major memory (..., width, T) for the result; that of `out` where possible."""
+    """Component-major memory (..., *width, T) for the result; that of `out` where possible."""
     if out is not None:
-        expected = (*shape[:-1], width) if scalar else (*shape, width)
+        expected = (*shape[:-1], *width) if scalar else (*shape, *width)
         if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
             given = getattr(out, "shape", None), getattr(out, "dtype", type(out).__name__)
             raise AttitudeError(
@@ -378,21 +276,17 @@ def _result_memory(out, name, shape, width, scalar):
             )
         if not out.flags.writeable:
             raise AttitudeError(f"{name} is read-only; give an array that can be filled.")
-        memory = out[..., None] if scalar else np.moveaxis(out, -1, -2)
+        memory = out[..., None] if scalar else np.moveaxis(out, len(shape) - 1, -1)
         if memory.flags.c_contiguous:
             return memory
-    return np.empty((*shape[:-1], width, shape[-1]))
+    return np.empty((*shape[:-1], *width, shape[-1]))
 
 
-def _result(memory, out, scalar):
+def _result(memory, out, scalar, leading):
     """The result as it is returned: a view of the memory, or `out`."""
-    view = memory[..., 0] if scalar else np.moveaxis(memory, -2, -1)
+    view = memory[..., 0] if scalar else np.moveaxis(memory, -1, leading)
     if out is None:
         return view
     if not np.shares_memory(out, view):
-        out[...] = view
+        put(out, view)
     return out
-
-
-def _listed(row):
-    return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"

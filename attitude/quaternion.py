@@ -11,11 +11,12 @@ array([-2.,  1.,  0.])
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import validation
+from attitude import pairs, validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 _NOT_A_ROTATION = 1e-6
 # So many vectors are turned at a time: intermediate results stay in the processor's cache.
 _BLOCK = 8192
-# Rounding leaves at most 6 eps of |q|^2 - 1 after q was divided by its length.
+# Rounding leaves at most 6 units in the last place of |q|^2 - 1 after a division by the length.
 _UNIT = 8.0 * np.finfo(float).eps
 
 
@@ -96,41 +97,92 @@ def matrix(q: ArrayLike) -> FloatArray:
     return out
 
 
-def unit(wxyz: Reals, name: str = "wxyz") -> FloatArray:
-    """One quaternion (4,) of any length as a unit quaternion of the same sign.
+def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> FloatArray:
+    """Quaternions (..., 4) of length one, and of the same sign.
 
-    A quaternion of unit length within rounding is returned bit for bit, so that a quaternion
-    written to a file is read back unchanged.
+    Rows whose length is 1 within 16 units in the last place are returned bit for bit.
+
+    Parameters
+    ----------
+    tolerance : float, optional
+        Largest difference of the length from 1; any nonzero length by default.
+
+    Raises
+    ------
+    AttitudeError
+        For rows that are zero or not finite, or whose length is off by more than the tolerance.
+    """
+    given = validation.rows(wxyz, name, 4)
+    largest = _refuse_no_attitude(given, name)
+    scaled = given / largest
+    length = np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
+    with np.errstate(over="ignore"):
+        off = np.abs(length * largest - 1.0)
+    if tolerance is not None and np.any(off > tolerance):
+        raise AttitudeError(
+            f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
+            f"{tolerance:g} is accepted as rounding. Give unit quaternions."
+        )
+    return np.where(off <= 16.0 * np.finfo(float).eps, given, scaled / length)
+
+
+def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
+    """One quaternion (4,) of any length as a unit quaternion (4, 2) in pairs of doubles.
+
+    The high parts of a quaternion of unit length within rounding are its numbers bit for bit, so
+    that a quaternion written to a file is read back unchanged, and the low parts are zero: its
+    length differs from 1 by up to 4 units in the last place.  Others are exact to 1e-31.
 
     Raises
     ------
     AttitudeError
         For another shape, numbers that are not finite, or zero length.
     """
-    q = validation.real(wxyz, name, shape=(4,))
-    largest = np.max(np.abs(q))
-    if largest == 0.0:
-        raise AttitudeError(f"{name} is zero; give a quaternion (w, x, y, z) of any other length.")
-    if largest < 2.0 and abs(q @ q - 1.0) <= _UNIT:  # a large one overflows when squared
-        return q
-    q /= largest
-    return q / np.sqrt(q @ q)
+    given = validation.real(wxyz, name, shape=(4,))
+    found = np.zeros((4, 2))
+    largest = float(_refuse_no_attitude(given, name)[0])
+    if largest < 2.0 and abs(given @ given - 1.0) <= _UNIT:  # a large one overflows when squared
+        found[:, 0] = given
+        return found
+    exponent = math.frexp(largest)[1]
+    q = [math.ldexp(x, -exponent) for x in given.tolist()]  # by a power of two, which is exact
+    square: tuple[float, float] = (0.0, 0.0)
+    for x in q:
+        square = pairs.add(square, *pairs.product(x, x))
+    length = pairs.root(square)
+    found[:] = [pairs.quotient((x, 0.0), length) for x in q]
+    return found
 
 
-def from_matrix(value: Reals, name: str = "matrix") -> FloatArray:
-    """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3).
+def _refuse_no_attitude(given: FloatArray, name: str) -> FloatArray:
+    """Largest absolute components (..., 1) of quaternions (..., 4), all finite and above zero."""
+    largest: FloatArray = np.abs(given).max(axis=-1, keepdims=True)
+    bad = ~((largest > 0.0) & (largest < np.inf))
+    if bad.any():
+        listed = ", ".join(f"{x:.9g}" for x in given[bad[..., 0]].reshape(-1, 4)[0])
+        raise AttitudeError(
+            f"{name} holds ({listed}), which is no attitude; give a quaternion (w, x, y, z) of "
+            "four finite numbers that are not all zero."
+        )
+    return largest
+
+
+def from_matrix(matrix: Reals, name: str = "matrix") -> FloatArray:
+    """Attitudes (..., 4), w >= 0, of rotation matrices (..., 3, 3): v_inertial = matrix @ v_body.
 
     Raises
     ------
     AttitudeError
-        For another shape, a reflection, or a matrix further than 1e-6 from a rotation.
+        For reflections and for matrices whose R^T R - 1 has an entry above 1e-6.
     """
     from scipy.spatial.transform import Rotation
 
-    given = validation.real(value, name, shape=(3, 3))
+    given = validation.real(matrix, name, shape=(..., 3, 3))
     refuse_other_matrices(given, name)
-    found: FloatArray = Rotation.from_matrix(given).as_quat(canonical=True, scalar_first=True)
-    return found
+    flat: FloatArray = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(
+        canonical=True, scalar_first=True
+    )
+    return flat.reshape(*given.shape[:-2], 4)
 
 
 def refuse_other_matrices(given: FloatArray, name: str) -> None:
@@ -155,27 +207,27 @@ def refuse_other_matrices(given: FloatArray, name: str) -> None:
 
 
 def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
-    """The unit quaternion (4,) of three rotations about body axes, one after the other.
+    """Attitudes (..., 4) of one to three turns about body axes, one after the other.
 
     Parameters
     ----------
     sequence : str
-        Axes in capital letters or numbers, as in "ZXZ" or "313": R = Rz(a) Rx(b) Rz(c).
-        Small letters turn about the axes of the frame instead, in that order (scipy's convention).
-    angles : (3,) array_like
-        rad, or a Quantity.
-
-    Raises
-    ------
-    AttitudeError
-        For another sequence, or angles that are not three finite numbers.
+        "ZXZ" or "313": body to inertial is Rz(a) Rx(b) Rz(c), as in CCSDS (EULER_ROT_SEQ) and STK.
+        Small letters turn about the inertial axes, in that order.
+    angles : (..., 1 to 3) array_like
+        rad, or a Quantity, in the order of the turns.
     """
-    from scipy.spatial.transform import Rotation
-
-    sequence = known_sequence(sequence)
-    angles = validation.real(angles, "angles", shape=(3,), unit="rad")
-    found: FloatArray = Rotation.from_euler(sequence, angles).as_quat(scalar_first=True)
-    return found
+    letters = _letters(sequence)
+    angles = validation.real(angles, "angles", shape=(..., len(letters)), unit="rad")
+    out = np.zeros((*angles.shape[:-1], 4))
+    out[..., 0] = 1.0
+    for k, letter in enumerate(letters):
+        turn = np.zeros((*angles.shape[:-1], 4))
+        turn[..., 0] = np.cos(0.5 * angles[..., k])
+        turn[..., 1 + "XYZ".index(letter.upper())] = np.sin(0.5 * angles[..., k])
+        pair = (out, turn) if letter.isupper() else (turn, out)
+        out = multiply(*pair)
+    return out
 
 
 def known_sequence(sequence: str | int) -> str:
@@ -198,6 +250,15 @@ def known_sequence(sequence: str | int) -> str:
     raise AttitudeError(
         f'sequence is {given!r}; give three axes, no two neighbours equal, like "ZXZ" or "313".'
     )
+
+
+def _letters(sequence):
+    """A sequence of one to three axes in scipy's letters."""
+    if isinstance(sequence, str) and 1 <= len(sequence) <= 2:
+        letters = sequence.translate(str.maketrans("123", "XYZ"))
+        if set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower()):
+            return letters
+    return known_sequence(sequence)
 
 
 def _parts(array):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import propagation, validation
+from attitude import evaluation, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.solution import codes
@@ -352,7 +352,7 @@ def _as_pairs(moments, omega, part):
 def _constants(moments, omega, part, count):
     """Moments (B, 3, 2), pairs, and constants (B,) of some states."""
     pairs, wxyz = _as_pairs(moments, omega, part)
-    constants = propagation.constants_of(
+    constants = evaluation.constants_of(
         pairs[0], wxyz, pairs[1], _IDENTITY, first=part.start, count=count
     )
     return pairs[0], constants

@@ -25,6 +25,37 @@ import numpy as np
 
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
+from attitude.quaternion import from_euler, from_matrix, unit
+
+__all__ = [
+    "EULER_SEQUENCES",
+    "angular_velocity_from_euler_rates",
+    "angular_velocity_from_quaternion_rate",
+    "body_to_inertial_rates",
+    "continuous",
+    "euler_rates",
+    "from_axis_angle",
+    "from_dcm",
+    "from_euler",
+    "from_matrix",
+    "from_mrp",
+    "from_pole",
+    "from_rotation",
+    "from_rotation_vector",
+    "from_xyzw",
+    "inertial_to_body_rates",
+    "quaternion_rate",
+    "to_axis_angle",
+    "to_dcm",
+    "to_euler",
+    "to_matrix",
+    "to_mrp",
+    "to_pole",
+    "to_rotation",
+    "to_rotation_vector",
+    "to_xyzw",
+    "unit",
+]
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -73,59 +104,7 @@ def continuous(wxyz: Reals) -> FloatArray:
     return out
 
 
-def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> FloatArray:
-    """Quaternions (..., 4) of length one, and of the same sign.
-
-    Rows whose length is 1 within 16 units in the last place are returned bit for bit.
-
-    Parameters
-    ----------
-    tolerance : float, optional
-        Largest difference of the length from 1; any nonzero length by default.
-
-    Raises
-    ------
-    AttitudeError
-        For rows that are zero or not finite, or whose length is off by more than the tolerance.
-    """
-    given = validation.rows(wxyz, name, 4)
-    with np.errstate(over="ignore", invalid="ignore"):
-        largest = np.max(np.abs(given), axis=-1, keepdims=True)
-        bad = ~((largest > 0.0) & (largest < np.inf))
-        scaled = given / np.where(bad, 1.0, largest)
-        length = np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
-        off = np.abs(length * largest - 1.0)
-    if np.any(bad):
-        row = given[bad[..., 0]][0] if given.ndim > 1 else given
-        raise AttitudeError(
-            f"{name} holds ({_listed(row)}), which is no attitude; give four finite numbers that "
-            "are not all zero."
-        )
-    if tolerance is not None and np.any(off > tolerance):
-        raise AttitudeError(
-            f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
-            f"{tolerance:g} is accepted as rounding. Give unit quaternions."
-        )
-    return np.where(off <= 16.0 * np.finfo(float).eps, given, scaled / length)
-
-
 # Matrices -----------------------------------------------------------------------------------------
-
-
-def from_matrix(matrix: Reals, name: str = "matrix") -> FloatArray:
-    """Attitudes (..., 4), w >= 0, of rotation matrices (..., 3, 3): v_inertial = matrix @ v_body.
-
-    Raises
-    ------
-    AttitudeError
-        For reflections and for matrices whose R^T R - 1 has an entry above 1e-6.
-    """
-    from scipy.spatial.transform import Rotation
-
-    given = validation.real(matrix, name, shape=(..., 3, 3))
-    quaternion.refuse_other_matrices(given, name)
-    flat = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(canonical=True)
-    return from_xyzw(flat).reshape(*given.shape[:-2], 4)
 
 
 def from_dcm(dcm: Reals) -> FloatArray:
@@ -144,30 +123,6 @@ def to_dcm(wxyz: Reals) -> FloatArray:
 
 
 # Euler angles -------------------------------------------------------------------------------------
-
-
-def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
-    """Attitudes (..., 4) of one to three turns about body axes, one after the other.
-
-    Parameters
-    ----------
-    sequence : str
-        "ZXZ" or "313": body to inertial is Rz(a) Rx(b) Rz(c), as in CCSDS (EULER_ROT_SEQ) and STK.
-        Small letters turn about the inertial axes, in that order.
-    angles : (..., 1 to 3) array_like
-        rad, or a Quantity, in the order of the turns.
-    """
-    letters = _letters(sequence)
-    angles = validation.real(angles, "angles", shape=(..., len(letters)), unit="rad")
-    out = np.zeros((*angles.shape[:-1], 4))
-    out[..., 0] = 1.0
-    for k, letter in enumerate(letters):
-        turn = np.zeros((*angles.shape[:-1], 4))
-        turn[..., 0] = np.cos(0.5 * angles[..., k])
-        turn[..., 1 + "XYZ".index(letter.upper())] = np.sin(0.5 * angles[..., k])
-        pair = (out, turn) if letter.isupper() else (turn, out)
-        out = quaternion.multiply(*pair)
-    return out
 
 
 def to_euler(sequence: str | int, wxyz: Reals) -> FloatArray:
@@ -270,10 +225,10 @@ def from_axis_angle(axis: Reals, angle: Reals) -> FloatArray:
     if np.any(largest == 0.0):
         raise AttitudeError("axis is zero; give a vector of any other length.")
     scaled: FloatArray = axis / largest
-    unit = scaled / np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
-    shape = np.broadcast_shapes(unit.shape[:-1], angle.shape)
+    direction = scaled / np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
+    shape = np.broadcast_shapes(direction.shape[:-1], angle.shape)
     half = np.broadcast_to(0.5 * angle, shape)[..., None]
-    return np.concatenate([np.cos(half), np.sin(half) * unit], axis=-1)
+    return np.concatenate([np.cos(half), np.sin(half) * direction], axis=-1)
 
 
 def to_axis_angle(wxyz: Reals) -> tuple[FloatArray, FloatArray]:
@@ -374,15 +329,6 @@ def to_rotation(wxyz: Reals) -> Rotation:
     return Rotation.from_quat(np.array(to_xyzw(wxyz)))
 
 
-def _letters(sequence):
-    """A sequence of one to three axes in scipy's letters."""
-    if isinstance(sequence, str) and 1 <= len(sequence) <= 2:
-        letters = sequence.translate(str.maketrans("123", "XYZ"))
-        if set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower()):
-            return letters
-    return quaternion.known_sequence(sequence)
-
-
 def _wrapped(angle):
     """Angles within two turns brought into (-pi, pi]; those inside of it are not changed."""
     angle = np.where(angle > np.pi, angle - 2.0 * np.pi, angle)
@@ -393,7 +339,3 @@ def _positive(angle):
     """Angles within one turn of [0, 2 pi) brought into it."""
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)
-
-
-def _listed(row):
-    return ", ".join(f"{x:.9g}" for x in np.ravel(row))

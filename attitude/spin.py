@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +12,11 @@ import numpy as np
 from attitude import epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
+from attitude.sensitivities import covariance as covariances
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from scipy.spatial.transform import Rotation
 
     from attitude.annotations import Epoch, FloatArray, Real, Reals
@@ -33,22 +38,31 @@ class Spin(Immutable):
         Over the body axes: rad/s, or any Quantity, or text such as "14.5 deg/day".
     frame : str
         "icrf" (the same axes as GCRF and SPICE's J2000), "eme2000" or "ecliptic" (of J2000).
+    covariance : (9, 9) or (6, 6) array_like, or mapping, optional
+        Of the errors of the attitude (rotation vector, rad, axes of `frame`), the angular velocity
+        (rad/s, body axes) and the principal moments (kg m2, or relative); (6, 6) for exact moments.
+        Or standard deviations by name, as in ``{"attitude": "1 deg", "angular_velocity":
+        "0.01 deg/s", "moments": 0.1}``, each one number or three.
 
     Attributes
     ----------
     epoch : Instant
     wxyz : (4,) array
         Unit quaternion from body axes to `frame`, scalar first.
+    wxyz_as_pairs : (4, 2) array
+        The same to 31 digits, each component the sum of its two doubles: that the quaternion given
+        is divided by its length costs no accuracy, not even in chains of arcs, which amplify it.
     angular_velocity : (3,) array
         rad/s over the body axes.
     frame : str
         In lower case.
+    covariance : (9, 9) array or None
 
     Raises
     ------
     AttitudeError
         For a date that cannot be read, a quaternion of zero length, a shape, unit or frame that
-        is not known.
+        is not known, and a covariance that is not symmetric or not positive.
 
     >>> Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 1, 15, 1 rad/s in body axes>
@@ -58,15 +72,26 @@ class Spin(Immutable):
     wxyz: FloatArray
     angular_velocity: FloatArray
     frame: str
+    covariance: FloatArray | None
+    wxyz_as_pairs: FloatArray = field(init=False)
 
     def __init__(
-        self, epoch: Epoch, wxyz: Reals, angular_velocity: Reals, frame: str = "icrf"
+        self,
+        epoch: Epoch,
+        wxyz: Reals,
+        angular_velocity: Reals,
+        frame: str = "icrf",
+        covariance: Reals | Mapping[str, Reals] | None = None,
     ) -> None:
         self._set("epoch", epochs.instant(epoch, "epoch"))
         self._set("frame", frames.known(frame))
-        self._set("wxyz", frozen(quaternion.unit(wxyz)))
+        in_pairs = quaternion.unit_in_pairs(wxyz)
+        self._set("wxyz_as_pairs", frozen(in_pairs))
+        self._set("wxyz", frozen(in_pairs[:, 0].copy()))
         rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
         self._set("angular_velocity", frozen(rate))
+        errors = None if covariance is None else frozen(covariances.known(covariance))
+        self._set("covariance", errors)
 
     @classmethod
     def from_rotation(
@@ -90,6 +115,7 @@ class Spin(Immutable):
 
         Its transpose is the paper's attitude matrix A, often called DCM.
         """
+        matrix = validation.real(matrix, "matrix", shape=(3, 3))
         return cls(epoch, quaternion.from_matrix(matrix), angular_velocity, frame)
 
     @classmethod
@@ -103,6 +129,8 @@ class Spin(Immutable):
         frame: str = "icrf",
     ) -> Spin:
         """From Euler angles: "313" or "ZXZ" is body to frame = Rz(a) Rx(b) Rz(c); rad."""
+        sequence = quaternion.known_sequence(sequence)
+        angles = validation.real(angles, "angles", shape=(3,), unit="rad")
         return cls(epoch, quaternion.from_euler(sequence, angles), angular_velocity, frame)
 
     @classmethod
@@ -265,7 +293,38 @@ class Spin(Immutable):
         """The attitude (4,) from body axes to ICRF, scalar first."""
         if self.frame == "icrf":
             return self.wxyz
+        if self.is_rounded:
+            return frozen(self.wxyz_icrf_as_pairs[:, 0].copy())
         return frozen(quaternion.multiply(frames.wxyz_to_icrf(self.frame), self.wxyz))
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether `wxyz` is rounded: the quaternion given was divided by its length."""
+        return bool(self.wxyz_as_pairs[:, 1].any())
+
+    @cached_property
+    def wxyz_icrf_as_pairs(self) -> FloatArray:
+        """The attitude (4, 2) from body axes to ICRF, each component the sum of its two doubles."""
+        if self.frame == "icrf":
+            return self.wxyz_as_pairs
+        return frozen(frames.attitude_to_icrf(self.frame, self.wxyz_as_pairs))
+
+    @cached_property
+    def covariance_icrf(self) -> FloatArray | None:
+        """The covariance (9, 9) with the attitude over ICRF axes, or None."""
+        if self.covariance is None or self.frame == "icrf":
+            return self.covariance
+        turn = np.eye(9)
+        turn[:3, :3] = frames.matrix_to_icrf(self.frame)
+        return frozen(turn @ self.covariance @ turn.T)
+
+    def with_covariance(self, covariance: Reals | Mapping[str, Reals] | None) -> Spin:
+        """The same spin with a covariance, given as to the constructor; None for no errors."""
+        other = copy(self)
+        known = None if covariance is None else frozen(covariances.known(covariance))
+        other._set("covariance", known)
+        other.__dict__.pop("covariance_icrf", None)
+        return other
 
     def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)

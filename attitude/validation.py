@@ -93,12 +93,45 @@ def positive(value: Real, name: str, *, unit: str | None = None) -> float:
     return given
 
 
+def count(value: object, name: str, least: int = 1) -> int:
+    """A whole number of at least `least` as an int; AttitudeError for anything else."""
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= least:
+        return int(value)
+    raise AttitudeError(f"{name} is {shown(value)}; give a whole number, at least {least}.")
+
+
 def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:
         listed = ", ".join(repr(choice) for choice in allowed)
         raise AttitudeError(f"{name} is {value!r}; it must be one of {listed}.")
     return value
+
+
+def flag(value: object, name: str) -> bool:
+    """A truth value as a bool: True, False, those of numpy, 1 or 0."""
+    if isinstance(value, (bool, np.bool_, int)) and value in (0, 1):
+        return bool(value)
+    raise AttitudeError(f"{name} is {shown(value)}; it must be True or False.")
+
+
+def broadcast(array: FloatArray, name: str, shape: tuple[int, ...], whose: str) -> FloatArray:
+    """The array broadcast to a shape, read-only; AttitudeError where it cannot be."""
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError as err:
+        raise AttitudeError(
+            f"{name} has shape {array.shape}; give a single number, or one for each {whose}, "
+            f"{shape}."
+        ) from err
+
+
+def refuse_class(value: object, name: str) -> None:
+    """AttitudeError for a class where an object is expected."""
+    if isinstance(value, type):
+        raise AttitudeError(
+            f"{name} is the class {value.__name__}; give an object, made by {value.__name__}(...)."
+        )
 
 
 def unit_vector(value: Reals, name: str) -> FloatArray:

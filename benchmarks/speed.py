@@ -32,6 +32,7 @@ def main():
     print(f"{_processor()}, Python {platform.python_version()}, ", end="")
     print(", ".join(f"{name} {version(name)}" for name in packages), "\n")
     long_arrays()
+    long_calls()
     bodies()
     single()
     dates()
@@ -59,6 +60,29 @@ def long_arrays():
     print(f"  {'the same into a given array':<40} {plain * 1e3:8.2f} {plain / sine:14.2f}"
           f" {both / sine:13.2f}")  # fmt: skip
     print(f"  {'numpy.sin':<40} {best(lambda: np.sin(t)) * 1e3:8.2f}\n")
+
+
+def long_calls():
+    """What the first write to new memory adds to a call whose result exceeds the caches."""
+    count, block = 2 * 10**7, 10**6
+    omega, t = CASES["the paper's example"], np.linspace(0.0, 1e4, 2 * 10**7)
+    motion = FreeRotation(Body(moments=MOMENTS), Spin("2026-01-01", WXYZ, omega))
+    used = np.zeros((4, count)).T
+
+    def in_blocks():
+        for first in range(0, count, block):
+            propagate(MOMENTS, WXYZ, omega, t[first : first + block])
+
+    print("2 10^7 epochs of one body                  ns an epoch")
+    for name, call in {
+        "motion.at": lambda: motion.at(t),
+        "propagate": lambda: propagate(MOMENTS, WXYZ, omega, t),
+        "the same into memory used before": lambda: propagate(MOMENTS, WXYZ, omega, t, out=used),
+        "the same in 20 calls, results dropped": in_blocks,
+        "zeros into as much new memory": lambda: np.empty((4, count)).fill(0.0),
+    }.items():
+        print(f"  {name:<40} {best(call, 5) / count * 1e9:8.2f}")
+    print()
 
 
 def bodies():

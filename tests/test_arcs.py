@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, propagation, quaternion
+from attitude import AttitudeError, Body, FreeRotation, Spin, evaluation, quaternion
 from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
 from attitude.arcs.triggers import AxisCrossesDirection, PointMeetsPlane
 from attitude.solution.flow import flow
@@ -30,12 +30,15 @@ def kicks(count, seed=8, frames=("icrf", "body")):
     ]
 
 
-def chain(changes, body=BODY, spin=SPIN):
-    """Middles of the arcs, and the exact attitudes there: one oracle an arc, 45 digits."""
+def chain(changes, body=BODY, spin=SPIN, wxyz=None):
+    """Middles of the arcs, and the exact attitudes there: one oracle an arc, 45 digits.
+
+    wxyz: the quaternion from which the spin was made; by default that of the spin.
+    """
     tensor = mp.matrix([[mpf(float(x)) for x in row] for row in body.tensor])
     moments = [mpf(float(x)) for x in body.moments]
     given = np.array_equal(body.tensor, np.diag(body.moments))
-    q = [mpf(float(x)) for x in spin.wxyz]
+    q = [mpf(float(x)) for x in (spin.wxyz if wxyz is None else wxyz)]
     q = multiply(turn_to_icrf(spin.frame), [x / mp.norm(q) for x in q])
     w = [mpf(float(x)) for x in spin.angular_velocity]
     last = mpf(0)
@@ -64,12 +67,12 @@ def turn_to_icrf(frame):
         return [w, x / (4 * w), y / (4 * w), z / (4 * w)]
 
 
-def worst_of_chain(changes, body=BODY, spin=SPIN):
+def worst_of_chain(changes, body=BODY, spin=SPIN, wxyz=None):
     motion = Arcs(body, spin, changes)
     with mp.workprec(250):
         return max(
             rotation_error(motion.at(t).wxyz, exact, signed=True)
-            for t, exact in chain(changes, body, spin)
+            for t, exact in chain(changes, body, spin, wxyz)
         )
 
 
@@ -102,6 +105,18 @@ def test_impulses_of_a_tensor_follow_the_chain_of_oracles():
     assert worst_of_chain(changes, body) < FREE
 
 
+@pytest.mark.parametrize("frame", ["icrf", "ecliptic"])
+@pytest.mark.parametrize("wxyz", [(3.0, -1.0, 7.0, 2.0), (1e-200, 2e-200, -3e-200, 1e-201)])
+def test_a_quaternion_of_any_length_follows_the_chain_of_oracles(frame, wxyz):
+    """With twenty rad between impulses: the rounding of its unit quaternion had grown to 1e-13."""
+    spin = Spin(epoch="2026-01-01", wxyz=wxyz, angular_velocity=(1, 15, 1), frame=frame)
+    changes = [
+        Impulse(1.3 * (k + 1), tuple(60.0 * np.sin([k + 1.0, 2.0 * k, 3.0 - k])), "icrf")
+        for k in range(8)
+    ]
+    assert worst_of_chain(changes, spin=spin, wxyz=wxyz) < FREE
+
+
 @pytest.mark.slow
 def test_a_thousand_impulses_cost_no_accuracy():
     assert worst_of_chain(kicks(1000)) < FREE
@@ -119,7 +134,7 @@ def test_flow_in_two_doubles(revolutions):
         moments, w = np.zeros((3, 2)), np.zeros((3, 2))
         moments[:, 0], w[:, 0] = state.moments, state.omega0
         identity = np.array([[1.0, 0.0, 0.0, 0.0]])
-        record = propagation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
+        record = evaluation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
         q = np.zeros((4, 2))
         q[0, 0] = 1.0
         flow(record, moments, (time, 0.0), q, w)

@@ -80,9 +80,11 @@ def test_pairs_hold_thirty_digits(frame):
         for pair, true in zip(vector_to_icrf(frame, vector), exact, strict=True):
             assert abs(mpmath.mpf(float(pair[0])) + mpmath.mpf(float(pair[1])) - true) < 1e-26
         turned = [
-            mpmath.mpf(float(a)) + mpmath.mpf(float(b)) for a, b in attitude_to_icrf(frame, wxyz)
+            mpmath.mpf(float(a)) + mpmath.mpf(float(b))
+            for a, b in attitude_to_icrf(frame, [(x, 1e-17 * x) for x in wxyz])
         ]
-        apart = rotation(turned) - definition(frame) * rotation([mpmath.mpf(x) for x in wxyz])
+        given = [mpmath.mpf(x) + mpmath.mpf(1e-17 * x) for x in wxyz]
+        apart = rotation(turned) - definition(frame) * rotation(given)
         assert mpmath.mnorm(apart) < 1e-31
 
 

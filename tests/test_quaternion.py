@@ -89,11 +89,11 @@ def test_a_vector_for_each_of_several_attitudes():
 @pytest.mark.parametrize(
     ("wxyz", "message"),
     [
-        ((0, 0, 0, 0), "wxyz is zero"),
-        ((0, -0.0, 0, 0), "wxyz is zero"),
+        ((0, 0, 0, 0), "wxyz holds .* no attitude"),
+        ((0, -0.0, 0, 0), "wxyz holds .* no attitude"),
         ((1, 0, 0), r"wxyz has shape \(3,\)"),
-        ((1, 0, 0, math.nan), "wxyz holds nan"),
-        ((1, 0, 0, math.inf), "wxyz holds inf"),
+        ((1, 0, 0, math.nan), "wxyz holds .*nan"),
+        ((1, 0, 0, math.inf), "wxyz holds .*inf"),
     ],
 )
 def test_what_is_no_attitude(wxyz, message):

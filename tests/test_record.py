@@ -6,7 +6,7 @@ A field that is not read may hold anything: here NaN, so that a wrong branch sho
 import numpy as np
 import pytest
 
-from attitude import propagation
+from attitude import evaluation
 from attitude.solution import codes
 from attitude.solution.motion import evaluate_all
 from tests.uncompiled_answers import STATES
@@ -32,13 +32,13 @@ def constants_of(name):
     pairs = np.zeros((1, 3, 2)), np.zeros((1, 3, 2))
     pairs[0][0, :, 0], pairs[1][0, :, 0] = moments, rates
     unit = np.array([[1.0, 0.0, 0.0, 0.0]])
-    return propagation.constants_of(pairs[0], np.array([[1.0, 2, 3, 4]]), pairs[1], unit)
+    return evaluation.constants_of(pairs[0], np.array([[1.0, 2, 3, 4]]), pairs[1], unit)
 
 
 def evaluated(constants, rates):
     wxyz = np.empty((1, 4, EPOCHS.size))
     omega = np.empty((1, 3, EPOCHS.size)) if rates else None
-    assert evaluate_all(constants, EPOCHS, None, wxyz, omega) == -1
+    assert evaluate_all(constants, EPOCHS, None, wxyz, omega, 0, EPOCHS.shape[1]) == -1
     return np.concatenate([wxyz.ravel(), [] if omega is None else omega.ravel()])
 
 

@@ -21,14 +21,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, frames, pairs, propagation
+from attitude import epochs, evaluation, frames, pairs, validation
 from attitude.arcs.changes import Change, Impulse, InertiaChange
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.evaluation import EPOCHS
 from attitude.free_rotation import rate_bounds
 from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.immutable import frozen
+from attitude.immutable import frozen, read_only
 from attitude.motion import Motion
 from attitude.solution.record import CONSTANTS
 from attitude.spin import Spin
@@ -101,6 +102,11 @@ class Arcs(Motion):
             )
         if isinstance(changes, Change):
             changes = (changes,)
+        if not isinstance(changes, Iterable):
+            raise AttitudeError(
+                f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
+                "list of them."
+            )
         self._set("body", body)
         self._set("spin", spin)
         self._set("changes", tuple(changes))
@@ -131,7 +137,7 @@ class Arcs(Motion):
 
         For inner loops: `at` without units, dates and the history.
         """
-        return self._evaluate(np.asarray(seconds, dtype=np.float64), low, 0)[0]
+        return self._evaluate(*epochs.plain_seconds(seconds, low), 0)[0]
 
     def angular_acceleration_at(
         self,
@@ -154,13 +160,17 @@ class Arcs(Motion):
         (..., 3) array
             rad/s2, body axes.
         """
+        seconds, low = epochs.plain_seconds(seconds, low)
         if angular_velocity is None:
             angular_velocity = self.angular_velocity_at(seconds, low)
+        angular_velocity = validation.real(
+            angular_velocity, "angular_velocity", shape=(*seconds.shape, 3), finite=False
+        )
         out = np.empty(angular_velocity.shape)
         for body, on in self._bodies_on(seconds, low):
             motion = FreeRotation(body, self.spin)
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
-        out[np.isnan(np.asarray(seconds))] = np.nan
+        out[np.isnan(seconds)] = np.nan
         return out
 
     def constant_body(self, what: str) -> Body:
@@ -192,7 +202,7 @@ class Arcs(Motion):
 
     def rate_bounds(self, seconds: float) -> RateBounds:
         """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
-        omega = self.angular_velocity_at(np.float64(seconds))
+        omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))
         return rate_bounds.of_free_rotation(self.body_at(float(seconds)), omega)
 
     def body_at(self, t: EpochOrSeconds) -> Body:
@@ -231,13 +241,14 @@ class Arcs(Motion):
         ]
         self._check_order(times)
         body, spin = self.body, self.spin
-        q = frames.attitude_to_icrf(spin.frame, spin.wxyz)
+        q = spin.wxyz_icrf_as_pairs.copy()
         w = body.rates_about_principal_axes(spin.angular_velocity)
         bodies = [body]
         self._set("_bodies", bodies)
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
         starts = np.zeros((len(records), 2))
-        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity))
+        low = q[None, :, 1].copy() if spin.is_rounded else None
+        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
             time = times[k]
@@ -335,20 +346,23 @@ class Arcs(Motion):
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape
-        # Read-only views: one type of array, one compilation.
-        t = frozen(np.ascontiguousarray(seconds).reshape(-1))
-        if low is None:
-            t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
-        else:
-            # The low part decides between equal high parts: the pair is normalised.
-            with np.errstate(invalid="ignore", over="ignore"):
-                pair = pairs.two_sum(t, np.ascontiguousarray(low).reshape(-1))
-            t, t_low = frozen(pair[0]), frozen(pair[1])
-        wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if order else None
-        beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega)
-        if beyond >= 0:
-            self._refuse(float(t[beyond]))
+        flat = np.ascontiguousarray(seconds).reshape(-1)
+        rest = None if low is None else np.ascontiguousarray(low).reshape(-1)
+        wxyz = np.empty((1, 4, flat.size))
+        omega = np.empty((1, 3, flat.size)) if order else None
+        for begin in range(0, flat.size, EPOCHS):  # Python acts on Ctrl-C between the calls
+            # Read-only views: one type of array, one compilation.
+            t = read_only(flat[begin : begin + EPOCHS])
+            if rest is None:
+                t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
+            else:
+                # The low part decides between equal high parts: the pair is normalised.
+                with np.errstate(invalid="ignore", over="ignore"):
+                    pair = pairs.two_sum(t, rest[begin : begin + EPOCHS])
+                t, t_low = frozen(pair[0]), frozen(pair[1])
+            beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega, begin)
+            if beyond >= 0:
+                self._refuse(float(t[beyond]))
         found = [wxyz[0].T.reshape(*shape, 4)]
         if order:
             assert omega is not None
@@ -362,7 +376,7 @@ class Arcs(Motion):
         number = self._arc(t)
         local = np.array([[t - self._starts[number, 0]]])
         out = np.empty((1, 4, 1))
-        propagation.evaluate(self._constants[number : number + 1], local, None, out, None)
+        evaluation.evaluate(self._constants[number : number + 1], local, None, out, None)
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
@@ -376,7 +390,9 @@ def _compiled():
     return evaluate_arcs
 
 
-def _constants(body, q, w, differences=None):
+def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
     state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
-    return propagation.constants_of(body.moments_as_pairs[None], *state, differences=differences)[0]
+    return evaluation.constants_of(
+        body.moments_as_pairs[None], *state, differences=differences, wxyz_low=low
+    )[0]

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 _SLACK = 1e-9
 # Greatest angular velocity, rad/s.
 _FASTEST = 1e30
+# Seconds from the epoch of a table up to which an error message writes a date.
+_WRITTEN = 1e11
 
 
 class AttitudeTable(Motion):
@@ -151,6 +153,11 @@ class AttitudeTable(Motion):
         meta: Mapping[str, Any] | None = None,
     ) -> AttitudeTable:
         """A table of the attitudes (and, with rates, angular velocities) of a history (N,)."""
+        if not isinstance(history, AttitudeHistory):
+            raise AttitudeError(
+                f"history is {validation.shown(history)}; give an AttitudeHistory, as motion.at(t) "
+                "returns."
+            )
         return cls(
             history.epoch,
             np.array(history.seconds),
@@ -262,7 +269,8 @@ class AttitudeTable(Motion):
             for part in self.segments
         ]
         listed = ", ".join(spans[:4]) + (", ..." if len(spans) > 4 else "")
-        where = f"{self.epoch.after(seconds).utc_iso} UTC" if np.isfinite(seconds) else seconds
+        near = abs(seconds) < _WRITTEN
+        where = f"{self.epoch.after(seconds).utc_iso} UTC" if near else f"{seconds:.9g} s"
         raise AttitudeError(
             f"the table has no attitude at {where}; its attitudes span {listed} UTC. Give epochs "
             "within, or fit a free rotation to the table, which has no limits."

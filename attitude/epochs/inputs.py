@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epoch, Epochs, FloatArray
 
-__all__ = ["Instant", "instant", "seconds_since", "times"]
+__all__ = ["Instant", "instant", "plain_seconds", "seconds_since", "times"]
 
 _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '
@@ -144,14 +144,37 @@ def seconds_since(
     return np.asarray(hi), np.asarray(lo)
 
 
+def plain_seconds(
+    seconds: ArrayLike, low: ArrayLike | None = None, name: str = "seconds"
+) -> tuple[FloatArray, FloatArray | None]:
+    """Seconds and their second double as float64 arrays of one shape; `low` may be None.
+
+    Raises
+    ------
+    AttitudeError
+        For dates, durations and other types, ragged lists, and `low` of another shape.
+    """
+    if isinstance(seconds, np.ndarray) and seconds.dtype == np.float64:
+        return seconds, _low(low, seconds.shape, name)
+    kind, leaves, shape = kinds.entries(seconds, name, "plain seconds")
+    if kind != "number":
+        raise AttitudeError(
+            f"{name} is {validation.shown(seconds)}; give plain seconds (at(t) reads dates too)."
+        )
+    hi, _ = readers.read(kind, leaves, shape, name)
+    return hi, _low(low, hi.shape, name)
+
+
 def _low(low: Any, shape: tuple[int, ...], name: str) -> FloatArray | None:
     """The second double of plain seconds, broadcast to the shape of the first."""
     if low is None:
         return None
     if type(low) is np.ndarray and low.dtype == np.float64 and low.shape == shape:
         return low
-    _, leaves, shape_given = kinds.entries(low, "low", "plain seconds")
-    seconds, _ = readers.read("number", leaves, shape_given, "low")
+    kind, leaves, shape_given = kinds.entries(low, "low", "plain seconds")
+    if kind != "number":
+        raise AttitudeError(f"low is {validation.shown(low)}; give plain seconds.")
+    seconds, _ = readers.read(kind, leaves, shape_given, "low")
     if seconds.shape not in ((), shape):
         raise AttitudeError(
             f"low has shape {seconds.shape}, {name} has {shape}; give both in the same shape."

@@ -1,6 +1,8 @@
 """Torque-free rotation in closed form.
 
 free_rotation    `FreeRotation`
+differentiable   its derivatives, covariances and samples
+sensitivity      derivatives and covariances of one motion as arrays
 polhode          Poinsot's curves of the angular velocity in the body and in space
 predictability   time until errors of the input reach a tolerance of the attitude
 rate_bounds      upper bounds of the derivatives of a body-fixed direction

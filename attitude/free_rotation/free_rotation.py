@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import frames, propagation, published, quaternion
+from attitude import evaluation, frames, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
+from attitude.free_rotation.differentiable import Differentiable
 from attitude.immutable import frozen
-from attitude.motion import Motion
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
@@ -33,7 +33,7 @@ _ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeRotation(Motion):
+class FreeRotation(Differentiable):
     """Torque-free motion of a rigid body, in closed form.
 
     Parameters
@@ -87,12 +87,16 @@ class FreeRotation(Motion):
             )
         self._constants: Any
         body, spin = self.body, self.spin
-        constants = propagation.constants_of(
+        wxyz, low = spin.wxyz_icrf, None
+        if spin.is_rounded:
+            low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
+        constants = evaluation.constants_of(
             body.moments_as_pairs[None],
-            spin.wxyz_icrf[None],
+            wxyz[None],
             body.rates_about_principal_axes(spin.angular_velocity)[None],
             body.principal_wxyz[None],
             differences=body.differences(spin.angular_velocity),
+            wxyz_low=low,
         )
         self._set("_constants", frozen(constants))
 
@@ -131,6 +135,7 @@ class FreeRotation(Motion):
         Both over the body axes: Euler's equations.
         """
         axes, moments = self.body.principal_axes, self.body.moments
+        angular_velocity = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
         w = np.moveaxis(angular_velocity @ axes, -1, 0)
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -342,7 +347,7 @@ class FreeRotation(Motion):
         t_low = None if low is None else np.ascontiguousarray(low).reshape(1, -1)
         wxyz = np.empty((1, 4, t.size))
         omega = np.empty((1, 3, t.size)) if order else None
-        propagation.evaluate(self._constants, t, t_low, wxyz, omega)
+        evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
         found = [wxyz[0].T.reshape(*shape, 4)]
         if omega is not None:
             found.append(omega[0].T.reshape(*shape, 3))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import propagation, validation
+from attitude import evaluation, validation
 from attitude.errors import AttitudeError
 from attitude.regime import Mode, regime_of
 from attitude.solution import codes
@@ -127,7 +127,7 @@ def _shifted(given, shifts):
 
 def _constants(states, moments_error):
     try:
-        return propagation.constants_of(
+        return evaluation.constants_of(
             np.ascontiguousarray(states[:, 0]),
             np.tile(_IDENTITY, (len(states), 1)),
             np.ascontiguousarray(states[:, 1]),

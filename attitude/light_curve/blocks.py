@@ -5,9 +5,7 @@ from __future__ import annotations
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from attitude.errors import AttitudeError
+from attitude import validation
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,8 +29,7 @@ def in_blocks(
     AttitudeError
         For threads that is not a whole number of at least 1.
     """
-    if not (isinstance(threads, (int, np.integer)) and threads >= 1):
-        raise AttitudeError(f"threads is {threads!r}; give a whole number, at least 1.")
+    threads = validation.count(threads, "threads")
     ranges = [(begin, min(begin + size, total)) for begin in range(0, total, size)]
     done = 0
     if threads == 1 or len(ranges) <= 1:
@@ -42,7 +39,7 @@ def in_blocks(
             if progress is not None:
                 progress(done, total)
         return
-    with ThreadPoolExecutor(int(threads)) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         pending = {pool.submit(work, *pair): pair for pair in ranges}
         try:
             while pending:

@@ -125,7 +125,7 @@ class Scene(Immutable):
     tolerance: float | None
     shadows: bool | Visibility
     threads: int
-    sun_magnitude: Real | None
+    sun_magnitude: float | None
     phase_function: Callable[[FloatArray], FloatArray] | None
 
     def __init__(
@@ -153,6 +153,7 @@ class Scene(Immutable):
         phase_function: Callable[[FloatArray], FloatArray] | None = None,
     ) -> None:
         self._set("motion", None if motion is None else motion_of(motion))
+        self._set("law", known_law(law))
         source = None if ephemeris is None else paths.ephemeris(ephemeris)
         self._set("ephemeris", source)
         self._set("center", None if center is None else _place(center, "center", source))
@@ -160,15 +161,16 @@ class Scene(Immutable):
         self._set("sun", _place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
         self._set("shape", _known_shape(shape))
-        self._set("law", known_law(law))
-        self._set("light_time", _flag(light_time, "light_time"))
-        self._set("aberration", _flag(aberration, "aberration"))
+        self._set("light_time", validation.flag(light_time, "light_time"))
+        self._set("aberration", validation.flag(aberration, "aberration"))
         if tolerance is not None:
             tolerance = validation.positive(tolerance, "tolerance", unit="m")
         self._set("tolerance", tolerance)
         self._set("shadow_of", self._occulters(shadow_of))
-        self._set("shadows", shadows)
-        self._set("threads", threads)
+        self._set("shadows", _known_shadows(shadows))
+        self._set("threads", validation.count(threads, "threads"))
+        if sun_magnitude is not None:
+            sun_magnitude = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
         self._set("sun_magnitude", sun_magnitude)
         if phase_function is not None and not callable(phase_function):
             raise AttitudeError(
@@ -215,9 +217,14 @@ class Scene(Immutable):
         self, start: epochs.Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> View:
         """As `at`, for TDB seconds + low since an Instant."""
+        if not isinstance(start, epochs.Instant):
+            raise AttitudeError(
+                f"start is {validation.shown(start)}; give an Instant, made by epochs.instant(...)."
+            )
+        seconds, low = epochs.plain_seconds(seconds, low)
         # Copies, since the arrays of a view are read-only.
-        hi = np.array(seconds, dtype=np.float64)
-        lo = None if low is None else np.array(np.broadcast_to(low, hi.shape), dtype=np.float64)
+        hi = np.array(seconds)
+        lo = None if low is None else np.array(low)
         if np.isinf(hi).any():
             raise AttitudeError(
                 "times holds an infinite epoch; give finite epochs, or NaN for a missing one."
@@ -312,5 +319,14 @@ def _known_shape(shape):
     return shape
 
 
-def _flag(value, name):
-    return validation.one_of(value, name, (True, False))
+def _known_shadows(shadows):
+    """True, False or a Visibility, which is loaded only if one is given."""
+    if isinstance(shadows, (bool, np.bool_)):
+        return bool(shadows)
+    from attitude.light_curve import Visibility
+
+    if not isinstance(shadows, Visibility):
+        raise AttitudeError(
+            f"shadows is {validation.shown(shadows)}; give True, False or a Visibility."
+        )
+    return shadows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import numpy as np
 from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
 from attitude.textfiles.lines import whole
+from attitude.validation import flag, shown
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath, FloatArray, IntArray
@@ -58,6 +60,9 @@ def read(
         For a file that is missing, cut short or malformed (with the line), and for meshes that
         `Mesh` or, with ``closed``, `Mesh.require_closed` refuse.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
+    closed, repair = flag(closed, "closed"), flag(repair, "repair")
     file = Path(path)
     kind = format or _FORMATS.get(file.suffix.lower())
     if kind not in _FORMATS.values():

@@ -11,7 +11,7 @@ from attitude.solution.twofloat import two_sum
 
 
 @entry_point
-def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
+def evaluate_arcs(constants, starts, t, t_low, wxyz, rates, column):
     """Attitudes, and angular velocities unless rates is None, at epochs in any order.
 
     Given
@@ -19,9 +19,10 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
         starts     (N, 2) starts of the arcs, pairs of seconds, ascending; the first arc also holds
                    all epochs before its start
         t, t_low   (T,) pairs of seconds
+        column     the results go to the columns from here on
     Filled
-        wxyz       (1, 4, T)
-        rates      (1, 3, T) rad/s over the given body axes, or None
+        wxyz       (1, 4, N)
+        rates      (1, 3, N) rad/s over the given body axes, or None
     Returned
         -1, or the first epoch beyond the reach of its arc; it and those after it are not filled
     """
@@ -41,12 +42,9 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
                 low = 0.0
             local[0, end], local_low[0, end] = high, low
             end += 1
+        to = column + begin
         failed = _evaluate_arc(
-            constants[arc : arc + 1],
-            local[:, begin:end],
-            local_low[:, begin:end],
-            wxyz[:, :, begin:end],
-            None if rates is None else rates[:, :, begin:end],
+            constants[arc : arc + 1], local, local_low, wxyz, rates, begin, end, to
         )
         if failed:
             while not abs(local[0, begin]) > reach(constants[arc]):  # false for NaN
@@ -57,14 +55,14 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates):
 
 
 @subroutine
-def _evaluate_arc(c, t, t_low, wxyz, rates):
+def _evaluate_arc(c, t, t_low, wxyz, rates, first, end, column):
     """Fill the epochs of one arc; whether any of them is beyond its reach."""
     form = c[0].form
     if form == codes.TRIGONOMETRIC:
-        return trigonometric(c, t, t_low, wxyz, rates) >= 0
+        return trigonometric(c, t, t_low, wxyz, rates, first, end, column) >= 0
     if form == codes.HYPERBOLIC:
-        return hyperbolic(c, t, t_low, wxyz, rates) >= 0
-    return uniform(c, t, t_low, wxyz, rates) >= 0
+        return hyperbolic(c, t, t_low, wxyz, rates, first, end, column) >= 0
+    return uniform(c, t, t_low, wxyz, rates, first, end, column) >= 0
 
 
 @subroutine

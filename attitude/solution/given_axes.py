@@ -55,11 +55,12 @@ _UNIT = np.eye(4)
 
 
 @entry_point
-def attach_all(wxyz, principal, constants):
+def attach_all(wxyz, wxyz_low, principal, constants):
     """Fill the frame and the axes of those of B motions that tumble.
 
     Given
         wxyz       (B, 4) body to inertial at the epoch, of any length
+        wxyz_low   (1 or B, 4) second doubles of wxyz, then of unit length; or zeros
         principal  (1 or B, 4) principal axes to given body axes
     Filled
         constants  (B,) frame and axes (solution.record)
@@ -68,7 +69,9 @@ def attach_all(wxyz, principal, constants):
         c = constants[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
             given = four(principal[b if len(principal) > 1 else 0])
-            _attach(unit(four(wxyz[b])), _axes(given, c), unit(four(c.internal)), c.frame)
+            low = four(wxyz_low[b if len(wxyz_low) > 1 else 0])
+            body = _axes(given, c)
+            _attach(four(wxyz[b]), low, body, unit(four(c.internal)), c.frame)
 
 
 @subroutine
@@ -89,6 +92,27 @@ def product(p, q):
         p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
         p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
     )
+
+
+@subroutine
+def at_start(wxyz, low):
+    """The unit quaternion of the epoch: wxyz of any length, or its first doubles if it has others.
+
+    wxyz + low is of unit length unless `low` is zero.
+    """
+    return wxyz if any_of(low) else unit(wxyz)
+
+
+@subroutine
+def any_of(q):
+    """Whether a quaternion (4) has a component that is not zero."""
+    return q[0] != 0.0 or q[1] != 0.0 or q[2] != 0.0 or q[3] != 0.0
+
+
+@subroutine
+def plus(p, q):
+    """The sum of two quaternions."""
+    return p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3]
 
 
 @subroutine
@@ -118,10 +142,12 @@ def _axes(principal, c):
 
 
 @subroutine
-def _attach(start, body, internal, frame):
+def _attach(wxyz, low, body, internal, frame):
     """Fill the matrix of q_int(t) -> q(t), column by column."""
     back = (internal[0], -internal[1], -internal[2], -internal[3])
-    left = product(product(start, body), back)
+    left = product(product(at_start(wxyz, low), body), back)
+    if any_of(low):
+        left = plus(left, product(product(low, body), back))
     right = (body[0], -body[1], -body[2], -body[3])
     for k in range(4):
         column = product(product(left, four(_UNIT[k])), right)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from attitude.solution import codes, kernel
 from attitude.solution.classify import classify_all, refine_all
 from attitude.solution.coefficients import (
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 
     from attitude.annotations import FloatArray
 
+# Writable, as in all calls: to numba a read-only array is another type.
+_NO_LOW = np.zeros((1, 4))
+
 
 def prepare_all(
     moments: FloatArray,
@@ -37,6 +42,7 @@ def prepare_all(
     constants: NDArray[Any],
     differences: FloatArray | None = None,
     rates: bool = True,
+    wxyz_low: FloatArray | None = None,
 ) -> int:
     """Fill the constants of B motions.
 
@@ -48,15 +54,17 @@ def prepare_all(
         differences  (3, 2) B - A, C - B and D2 of a single motion, pairs, where solution.principal
                    has them to more digits than follow from the pairs above; or None
         rates      whether the series of the angular velocity are filled too
+        wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
     Filled
         constants  (B,) of solution.record.CONSTANTS, zeros at first; `fault` is the code of what
                    is not physical
     Returned
         how many have a fault
     """
+    low = _NO_LOW if wxyz_low is None else wxyz_low
     faults, uniform, cancelled = classify_all(moments, wxyz, omega, constants)
     if uniform:
-        uniform_all(wxyz, principal, constants)
+        uniform_all(wxyz, low, principal, constants)
     tumbling = len(constants) - faults - uniform
     if tumbling:
         if differences is not None:
@@ -72,7 +80,7 @@ def prepare_all(
             hyperbolic_all(constants)
             if rates:
                 hyperbolic_rates_all(constants)
-        attach_all(wxyz, principal, constants)
+        attach_all(wxyz, low, principal, constants)
     return faults
 
 
@@ -82,14 +90,16 @@ def evaluate_all(
     t_low: FloatArray | None,
     wxyz: FloatArray,
     rates: FloatArray | None,
+    first: int,
+    end: int,
 ) -> int:
-    """Fill attitudes, and angular velocities unless rates is None, of B motions: see `kernel`.
+    """Fill columns of attitudes, and of angular velocities unless rates is None: see `kernel`.
 
     Returned
         -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
     for form in set(constants["form"].tolist()):
-        body = OF_FORM[form](constants, t, t_low, wxyz, rates)
+        body = OF_FORM[form](constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:
             return body
     return -1

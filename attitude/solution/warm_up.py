@@ -56,7 +56,7 @@ def compile_stages() -> None:
         prepare_all(_no_pairs(), wxyz, _no_pairs(), principal, constants)
         refine_all(constants)
         solve_all(constants)
-        uniform_all(wxyz, principal, constants)
+        uniform_all(wxyz, wxyz, principal, constants)
 
 
 def compile_loops() -> None:
@@ -74,9 +74,11 @@ def compile_loops() -> None:
             coefficients.hyperbolic_rates_all,
         ):
             stage(constants)
-        attach_all(wxyz, principal, constants)
+        attach_all(wxyz, wxyz, principal, constants)
+        t = np.zeros((1, 0))
+        t.flags.writeable = False  # as in attitude.evaluation: one type of array
         for loop in OF_FORM.values():
-            loop(constants, np.zeros((1, 0)), None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)))
+            loop(constants, t, None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)), 0, 0, 0)
 
 
 def _no_pairs():

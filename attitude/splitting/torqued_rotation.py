@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 import threading
 import weakref
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -35,7 +36,7 @@ from attitude.splitting.varying_steps import VaryingSteps
 from attitude.torques.torque import Torque
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from numpy.typing import ArrayLike
 
@@ -301,11 +302,18 @@ def _checked_tolerance(given: Real, name: str) -> float:
 
 
 def _torques(given: Any) -> tuple[Torque, ...]:
+    validation.refuse_class(given, "torques")
     if isinstance(given, Torque) or callable(given):
         given = (given,)
+    if not isinstance(given, Iterable):
+        raise AttitudeError(
+            f"torques is {validation.shown(given)}; give an object of attitude.torques, a function "
+            "of (t, wxyz, omega), or a list of them."
+        )
     found = []
-    for torque in given:
+    for k, torque in enumerate(given):
         if not isinstance(torque, Torque):
+            validation.refuse_class(torque, f"torques[{k}]")
             if not callable(torque):
                 raise AttitudeError(
                     f"torques holds {torque!r}; give objects of attitude.torques, or functions of "

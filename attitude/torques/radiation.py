@@ -103,10 +103,18 @@ class SolarRadiation(Torque):
             raise AttitudeError(
                 f"shape is {type(shape).__name__} without {', '.join(missing)}; give a mesh."
             )
-        count = len(shape.areas)
+        areas = np.asarray(shape.areas)
+        if areas.ndim != 1 or areas.dtype.kind not in "fiu":
+            raise AttitudeError(
+                f"shape is {validation.shown(shape)}, whose areas are "
+                f"{validation.shown(shape.areas)}; give a mesh, or areas (N,) in m2."
+            )
+        count = len(areas)
         for name, fraction in (("diffuse", diffuse), ("mirrored", mirrored)):
-            given = np.broadcast_to(validation.real(fraction, name), (count,)).copy()
-            self._set(name, frozen(given))
+            given = validation.broadcast(
+                validation.real(fraction, name), name, (count,), "facet of the shape"
+            )
+            self._set(name, frozen(given.copy()))
         total = self.diffuse + self.mirrored
         if min(self.diffuse.min(), self.mirrored.min()) < 0.0 or total.max() > 1.0:
             raise AttitudeError(

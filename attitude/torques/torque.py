@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.paths.path import Path, since
@@ -145,6 +146,7 @@ def path_of(given: Path | PositionFunction, name: str) -> Path:
     """
     if isinstance(given, Path):
         return given
+    validation.refuse_class(given, name)
     if not callable(given):
         raise AttitudeError(
             f"{name} is {given!r}; give a path, or a function of seconds (...) since the epoch of "

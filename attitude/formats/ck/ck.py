@@ -55,9 +55,10 @@ class Written:
 def write(
     path: FilePath,
     motion: HasAttitudes,
-    start: EpochOrSeconds,
-    stop: EpochOrSeconds,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
     *,
+    t: None = None,
     kind: int = 5,
     tolerance: float = 1e-9,
     rate_tolerance: float | None = None,
@@ -74,6 +75,9 @@ def write(
         Ends in .bc; the frame kernel .tf and the clock kernel .tsc are written beside it.
     motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
     start, stop : epochs, or TDB seconds since the epoch of the motion
+        Both are required.
+    t : None
+        Refused: the tolerance determines the epochs of the records.
     kind : int
         Type of the C-kernel, 5 or 3.
     tolerance : float
@@ -96,6 +100,12 @@ def write(
         If the tolerances cannot be reached, a name or number is not one of SPICE's, spiceypy is not
         installed, or a file cannot be written.
     """
+    if t is not None or start is None or stop is None:
+        raise AttitudeError(
+            f"a C-kernel is written from start to stop, at epochs that follow from the tolerance; "
+            f"{'t is given' if t is not None else 'start or stop is missing'}: give start= and "
+            "stop= (one epoch each), and no t=."
+        )
     spiceypy()
     plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance)
     _check_names(path, name, instrument, clock, center)

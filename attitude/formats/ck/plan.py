@@ -78,6 +78,13 @@ class Plan:
         self.tolerance: float = float(tolerance)
         epoch = self._motion.epoch
         given = [epochs.seconds_since(epoch, value) for value in (start, stop)]
+        for name, (hi, _) in zip(("start", "stop"), given, strict=True):
+            if hi.shape != () or not np.isfinite(hi):
+                raise AttitudeError(
+                    f"{name} has shape {hi.shape}; give one epoch."
+                    if hi.shape
+                    else f"{name} is {hi}; give a finite epoch."
+                )
         ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in given]
         # The clock starts at or before the start, at an epoch that is one double of TDB.
         first, rest = pairs.add(ends[0], epoch.seconds, epoch.low)

@@ -1,0 +1,178 @@
+"""Constants and attitudes of freely rotating bodies, by the compiled solution.
+
+It is imported (and, the first time on a machine, compiled) at the first propagation.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude.compilation.deferral import uncollected
+from attitude.errors import AttitudeError
+from attitude.immutable import read_only
+from attitude.solution import codes
+from attitude.solution.record import CONSTANTS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+# So many epochs, 2 ms of work, are evaluated in one call of compiled code: Python acts on signals,
+# such as that of Ctrl-C, between the calls.
+EPOCHS = 1 << 18
+
+_FAULTS = {
+    codes.BAD_MOMENT: (
+        "moments are {moments}; principal moments of inertia must be finite and not negative, "
+        "and at most one of them zero."
+    ),
+    codes.NO_TRIANGLE: (
+        "moments are {moments}; no body has a moment of inertia that exceeds the sum of the other "
+        "two. Check the numbers and their units."
+    ),
+    codes.RATIO_TOO_LARGE: (
+        "moments are {moments}; they may differ by a factor of at most 1e45. Give 0 for the "
+        "moment of an ideal rod about itself."
+    ),
+    codes.SPIN_ABOUT_ROD: (
+        "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
+        "axis without inertia is undefined. Give 0 for that component, or a moment above zero."
+    ),
+    codes.UNEQUAL_ROD: (
+        "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
+        "moments are equal. Give two equal moments, or three above zero."
+    ),
+    codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
+    codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
+}
+
+
+def constants_of(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    *,
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    wxyz_low: FloatArray | None = None,
+    first: int = 0,
+    count: int = 1,
+) -> NDArray[Any]:
+    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
+
+    Parameters
+    ----------
+    moments, omega : (B, 3, 2) arrays
+        Principal moments of inertia in any unit, and rad/s over the principal axes.
+    wxyz : (B, 4) array
+        Attitudes at the epoch, body to inertial.
+    principal : (1 or B, 4) array
+        Unit quaternion from principal axes to body axes.
+    differences : (3, 2) array, optional
+        Of a single motion, where these are known to more digits than follow from pairs of moments
+        and rates: see `attitude.solution.principal.PrincipalAxes.differences`.
+    rates : bool
+        Whether `evaluate` is to compute angular velocities.
+    wxyz_low : (B, 4) array, optional
+        Second doubles of the attitudes, which are then of unit length.
+    first, count : int
+        Number of the first body, and of all bodies, for the error message.
+
+    Returns
+    -------
+    (B,) structured array of `attitude.solution.record.CONSTANTS`
+
+    Raises
+    ------
+    AttitudeError
+        For the first state that is not physical.
+    """
+    prepare_all, _ = _compiled()
+    # zeros, two microseconds faster than np.zeros of a record with so many fields
+    constants: NDArray[Any] = np.ndarray(
+        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
+    )
+    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
+    if prepare_all(*given, constants, differences, rates, wxyz_low):
+        k = int(np.flatnonzero(constants["fault"])[0])
+        sentence = _FAULTS[int(constants["fault"][k])].format(
+            moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
+        )
+        where = f"State {first + k} of {count}: " if count > 1 else ""
+        raise AttitudeError(where + sentence)
+    return constants
+
+
+def evaluate(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+) -> None:
+    """Fill attitudes and angular velocities of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants : (B,) array
+        Of `constants_of`.
+    t, t_low : (1 or B, T) arrays
+        The epochs t + t_low, s; t_low may be None.
+    wxyz : (B, 4, T) array
+        Filled: body to inertial.
+    rates : (B, 3, T) array or None
+        Filled: rad/s over the body axes.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs so far away that two doubles of time do not resolve the phases.
+    """
+    _, evaluate_all = _compiled()
+    given = read_only(t), None if t_low is None else read_only(t_low)
+    count = t.shape[1]
+    block = max(EPOCHS // max(len(constants), 1), 1)
+    for first in range(0, count, block):
+        end = min(first + block, count)
+        body = evaluate_all(constants, *given, wxyz, rates, first, end)
+        if body >= 0:
+            row = body if len(t) > 1 else 0
+            refuse_epoch(
+                constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
+            )
+
+
+def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
+    """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
+    far = np.nanmax(np.abs(t if t_low is None else t + t_low))
+    fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
+    raise AttitudeError(
+        f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
+        "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
+        "epoch."
+    )
+
+
+@cache
+def _compiled():
+    with uncollected():
+        from attitude.solution.motion import evaluate_all, prepare_all
+
+        # The first call of compiled code makes numba read its registries: here, for no body.
+        pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
+        prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
+    return prepare_all, evaluate_all
+
+
+def writable(array: Any) -> Any:
+    """The array, or a copy of a read-only one, for which numba would compile everything anew."""
+    return array if array.flags.writeable else array.copy()
+
+
+def _listed(row):
+    return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"

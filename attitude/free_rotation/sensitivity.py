@@ -1,0 +1,111 @@
+"""Derivatives and covariances of the attitudes of one free rotation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.body import Body
+from attitude.errors import AttitudeError
+from attitude.sensitivities import columns
+from attitude.sensitivities import covariance as covariances
+from attitude.sensitivities.elements import inputs_by_elements
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+    from attitude.spin import Spin
+
+
+class Sensitivity:
+    """The derivatives of one motion at any epoch.
+
+    Parameters
+    ----------
+    constants : (1,) structured array
+        Of `evaluation.constants_of`.
+    body, spin : Body, Spin
+    """
+
+    def __init__(self, constants: NDArray[Any], body: Body, spin: Spin) -> None:
+        self._constants = constants
+        self._body, self._spin = body, spin
+        self._tangents = columns.tangents_of(
+            body.moments_as_pairs[None],
+            spin.wxyz_icrf[None],
+            body.principal_wxyz[None],
+            constants,
+        )
+
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        t, t_low = _row(seconds), None if low is None else _row(low)
+        attitude = np.empty((1, 3, 9, t.size))
+        omega = np.empty((1, 3, 9, t.size)) if rates else None
+        columns.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
+        shape = (*seconds.shape, 3, 9)
+        found = np.moveaxis(attitude[0], -1, 0).reshape(shape)
+        return found, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
+
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements."""
+        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
+
+    def covariance_at(self, seconds: FloatArray, low: FloatArray | None, rates: bool) -> FloatArray:
+        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6) with the angular velocity."""
+        given = self._spin.covariance_icrf
+        if given is None:
+            raise AttitudeError(
+                "the spin has no covariance; make it with Spin(..., covariance=...), or take "
+                "spin.with_covariance(...)."
+            )
+        t, t_low = _row(seconds), None if low is None else _row(low)
+        size = 6 if rates else 3
+        out = np.empty((1, size, size, t.size))
+        factors = covariances.factor(given)[None]
+        columns.covariances(self._constants, self._tangents, factors, t, t_low, out)
+        found: FloatArray = np.moveaxis(out[0], -1, 0).reshape(*seconds.shape, size, size)
+        return found
+
+
+def to_body_axes(wxyz: FloatArray, start: FloatArray, attitude: FloatArray) -> FloatArray:
+    """Changes of attitude (S, 3, 9) over inertial axes, over the body axes then and at first."""
+    turned: FloatArray = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude
+    turned[..., :3] = turned[..., :3] @ quaternion.matrix(start)
+    return turned
+
+
+def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
+    """Body and Spin with one change (9,) of the parameters (ICRF axes).
+
+    Raises
+    ------
+    AttitudeError
+        If the moments are then not those of a body.
+    """
+    turn = forms.from_rotation_vector(changes[:3])
+    wxyz = quaternion.multiply(turn, spin.wxyz_icrf)
+    moved = type(spin)(spin.epoch, wxyz, spin.angular_velocity + changes[3:6])
+    if not np.any(changes[6:]):
+        return body, moved
+    moments = body.moments + changes[6:]
+    more: dict[str, Any] = {
+        "mass": body.mass,
+        "relative": body.relative,
+        "center_of_mass": body.center_of_mass,
+    }
+    if np.array_equal(body.principal_axes, np.eye(3)):
+        return Body(moments=moments, **more), moved
+    axes = body.principal_axes
+    tensor = (axes * moments) @ axes.T
+    return Body(tensor=0.5 * (tensor + tensor.T), **more), moved
+
+
+def _row(array):
+    return np.ascontiguousarray(array, dtype=np.float64).reshape(1, -1)

@@ -1,0 +1,219 @@
+"""Derivatives of attitudes and angular velocities of B bodies, as arrays.
+
+The nine parameters of a motion are the rotation vector of its first attitude (3, rad, inertial
+axes), its angular velocity at the epoch (3, rad/s, body axes) and its principal moments (3).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import evaluation
+from attitude.compilation.deferral import uncollected
+from attitude.errors import AttitudeError
+from attitude.immutable import read_only
+from attitude.solution import codes
+from attitude.solution.tangent_record import BLOCK, ROWS, TANGENTS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+# Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
+_MOST_GROWTH = 280.0
+
+
+def tangents_of(
+    moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
+) -> NDArray[Any]:
+    """The derivatives of the elements of B motions.
+
+    Parameters
+    ----------
+    moments, wxyz, principal : arrays
+        From which `evaluation.constants_of` made the constants.
+    constants : (B,) structured array
+
+    Returns
+    -------
+    (B,) structured array of `attitude.solution.tangent_record.TANGENTS`
+
+    Raises
+    ------
+    AttitudeError
+        For a rod, whose attitude about itself does not depend on its moments and rates.
+    """
+    if np.any(moments[:, :, 0] == 0.0):
+        body = int(np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))[0])
+        raise AttitudeError(
+            f"moments are {moments[body, :, 0].tolist()}; sensitivities need three moments above "
+            "zero: the rotation of an ideal rod about itself is undefined."
+        )
+    tangents = np.zeros(len(constants), TANGENTS)
+    given = [evaluation.writable(each) for each in (moments, wxyz, principal, constants)]
+    uniform = np.any(constants["form"] == codes.UNIFORM)
+    if uniform:
+        _compiled(True)[0](*given, tangents)
+    if not uniform or np.any(constants["form"] != codes.UNIFORM):
+        _compiled(False)[0](*given, tangents, np.empty(ROWS * BLOCK))
+    return tangents
+
+
+def evaluate(
+    constants: NDArray[Any],
+    tangents: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    attitude: FloatArray,
+    omega: FloatArray | None = None,
+) -> None:
+    """Fill the derivatives of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants, tangents : (B,) arrays
+        Of `evaluation.constants_of` and `tangents_of`.
+    t, t_low : (1 or B, T) arrays
+        The epochs t + t_low, s; t_low may be None.
+    attitude : (B, 3, P, T) array
+        Filled: the rotation vector of the change of attitude over inertial axes, for a unit change
+        of each of the first P parameters.
+    omega : (B, 3, P, T) array or None
+        Filled: that of the angular velocity, rad/s over the body axes.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs so far away that two doubles of time do not resolve the phases, or that a
+        rotation about an unstable axis amplifies errors beyond the range of doubles.
+    """
+    short = _short_of(constants, tangents, t)
+    _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega))
+
+
+def covariances(
+    constants: NDArray[Any],
+    tangents: NDArray[Any],
+    factors: FloatArray,
+    t: FloatArray,
+    t_low: FloatArray | None,
+    out: FloatArray,
+) -> None:
+    """Fill the covariances of B motions at given epochs.
+
+    Parameters
+    ----------
+    constants, tangents, t, t_low : arrays
+        As in `evaluate`.
+    factors : (B, 9, 9) array
+        W of covariances W W^T of the parameters.
+    out : (B, 3, 3, T) or (B, 6, 6, T) array
+        Filled: of the rotation vector of the attitude (rad2, inertial axes), and with 6 of the
+        angular velocity too (rad/s, body axes).
+
+    Raises
+    ------
+    AttitudeError
+        As `evaluate`.
+    """
+    short = _short_of(constants, tangents, t)
+    if len(short):
+        short["series"] = np.moveaxis(factors, 1, 2)[:, None] @ short["series"]
+    _in_blocks(constants, _mixed(tangents, factors), short, t, t_low, 2, (out,))
+
+
+def _short_of(constants, tangents, t):
+    """The series of the motions for epochs near that of the state, or none if none is near."""
+    if np.all(constants["form"] == codes.UNIFORM):
+        return np.empty(0, _short().SHORT)
+    reach = np.empty(len(constants))
+    _short().reaches(evaluation.writable(constants), reach)
+    with np.errstate(invalid="ignore"):
+        near = (np.abs(t) <= reach[:, None]) & (t != 0.0)
+    if not np.any(near):
+        return np.empty(0, _short().SHORT)
+    short = np.zeros(len(constants), _short().SHORT)
+    given = evaluation.writable(constants), evaluation.writable(tangents)
+    _short().short_setup(*given, reach, short)
+    return short
+
+
+def _mixed(tangents, factors):
+    """The records for parameters of which the given ones are linear combinations."""
+    mixed = tangents.copy()
+    for name in ("weights", "offset", "impulse", "of_moment"):
+        mixed[name] = tangents[name] @ factors
+    for name in ("uniform", "uniform_rates"):
+        mixed[name] = tangents[name] @ factors[:, None]
+    return mixed
+
+
+def _in_blocks(constants, tangents, short, t, t_low, kind, outputs):
+    """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
+    _refuse_overflow(tangents, t)
+    given = evaluation.writable(constants), evaluation.writable(tangents)
+    times = read_only(t), None if t_low is None else read_only(t_low)
+    block = np.empty(ROWS * BLOCK)
+    count = t.shape[1]
+    size = max(evaluation.EPOCHS // (4 * max(len(constants), 1)), 1)
+    forms = set(constants["form"].tolist())
+    for first in range(0, count, size):
+        end = min(first + size, count)
+        for form in forms:
+            loop = _compiled(form == codes.UNIFORM)[kind][form]
+            body = loop(*given, short, *times, block, *outputs, first, end)
+            if body >= 0:
+                k = body if len(t) > 1 else 0
+                low = None if t_low is None else t_low[k, first:end]
+                evaluation.refuse_epoch(constants[body], t[k, first:end], low)
+
+
+def _refuse_overflow(tangents, t):
+    growth = 4.0 * np.pi * tangents["wobble"][:, 0] * tangents["grows"]
+    if not np.any(growth > 0.0):
+        return
+    far = np.nanmax(np.abs(t), axis=1, initial=0.0)
+    if np.any(growth * far > _MOST_GROWTH):
+        rate = float(np.max(growth))
+        raise AttitudeError(
+            f"an epoch lies {np.max(far):.3g} s from that of the state; this rotation about its "
+            f"middle axis is unstable and multiplies errors by e every {1.0 / rate:.3g} s. Give "
+            f"epochs within {_MOST_GROWTH / rate:.3g} s."
+        )
+
+
+@cache
+def _short():
+    with uncollected():
+        from attitude.solution import short_times
+
+    return short_times
+
+
+@cache
+def _compiled(uniform):
+    """Set-up of uniform, or of other, motions, and the loops of each form."""
+    with uncollected():
+        from attitude.solution import sensitivity, tangent_setup
+
+    if uniform:
+        return (
+            tangent_setup.uniform_setup,
+            {codes.UNIFORM: sensitivity.uniform},
+            {codes.UNIFORM: sensitivity.uniform_covariance},
+        )
+    return (
+        tangent_setup.tumbling_setup,
+        {
+            codes.TRIGONOMETRIC: sensitivity.trigonometric,
+            codes.HYPERBOLIC: sensitivity.hyperbolic,
+        },
+        {
+            codes.TRIGONOMETRIC: sensitivity.trigonometric_covariance,
+            codes.HYPERBOLIC: sensitivity.hyperbolic_covariance,
+        },
+    )

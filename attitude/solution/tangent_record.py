@@ -1,0 +1,52 @@
+"""The derivatives of one motion: a record of numbers beside `solution.record`.
+
+The change of attitude at t is a rotation vector over inertial axes.  For motions that tumble, and
+the column of one parameter,
+
+    eta = offset + (time t + wind k) z + (rate t + phase - turn y - passage k) B1 + ...B2 + ...B3
+
+where z is the direction of the angular momentum, B1, B2, B3 are the changes with the nutation phase
+and with two more elements, and k and y are number and phase of the passage of the hyperbolic form.
+"""
+
+import numpy as np
+
+# Epochs are computed in blocks.  The rows of a block lie in one array: with distances that are
+# known when the loops are compiled, LLVM needs no test of overlap and vectorises the loops.  Rows
+# 4096 bytes apart would share the lines of the cache.
+BLOCK = 248
+SECONDS, BASIS, Y, PASSED = (BLOCK * row for row in (0, 1, 10, 11))
+WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (12, 16, 19, 21))
+TURNED, SUMS = BLOCK * 24, BLOCK * 27
+ROWS = 48
+
+# Parameters: initial attitude (3), angular velocity (3), principal moments (3).
+COLUMNS = 9
+
+# Rows of `weights`.
+TIME, RATE, PHASE, SECOND, THIRD, TURN, PASSAGE, WIND = range(8)
+
+TANGENTS: np.dtype[np.void] = np.dtype(
+    [
+        # elements by angular velocity over the given body axes (3) and by the moments as given (3)
+        ("by_input", "f8", (7, 6)),
+        ("weights", "f8", (8, COLUMNS)),
+        ("offset", "f8", (3, COLUMNS)),
+        # axes with z along the momentum, in which the solution is written, to inertial axes
+        ("invariant", "f8", (3, 3)),
+        # series of the derivatives of the pair
+        ("series", "f8", (3, 4, 4)),
+        # angular momentum and its change, inertial axes; inverse inertia, principal axes
+        ("momentum", "f8", 3),
+        ("impulse", "f8", (3, COLUMNS)),
+        ("of_moment", "f8", (3, COLUMNS)),  # change of the principal moments
+        ("inverse", "f8", 3),
+        ("principal", "f8", (3, 3)),
+        # uniform rotation: turns per second of half the oscillation of a wobble, negative squared
+        # where it grows, and what the scalars of solution.uniform_tangents multiply
+        ("wobble", "f8", 2),
+        ("grows", "f8"),
+        ("uniform", "f8", (10, 3, COLUMNS)),
+        ("uniform_rates", "f8", (4, 3, COLUMNS)),
+    ]
+)

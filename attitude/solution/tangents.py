@@ -1,0 +1,257 @@
+"""The changes of attitude with the elements of a motion, for a block of epochs.
+
+A change (A', b') of the pair is the rotation vector (axes with z along the momentum)
+
+    eta_z = 2 Im(A' conj A + b' conj b) / N,      eta_x + i eta_y = 2 exp(2 i Phi) (A b' - b A') / N
+
+with N = |A|^2 + |b|^2 and the phase Phi of the precession; the normalisation of the pair drops out.
+
+Given
+    c, d       records of solution.record and solution.tangent_record
+    t, t_low   (n,) seconds, n <= BLOCK; `t_low` may be None
+Filled
+    block      (ROWS BLOCK,) rows of solution.tangent_record: seconds, three vectors over inertial
+               axes, y and k, attitudes, and the arguments from which the angular velocity follows
+"""
+
+import math
+
+from attitude.compilation.decorators import force_inlined, subroutine
+from attitude.compilation.instructions import fma, rint
+from attitude.solution.kernel import axes_of, epoch_pair, frame_of, rate_series_of
+from attitude.solution.phases import negated_if_odd, phase, sincos
+from attitude.solution.series import (
+    cubic,
+    four,
+    hyperbolic_arguments,
+    hyperbolic_pair,
+    hyperbolic_rates,
+    trigonometric_pair,
+    trigonometric_rates,
+    turned,
+)
+from attitude.solution.tangent_record import (
+    ARGUMENTS,
+    BASIS,
+    BLOCK,
+    OMEGA,
+    PASSED,
+    SECONDS,
+    WXYZ,
+    Y,
+)
+from attitude.solution.twofloat import two_sum
+
+
+@subroutine
+def _matrix(a):
+    return (
+        (a[0, 0], a[0, 1], a[0, 2]),
+        (a[1, 0], a[1, 1], a[1, 2]),
+        (a[2, 0], a[2, 1], a[2, 2]),
+    )
+
+
+@subroutine
+def _four_rows(series):
+    return four(series[0]), four(series[1]), four(series[2]), four(series[3])
+
+
+@subroutine
+def _along(row, v):
+    return fma(row[0], v[0], fma(row[1], v[1], row[2] * v[2]))
+
+
+@subroutine
+def _combined(row, q):
+    return fma(row[0], q[0], row[1] * q[1]) + fma(row[2], q[2], row[3] * q[3])
+
+
+@subroutine
+def _rotation(pair, change, over):
+    """x, y before the precession and z of the rotation vector of a change of the pair."""
+    ar, ai, br, bi = pair
+    cr, ci, dr, di = change
+    x = fma(ar, dr, -ai * di) - fma(br, cr, -bi * ci)
+    y = fma(ar, di, ai * dr) - fma(br, ci, bi * cr)
+    z = fma(ci, ar, -cr * ai) + fma(di, br, -dr * bi)
+    return over * x, over * y, over * z
+
+
+@subroutine
+def _applied(axes, v):
+    """The product of a matrix and a vector."""
+    return _along(axes[0], v), _along(axes[1], v), _along(axes[2], v)
+
+
+@subroutine
+def _store_attitude(frame, pair, block, i):
+    """As `kernel._store_attitude`, in the same order of operations, into epoch i of a block."""
+    ar, ai, br, bi = pair
+    norm = fma(ar, ar, ai * ai) + fma(br, br, bi * bi)
+    scale = 1.0 / math.sqrt(norm)
+    unit = ar * scale, br * scale, bi * scale, ai * scale
+    block[WXYZ + i] = _combined(frame[0], unit)
+    block[WXYZ + BLOCK + i] = _combined(frame[1], unit)
+    block[WXYZ + 2 * BLOCK + i] = _combined(frame[2], unit)
+    block[WXYZ + 3 * BLOCK + i] = _combined(frame[3], unit)
+
+
+@subroutine
+def _store_rates(axes, w, block, i):
+    block[OMEGA + i] = _along(axes[0], w)
+    block[OMEGA + BLOCK + i] = _along(axes[1], w)
+    block[OMEGA + 2 * BLOCK + i] = _along(axes[2], w)
+
+
+@subroutine
+def _precessed(invariant, sine, cosine):
+    """The columns of a matrix, turned about its z by twice the angle of this sine and cosine."""
+    c, s = fma(-2.0 * sine, sine, 1.0), 2.0 * sine * cosine
+    return (
+        (
+            fma(invariant[0][0], c, invariant[0][1] * s),
+            fma(invariant[0][1], c, -invariant[0][0] * s),
+            invariant[0][2],
+        ),
+        (
+            fma(invariant[1][0], c, invariant[1][1] * s),
+            fma(invariant[1][1], c, -invariant[1][0] * s),
+            invariant[1][2],
+        ),
+        (
+            fma(invariant[2][0], c, invariant[2][1] * s),
+            fma(invariant[2][1], c, -invariant[2][0] * s),
+            invariant[2][2],
+        ),
+    )
+
+
+@force_inlined
+def trigonometric_block(c, d, t, t_low, block):
+    """Fill a block of a motion of the trigonometric form: by v, ln rho and X."""
+    gh, gl = c.precession[0], c.precession[1]
+    fh, fl = c.nutation[0], c.nutation[1]
+    xh, xl = c.nutation0[0], c.nutation0[1]
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    beta = four(c.beta[0]), four(c.beta[1])
+    by_v, by_rho, by_x = _four_rows(d.series[0]), _four_rows(d.series[1]), _four_rows(d.series[2])
+    frame, invariant = frame_of(c), _matrix(d.invariant)
+    for i in range(len(t)):
+        time, low = epoch_pair(t, t_low, i)
+        s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
+        sn, cn = sincos(s, lo)
+        pair = trigonometric_pair(alpha, beta, sn, cn)
+        double_cosine, double_sine = fma(-2.0 * sn, sn, 1.0), 2.0 * sn * cn
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
+        sine, cosine = sincos(s, lo)
+        ar, ai, br, bi = pair
+        over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
+        to = _precessed(invariant, sine, cosine)
+        change = (
+            double_sine * cubic(by_v[0], double_cosine),
+            cubic(by_v[1], double_cosine),
+            cn * cubic(by_v[2], double_cosine),
+            sn * cubic(by_v[3], double_cosine),
+        )
+        block[SECONDS + i] = time + low
+        x, y, z = _applied(to, _rotation(pair, change, over))
+        block[BASIS + i] = x
+        block[BASIS + 1 * BLOCK + i] = y
+        block[BASIS + 2 * BLOCK + i] = z
+        change = trigonometric_pair((by_rho[0], by_rho[1]), (by_rho[2], by_rho[3]), sn, cn)
+        x, y, z = _applied(to, _rotation(pair, change, over))
+        block[BASIS + 3 * BLOCK + i] = x
+        block[BASIS + 4 * BLOCK + i] = y
+        block[BASIS + 5 * BLOCK + i] = z
+        change = trigonometric_pair((by_x[0], by_x[1]), (by_x[2], by_x[3]), sn, cn)
+        x, y, z = _applied(to, _rotation(pair, change, over))
+        block[BASIS + 6 * BLOCK + i] = x
+        block[BASIS + 7 * BLOCK + i] = y
+        block[BASIS + 8 * BLOCK + i] = z
+        block[Y + i] = 0.0
+        block[PASSED + i] = 0.0
+        _store_attitude(frame, turned(pair, sine, cosine), block, i)
+        block[ARGUMENTS + i] = sn
+        block[ARGUMENTS + BLOCK + i] = cn
+
+
+@force_inlined
+def hyperbolic_block(c, d, t, t_low, block):
+    """Fill a block of a motion of the hyperbolic form: by y, d and Q'."""
+    gh, gl = c.precession[0], c.precession[1]
+    fh, fl = c.nutation[0], c.nutation[1]
+    xh, xl = c.nutation0[0], c.nutation0[1]
+    winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    by_y = four(d.series[0, 0]), four(d.series[0, 1])
+    by_nome = four(d.series[1, 0]), four(d.series[1, 1])
+    frame, invariant = frame_of(c), _matrix(d.invariant)
+    length = 0.5 * math.log(2.0) * decay
+    for i in range(len(t)):
+        time, low = epoch_pair(t, t_low, i)
+        s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
+        dx = s + lo
+        arguments = hyperbolic_arguments(dx, decay, nome)
+        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+        change = _by_y(by_y, ratio, dx, half_turns, arguments)
+        other = hyperbolic_pair(by_nome, ratio, dx, half_turns, arguments)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
+        s, more = two_sum(s, -tilt * dx)
+        sine, cosine = sincos(s, lo + more)
+        ar, ai, br, bi = pair
+        over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
+        to = _precessed(invariant, sine, cosine)
+        block[SECONDS + i] = time + low
+        x, y, z = _applied(to, _rotation(pair, change, over))
+        block[BASIS + i] = x
+        block[BASIS + 1 * BLOCK + i] = y
+        block[BASIS + 2 * BLOCK + i] = z
+        ar, ai, br, bi = change
+        x, y, z = _applied(to, _rotation(pair, (-ai, ar, -bi, br), over))
+        block[BASIS + 3 * BLOCK + i] = x
+        block[BASIS + 4 * BLOCK + i] = y
+        block[BASIS + 5 * BLOCK + i] = z
+        x, y, z = _applied(to, _rotation(pair, other, over))
+        block[BASIS + 6 * BLOCK + i] = x
+        block[BASIS + 7 * BLOCK + i] = y
+        block[BASIS + 8 * BLOCK + i] = z
+        block[Y + i] = length * dx
+        # The number of the passage: whole turns of 2 x, which parity alone does not tell.
+        block[PASSED + i] = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
+        _store_attitude(frame, turned(pair, sine, cosine), block, i)
+        block[ARGUMENTS + i] = dx
+        block[ARGUMENTS + BLOCK + i] = half_turns
+
+
+@subroutine
+def _by_y(alpha, ratio, dx, half_turns, arguments):
+    """The derivative by y of `solution.series.hyperbolic_pair`."""
+    cosines, sines = alpha
+    e, f, g = arguments
+    sign = -1.0 if dx < 0.0 else 1.0
+    ar = sign * fma(-e, cubic(cosines, g), cubic(cosines, f))
+    ai = fma(e, cubic(sines, g), cubic(sines, f))
+    factor = negated_if_odd(-ratio, half_turns)
+    br = factor * fma(e, cubic(cosines, -g), cubic(cosines, -f))
+    bi = factor * sign * fma(-e, cubic(sines, -g), cubic(sines, -f))
+    return ar, ai, br, bi
+
+
+@force_inlined
+def trigonometric_rates_block(c, n, block):
+    """Fill the angular velocities of a block after `trigonometric_block`."""
+    series, axes = rate_series_of(c), axes_of(c)
+    for i in range(n):
+        sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
+        _store_rates(axes, trigonometric_rates(series, sn, cn), block, i)
+
+
+@force_inlined
+def hyperbolic_rates_block(c, n, block):
+    """Fill the angular velocities of a block after `hyperbolic_block`."""
+    series, axes, decay, nome = rate_series_of(c), axes_of(c), c.decay, c.nome
+    for i in range(n):
+        dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
+        arguments = hyperbolic_arguments(dx, decay, nome)
+        _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), block, i)

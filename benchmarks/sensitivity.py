@@ -1,0 +1,168 @@
+"""Derivatives of attitudes: errors, and what they cost.
+
+    python benchmarks/sensitivity.py            # errors (two minutes) and times
+    python benchmarks/sensitivity.py --times    # times alone
+
+The witness of the errors are central differences of the oracle (tests/differences.py), each
+parameter moved by 1e-28 at 90 digits.  An error is the largest of a column over the largest entry
+of that column at the same epoch.  Times are the least of many repetitions, and ratios are to
+attitudes of the same epochs in the same run.
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+from attitude import Body, FreeRotation, Spin, evaluation, propagate
+from attitude.sensitivities import columns
+from attitude.sensitivities import covariance as covariances
+from tests.differences import sensitivity
+from tests.test_sensitivity import STATES, WXYZ
+
+REVOLUTIONS = (1.3, 1e3 + 0.3, 1e6 + 0.7)
+TIMED = {
+    "short-axis mode": ((10, 20, 26), (9.0, 2.0, 1.0)),
+    "hyperbolic form": ((10, 20, 26), (1.0, 15.0, 1.0)),
+    "principal axis": ((1, 2, 2.7), (0.0, 0.0, 1.0)),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--times", action="store_true", help="leave out the errors")
+    arguments = parser.parse_args()
+    if not arguments.times:
+        errors()
+    long_arrays()
+    set_up()
+    samples()
+
+
+def errors():
+    print("error of a column over its largest entry, by parameters")
+    print(f"{'':30} {'mc':>8}  at 1.3 revolutions    at 1e3              at 1e6")
+    print(f"{'':30} {'':>8} " + "  velocity   moments" * 3)
+    for name, (moments, omega, _) in STATES.items():
+        times = [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in REVOLUTIONS]
+        found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+        expected = sensitivity(moments, WXYZ, omega, times)[0]
+        size = np.abs(expected).max(axis=1)
+        size[size < 1e-20] = 1.0  # zero in exact arithmetic
+        error = np.abs(found - expected).max(axis=1) / size
+        row = "".join(f"  {each[3:6].max():8.1e}  {each[6:].max():8.1e}" for each in error)
+        constants = _constants(moments, omega)[0]
+        print(f"{name:30} {constants['mc'][0, 0]:8.0e} {row}")
+
+
+def _constants(moments, omega):
+    pairs = np.zeros((2, 1, 3, 2))
+    pairs[0, 0, :, 0], pairs[1, 0, :, 0] = moments, omega
+    wxyz, unit = np.array([WXYZ]), np.array([[1.0, 0.0, 0.0, 0.0]])
+    constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
+    return constants, columns.tangents_of(pairs[0], wxyz, unit, constants)
+
+
+def long_arrays():
+    t = np.linspace(0.0, 1e4, 10**5)[None]
+    attitude, rates = np.empty((1, 4, t.size)), np.empty((1, 3, t.size))
+    nine, more = np.empty((1, 3, 9, t.size)), np.empty((1, 3, 9, t.size))
+    three, six = np.empty((1, 3, 3, t.size)), np.empty((1, 6, 6, t.size))
+    factors = covariances.factor(np.diag(np.linspace(1.0, 2.0, 9)))[None]
+    few = t[:, -1000:]
+    small, nine_small = np.empty((1, 4, 1000)), np.empty((1, 3, 9, 1000))
+    print("\n10^5 epochs of one body, one thread, given memory   ns an epoch (x one attitude)")
+    for name, (moments, omega) in TIMED.items():
+        constants, tangents = _constants(moments, omega)
+        given = constants, tangents
+        calls = {
+            "attitude": lambda c=constants: evaluation.evaluate(c, t, None, attitude, None),
+            "attitude and rates": lambda c=constants: evaluation.evaluate(
+                c, t, None, attitude, rates
+            ),
+            "nine columns": lambda g=given: columns.evaluate(*g, t, None, nine),
+            "nine columns, and of the rates": lambda g=given: columns.evaluate(
+                *g, t, None, nine, more
+            ),
+            "covariance of the attitude": lambda g=given: columns.covariances(
+                *g, factors, t, None, three
+            ),
+            "covariance with rates": lambda g=given: columns.covariances(*g, factors, t, None, six),
+        }
+        costs = {what: best(call) / t.size for what, call in calls.items()}
+        one = best(lambda c=constants: evaluation.evaluate(c, few, None, small, None)) / 1000
+        cached = best(lambda g=given: columns.evaluate(*g, few, None, nine_small)) / 1000
+        print(f"  {name}")
+        for what, cost in costs.items():
+            print(f"    {what:40} {cost * 1e9:8.1f} {cost / costs['attitude']:8.1f}")
+        print(f"    {'nine columns of 1000 epochs, in the cache':40} {cached * 1e9:8.1f} "
+              f"{cached / one:8.1f}")  # fmt: skip
+
+
+def set_up():
+    print("\nset-up of the derivatives, 10^4 bodies               us a body")
+    for name, (moments, omega) in TIMED.items():
+        pairs = np.zeros((2, 10**4, 3, 2))
+        pairs[0, :, :, 0], pairs[1, :, :, 0] = moments, omega
+        wxyz, unit = np.tile(WXYZ, (10**4, 1)), np.array([[1.0, 0.0, 0.0, 0.0]])
+        constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
+        cost = best(lambda p=pairs[0], w=wxyz, u=unit, c=constants: columns.tangents_of(p, w, u, c))
+        print(f"    {name:40} {cost / 10**4 * 1e6:8.2f}")
+
+
+def samples(count=10**5):
+    """Covariances of small errors against samples; the scatter of a variance is sqrt(2/n)."""
+    print(f"\n{count} samples against the covariance, in standard deviations of the sample")
+    generator = np.random.default_rng(16)
+    t = np.array([3.0, 50.0])
+    for name, (moments, omega, _) in STATES.items():
+        if "separatrix" in name or name == "lamina":
+            continue  # errors that are not small against the distance, or lead to no body
+        sigma = np.concatenate([np.full(3, 1e-6), np.full(3, 1e-7), 1e-7 * np.array(moments)])
+        spin = Spin(
+            epoch="2026-01-01", wxyz=WXYZ, angular_velocity=omega, covariance=np.diag(sigma**2)
+        )
+        motion = FreeRotation(Body(moments=moments, relative=True), spin)
+        linear = motion.covariance_at(t, rates=False)
+        draws = generator.standard_normal((count, 9)) * sigma
+        turn = np.concatenate([np.ones((count, 1)), 0.5 * draws[:, :3]], axis=1)
+        wxyz = propagate(
+            np.add(moments, draws[:, 6:]),
+            _products(turn, np.array(WXYZ)),
+            np.add(omega, draws[:, 3:6]),
+            np.broadcast_to(t, (count, 2)),
+        )
+        turns = 2.0 * _products(wxyz, motion.at(t).wxyz * [1, -1, -1, -1])[..., 1:]
+        found = np.einsum("nti,ntj->tij", turns, turns) / count
+        size = np.sqrt(np.diagonal(linear, axis1=1, axis2=2))
+        scatter = size[:, :, None] * size[:, None, :] * np.sqrt(2.0 / count)
+        print(f"    {name:40} {np.max(np.abs(found - linear) / scatter):6.2f}")
+
+
+def _products(p, q):
+    a, b, c, d = np.moveaxis(p, -1, 0)
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    return np.stack(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ],
+        axis=-1,
+    )
+
+
+def best(call, least=12, seconds=0.5):
+    call()
+    shortest, begin, count = np.inf, time.perf_counter(), 0
+    while count < least or time.perf_counter() - begin < seconds:
+        start = time.perf_counter()
+        call()
+        shortest = min(shortest, time.perf_counter() - start)
+        count += 1
+    return shortest
+
+
+if __name__ == "__main__":
+    main()

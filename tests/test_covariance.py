@@ -1,0 +1,153 @@
+"""Covariances of attitudes: against the sensitivity, against samples, and bad input."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude import representations as forms
+from attitude.quaternion import conjugate, multiply
+
+BODIES = {
+    "tumbling": ((10, 20, 26), (9.0, 2.0, 1.0)),
+    "hyperbolic": ((10, 20, 26), (1.0, 15.0, 1.0)),
+    "symmetric": ((2, 2, 3), (0.3, 0.4, 0.9)),
+    "sphere": ((2, 2, 2), (0.3, 0.5, 1.0)),
+    "axis": ((1, 2, 2.7), (0.0, 0.0, 1.0)),
+    "equator": ((2, 2, 3), (0.3, 0.5, 0.0)),
+    "rest": ((1, 2, 2.7), (0.0, 0.0, 0.0)),
+}
+
+
+def spin_of(omega, covariance, **more):
+    return Spin(
+        epoch="2026-01-01",
+        wxyz=(1, 2, 3, 4),
+        angular_velocity=omega,
+        covariance=covariance,
+        **more,
+    )
+
+
+def full(seed=1, size=1e-4):
+    root = np.random.default_rng(seed).normal(size=(9, 9)) * size
+    return root @ root.T
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_products_of_the_sensitivity(name):
+    moments, omega = BODIES[name]
+    given = full()
+    motion = FreeRotation(Body(moments=moments), spin_of(omega, given))
+    t = np.linspace(-20.0, 30.0, 300)
+    history = motion.at(t)
+    attitude, rates = motion.sensitivity_at(t, angular_velocity=True)
+    both = np.concatenate([attitude, rates], axis=1)
+    expected = both @ given @ np.swapaxes(both, 1, 2)
+    assert history.covariance.shape == (300, 6, 6)
+    scale = np.abs(expected).max(axis=(1, 2))
+    assert np.all(np.abs(history.covariance - expected).max(axis=(1, 2)) < 1e-13 * scale)
+    assert np.array_equal(history.covariance, np.swapaxes(history.covariance, 1, 2))
+    part = motion.covariance_at(t, rates=False)
+    assert np.array_equal(part, history.covariance[:, :3, :3])
+    assert np.array_equal(history.sigma, np.sqrt(np.diagonal(part, axis1=1, axis2=2)))
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_within_the_scatter_of_samples(name):
+    moments, omega = BODIES[name]
+    motion = FreeRotation(Body(moments=moments), spin_of(omega, full(2, 1e-5)))
+    t, count = np.array([0.0, 7.0, 19.0]), 2000
+    wxyz = motion.at(t).wxyz
+    turns = np.array(
+        [
+            forms.to_rotation_vector(multiply(each.at(t).wxyz, conjugate(wxyz)))
+            for each in motion.sample(count, seed=5)
+        ]
+    )
+    found = np.mean(turns[:, :, :, None] * turns[:, :, None, :], axis=0)
+    linear = motion.covariance_at(t, rates=False)
+    size = np.sqrt(np.diagonal(linear, axis1=1, axis2=2))
+    scatter = size[:, :, None] * size[:, None, :] * np.sqrt(2.0 / count)
+    assert np.all(np.abs(found - linear) < 5.0 * scatter)
+
+
+def test_no_error_is_exactly_none():
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin_of((1, 15, 1), np.zeros((9, 9))))
+    history = motion.at(np.linspace(0.0, 1e6, 7))
+    assert not np.any(history.covariance) and not np.any(history.sigma)
+    assert motion.sigma_points() == [] and not np.any(history.nonlinearity)
+
+
+def test_the_attitude_at_the_epoch_has_the_given_error():
+    spin = spin_of((1, 15, 1), {"attitude": ["1 deg", "2 deg", "3 deg"]}, frame="ecliptic")
+    history = FreeRotation(Body(moments=(10, 20, 26)), spin).at(0.0)
+    over_ecliptic = spin.covariance[:3, :3]
+    assert np.allclose(np.degrees(np.sqrt(np.diag(over_ecliptic))), [1, 2, 3])
+    assert np.isclose(np.trace(history.covariance[:3, :3]), np.trace(over_ecliptic))
+    assert not np.allclose(history.sigma, np.radians([1, 2, 3]))
+
+
+def test_nonlinearity_says_when_the_covariance_misleads():
+    small, large = (
+        FreeRotation(Body(moments=(10, 20, 26)), spin_of((1, 15, 1), {"angular_velocity": size}))
+        for size in (1e-8, 3e-2)
+    )
+    t = np.array([0.0, 1.0, 100.0])
+    assert np.all(small.at(t).nonlinearity < 1e-4)
+    found = large.at(t).nonlinearity
+    assert found[0] < 1e-6 and found[2] >= 1.0
+
+
+def test_sigma_points_carry_mean_and_covariance():
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin_of((9, 2, 1), full(3, 1e-6)))
+    points = motion.sigma_points()
+    assert len(points) == 18
+    rates = np.array([each.spin.angular_velocity for each in points]) - [9, 2, 1]
+    expected = motion.spin.covariance[3:6, 3:6]
+    assert np.allclose(0.5 * rates.T @ rates, expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_samples_repeat_and_keep_moments_of_bodies():
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin_of((0.1, 0.2, 1), {"moments": 0.05}))
+    one, two = motion.sample(20, seed=1), motion.sample(20, seed=1)
+    assert all(
+        np.array_equal(a.body.moments, b.body.moments) for a, b in zip(one, two, strict=True)
+    )
+    for each in one:
+        moments = np.sort(each.body.moments)
+        assert moments[2] <= moments[0] + moments[1] + 1e-12
+    hopeless = FreeRotation(Body(moments=(1, 2, 3)), spin_of((0.1, 0.2, 1), {"moments": 1e6}))
+    with pytest.raises(AttitudeError, match="draws"):
+        hopeless.sample(50)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (np.eye(5), "shape"),
+        (np.diag([1, 1, 1, 1, 1, 1, 1, 1, -1.0]), "not negative"),
+        (np.triu(np.ones((9, 9))), "not symmetric"),
+        (
+            np.ones((6, 6)) - 2.0 * np.eye(6) + 2.5 * np.eye(6) - 1.2 * np.ones((6, 6)),
+            "negative|not",
+        ),
+        (np.full((9, 9), np.nan), "finite"),
+        ({"attitude": -1.0}, "not negative"),
+        ({"attitudes": 1.0}, "its names are"),
+        ({"angular_velocity": "1 kg"}, "kg"),
+        ("large", "covariance"),
+    ],
+)
+def test_what_is_refused(given, words):
+    with pytest.raises(AttitudeError, match=words):
+        spin_of((1, 2, 3), given)
+
+
+def test_without_a_covariance():
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin_of((1, 2, 3), None))
+    for name in ("covariance", "sigma", "nonlinearity"):
+        with pytest.raises(AttitudeError, match="has no covariance"):
+            getattr(motion.at(1.0), name)
+    again = FreeRotation(motion.body, motion.spin.with_covariance({"attitude": 0.1}))
+    assert np.allclose(again.at(0.0).sigma, 0.1)
+    assert again.spin.with_covariance(None).covariance is None

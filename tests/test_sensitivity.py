@@ -1,0 +1,161 @@
+"""Sensitivities against central differences of the 60-digit oracle, in every regime."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
+from attitude import representations as forms
+from attitude.quaternion import conjugate, matrix, multiply
+from tests.differences import sensitivity
+
+WXYZ = (1.0, 0.3, 0.2, -0.1)
+# Moments, angular velocity, tolerance relative to the largest entry of a column.  Near the
+# separatrix the derivatives of the period are of size 1/mc, and so is their error.
+STATES = {
+    "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
+    "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
+    "hyperbolic form": ((10, 20, 26), (1, 15, 1), 2e-14),
+    "symmetric": ((2, 2, 3), (0.3, 0.4, 0.9), 4e-15),
+    "symmetric, long axis": ((2, 3, 3), (1.3, 0.4, 0.9), 4e-15),
+    "symmetric but for 1e-7": ((2, 2.0000001, 3), (0.3, 0.4, 0.9), 4e-15),
+    "symmetric but for 1e-14": ((2, 2 + 2e-14, 3), (0.3, 0.4, 0.9), 4e-15),
+    "near the short axis, 1e-5": ((1, 2, 2.7), (1e-5, 2e-5, 1.0), 4e-15),
+    "near the short axis, 1e-10": ((1, 2, 2.7), (1e-10, 2e-10, 1.0), 4e-15),
+    "near the long axis": ((1, 2, 2.7), (1.0, 1e-8, 2e-10), 4e-15),
+    "lamina": ((1, 2, 3 - 1e-9), (0.1, 0.2, 1.0), 4e-15),
+    "short axis": ((1, 2, 2.7), (0, 0, 1.0), 4e-15),
+    "long axis": ((1, 2, 2.7), (0.7, 0, 0), 4e-15),
+    "sphere": ((2, 2, 2), (0.3, 0.5, 1), 4e-15),
+    "equator of a symmetric body": ((2, 2, 3), (0.3, 0.5, 0), 4e-15),
+    "at rest": ((1, 2, 2.7), (0, 0, 0), 4e-15),
+    "sphere but for 1e-3": ((2, 2.002, 2.003), (0.3, 0.5, 1), 4e-15),
+    "sphere but for 1e-8": ((2, 2.00000002, 2.00000003), (0.3, 0.5, 1), 4e-15),
+    "beside the equator": ((2, 2, 3), (0.3, 0.5, 1e-9), 4e-15),
+    "1e-2 from the separatrix": ((1, 2, 2.7), (1.3888, 0.4, 1.0), 4e-15),
+    "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 1e-9),
+}
+
+
+def _epochs(omega, revolutions):
+    return [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in revolutions]
+
+
+def _compare(found, expected, tolerance):
+    for j in range(9):
+        size = np.abs(expected[:, :, j]).max(axis=1)
+        size[size < 1e-20] = 1.0  # zero in exact arithmetic
+        error = np.abs(found[:, :, j] - expected[:, :, j]).max(axis=1)
+        assert np.all(error <= tolerance * size), (j, error / size)
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_against_differences_of_the_oracle(name):
+    moments, omega, tolerance = STATES[name]
+    times = _epochs(omega, (1.3, 1e3 + 0.3, 1e6 + 0.7))
+    found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    attitude, rates = sensitivity(moments, WXYZ, omega, times)
+    _compare(found[2], attitude, tolerance)
+    # The change of the angular velocity with the moments vanishes at a principal axis, where that
+    # of the rates does not: it is compared with the rates over the moments.
+    speed = max(map(abs, omega)) or 1.0
+    for part, size in ((slice(3, 6), 1.0), (slice(6, 9), speed / max(moments))):
+        scale = np.maximum(np.abs(rates[:, :, part]).max(axis=(1, 2)), size)
+        error = np.abs(found[3] - rates)[:, :, part].max(axis=(1, 2))
+        assert np.all(error <= 2.0 * tolerance * scale), (part, error / scale)
+
+
+def test_the_middle_axis_grows_as_it_should():
+    moments, omega = (1, 2, 2.7), (0, 1.0, 0)
+    times = [1.0, 10.0, 30.0]
+    found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+    _compare(found, sensitivity(moments, WXYZ, omega, times)[0], 4e-14)
+    with pytest.raises(AttitudeError, match="unstable"):
+        propagate(moments, WXYZ, omega, [1e4], sensitivity=True)
+
+
+def test_all_forms_agree_where_they_meet():
+    """A motion next to a uniform one, or next to another form, has nearly the same derivatives."""
+    times = np.linspace(0.0, 20.0, 9)
+    for moments, omega, change in (
+        ((1, 2, 2.7), (0, 0, 1.0), (1e-9, 0, 0)),
+        ((2, 2, 3), (0.3, 0.5, 0), (0, 0, 1e-9)),
+        ((1, 2, 2.7), (0, 0, 0), (1e-9, 0, 0)),
+    ):
+        other = np.add(omega, change)
+        one = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+        two = propagate(moments, WXYZ, other, times, sensitivity=True)[1]
+        assert np.abs(one - two).max() < 1e-6 * np.abs(one).max()
+
+
+def test_a_tensor_and_another_frame():
+    rotation = forms.from_rotation_vector(np.array([0.3, -0.5, 0.8]))
+    axes = matrix(rotation)
+    tensor = axes @ np.diag([2.0, 3.0, 4.5]) @ axes.T
+    body = Body(tensor=0.5 * (tensor + tensor.T))
+    spin = Spin(
+        epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.2, 1.0, 0.3), frame="ecliptic"
+    )
+    motion = FreeRotation(body, spin)
+    t = 12.5
+    found, rates = motion.sensitivity_at(t, angular_velocity=True)
+    for j in range(9):
+        step = 1e-5
+        sides = [motion.changed(sign * step * np.eye(9)[j]).at(t) for sign in (1, -1)]
+        turn = multiply(sides[0].wxyz, conjugate(sides[1].wxyz))
+        numeric = forms.to_rotation_vector(turn) / (2 * step)
+        assert np.abs(found[:, j] - numeric).max() < 1e-7 * np.abs(found).max()
+        numeric = (sides[0].angular_velocity - sides[1].angular_velocity) / (2 * step)
+        assert np.abs(rates[:, j] - numeric).max() < 1e-7 * np.abs(found).max()
+
+
+def test_body_axes():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.2, 1.0, 0.3))
+    motion = FreeRotation(Body(moments=(2, 3, 4.5)), spin)
+    inertial, body = (motion.sensitivity_at([0.0, 3.0], axes=axes) for axes in ("inertial", "body"))
+    assert np.allclose(body[0, :, :3], np.eye(3), atol=1e-15)
+    history = motion.at([0.0, 3.0])
+    assert np.allclose(history.matrix[1] @ body[1, :, 3:], inertial[1, :, 3:], atol=1e-13)
+    back = history.matrix[1] @ body[1, :, :3] @ history.matrix[0].T
+    assert np.allclose(back, inertial[1, :, :3], atol=1e-13)
+
+
+def test_shapes_blocks_and_memory():
+    moments = np.array([[10, 20, 26], [1, 2, 2.7], [2, 2, 2.0]])
+    omega = np.array([[1, 15, 1], [0, 0, 1.0], [1, 2, 3]])
+    t = np.linspace(-5.0, 5.0, 777)
+    wxyz, found = propagate(moments, WXYZ, omega, t, sensitivity=True)
+    assert found.shape == (3, 777, 3, 9)
+    for b in range(3):
+        one, alone = propagate(moments[b], WXYZ, omega[b], t, sensitivity=True)
+        assert np.array_equal(one, wxyz[b])
+        assert np.array_equal(alone, found[b])
+        for k in (0, 300, 776):  # the same bits whatever the block
+            assert np.array_equal(
+                propagate(moments[b], WXYZ, omega[b], t[k], sensitivity=True)[1], found[b, k]
+            )
+    out = np.empty((3, 777, 3, 9))
+    assert propagate(moments, WXYZ, omega, t, sensitivity=True, sensitivity_out=out)[1] is out
+    assert np.array_equal(out, found)
+    with pytest.raises(AttitudeError, match="sensitivity_out"):
+        propagate(moments, WXYZ, omega, t, sensitivity_out=out)
+    with pytest.raises(AttitudeError, match="rod"):
+        propagate((0, 1, 1), WXYZ, (0, 1, 1), t, sensitivity=True)
+    gap = propagate(moments, WXYZ, omega, [1.0, np.nan], sensitivity=True)[1]
+    assert np.isnan(gap[:, 1]).all() and np.isfinite(gap[:, 0]).all()
+
+
+def test_the_epoch_is_exact():
+    for moments, omega, _ in STATES.values():
+        found = propagate(moments, WXYZ, omega, 0.0, sensitivity=True)[1]
+        expected = np.zeros((3, 9))
+        expected[:, :3] = np.eye(3)
+        assert np.abs(found - expected).max() <= 1e-30
+
+
+def test_a_second_double_of_the_epoch():
+    moments, omega = (10, 20, 26), (1, 15, 1)
+    t, low = 1e9, 3e-8
+    whole = propagate(moments, WXYZ, omega, t, t_low=low, sensitivity=True)[1]
+    swapped = propagate(moments, WXYZ, omega, low, t_low=t, sensitivity=True)[1]
+    assert np.array_equal(whole, swapped)
+    assert np.any(whole != propagate(moments, WXYZ, omega, t, sensitivity=True)[1])
