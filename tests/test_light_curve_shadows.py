@@ -81,6 +81,76 @@ def test_the_table_against_every_ray_with_every_triangle():
     assert np.sqrt(np.mean(millimagnitudes(unshadowed, exact) ** 2)) > 50.0
 
 
+def sampled(table):
+    """The direction in which each point samples each cell of a table: (6, n, n, 8, 3)."""
+    n = table.resolution
+    shift = np.stack(visibility.plane_filling(8), axis=1) - 0.5
+    place = (
+        (np.arange(n)[:, None] + 0.5 + shift[:, 0]) * 2.0 / n - 1.0,
+        (np.arange(n)[:, None] + 0.5 + shift[:, 1]) * 2.0 / n - 1.0,
+    )
+    u, v = (np.sign(s) * ((1.0 + np.abs(s)) ** 2 - 1.0) / 3.0 for s in place)
+    found = np.empty((6, n, n, 8, 3))
+    for face in range(6):
+        axis = face // 2
+        found[face, ..., axis] = 1.0 - 2.0 * (face % 2)
+        found[face, ..., (axis + 1) % 3] = u[None]
+        found[face, ..., (axis + 2) % 3] = v[:, None]
+    return found
+
+
+SHEET = Mesh(
+    [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 1.5], [0, 2, 1.5]],
+    [[0, 1, 2], [0, 2, 3], [0, 3, 5], [0, 5, 4]],
+    open=True,
+)
+
+
+@pytest.mark.parametrize(
+    "mesh", [peanut(2), peanut(3, 0.02), box_wing((2, 3, 4), (5, 2), gap=0.5), SHEET]
+)
+def test_every_bit_of_the_table_is_a_ray_with_every_triangle(mesh):
+    """Neither boxes around facets nor windows around triangles leave out a cell."""
+    table = Visibility.of(mesh, resolution=9)
+    directions = sampled(table)
+    points = visibility.points_of(mesh.corners)
+    wrong = 0
+    for place, facet in enumerate(table.clusters.order):
+        if facet < 0:
+            continue
+        bits = np.unpackbits(table.masks[:, place, None], axis=1, bitorder="little") == 1
+        for point in range(8):
+            rays = directions[..., point, :].reshape(-1, 3)
+            a, b, c = np.moveaxis(mesh.corners - points[facet, point], 1, 0)
+            det = np.einsum("fi,fi->f", a, np.cross(b, c))
+            sides = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+            # Triangles in the plane of the facet, and itself, hide nothing.
+            sides *= (np.sign(det) * (np.abs(det) > 1e-12))[:, None]
+            hit = np.any(np.all(np.einsum("ri,kfi->krf", rays, sides) > 0.0, axis=0), axis=1)
+            up = rays @ mesh.normals[facet] > 0.0
+            wrong += np.sum(~(hit & up) != bits[:, point])
+    # A ray that passes within rounding of an edge may count either way.
+    assert wrong <= 1e-6 * table.masks.size * 8
+
+
+def test_boxes_hold_their_facets():
+    from attitude.light_curve.hierarchy import LEAF, hierarchy_of
+
+    for mesh in (peanut(1), peanut(3), box((1, 2, 3)), SHEET):
+        tree = hierarchy_of(mesh.corners)
+        assert sorted(tree.order) == list(range(len(mesh)))
+        leaves = len(tree.boxes) // 2
+        for node in range(1, 2 * leaves):
+            depth = leaves.bit_length() - node.bit_length()
+            first = ((node << depth) - leaves) * LEAF
+            inside = mesh.corners[tree.order[first : first + (LEAF << depth)]].reshape(-1, 3)
+            if len(inside):
+                assert np.array_equal(tree.boxes[node, :3], inside.min(axis=0))
+                assert np.array_equal(tree.boxes[node, 3:], inside.max(axis=0))
+            else:
+                assert np.all(tree.boxes[node] == [np.inf] * 3 + [-np.inf] * 3)
+
+
 def test_2000_facets_against_embree():
     pytest.importorskip("trimesh", reason="trimesh, which casts the rays, is not installed")
     pytest.importorskip("embreex", reason="embreex, which casts them fast, is not installed")

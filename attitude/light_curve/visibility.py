@@ -1,8 +1,8 @@
 """The table of directions in which each part of each facet is free: shadows without rays.
 
 The sky is a cube of 6 n^2 cells.  Each facet has eight points.  For each point every facet that
-rises above its horizon is painted onto the cube, row by row: a triangle seen from a point is a
-triangle on each face of the cube.  One bit for each point and cell records whether the sky is free.
+rises above its horizon is painted onto the cube: a triangle seen from a point is a triangle on each
+face of the cube.  One bit for each point and cell records whether the sky is free.
 Sun and observer are then one row of the table each, and the bits that both rows share are the
 points both lit and seen: no assumption about the overlap of shadow and occultation is needed.
 
@@ -36,6 +36,8 @@ POINTS = 8
 # halves the error and takes four times the memory; see `Visibility.of`.
 _LARGEST = 1 << 28
 _FINEST = 64
+# Clusters whose columns of the table, one cache line, are written together.
+_AT_ONCE = 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -178,22 +180,29 @@ def _painted(
     """The masks of a `Visibility`."""
     from attitude.light_curve import painting
     from attitude.light_curve.blocks import in_blocks
+    from attitude.light_curve.hierarchy import enclosed, hierarchy_of
 
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
     # With the mean of the centroids as origin, heights keep their digits wherever the mesh lies.
     corners = mesh.corners - np.mean(mesh.centroids, axis=0)
-    points = np.ascontiguousarray(points_of(corners))
+    points = np.ascontiguousarray(np.swapaxes(points_of(corners), 1, 2))
     shift = np.stack(plane_filling(POINTS), axis=1) - 0.5
+    across, up = painting.tangents(shift, resolution)
+    planes = np.einsum("fi,fi->f", mesh.normals, corners[:, 0])
+    tree = hierarchy_of(corners)
+    near = corners[tree.order]
+    facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
+    balls = enclosed(near)
     normals = np.ascontiguousarray(mesh.normals)
     both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
     def work(begin: int, end: int) -> None:
-        for k in range(begin, end):
-            members = clusters.order[k * SIZE : (k + 1) * SIZE]
-            painting.paint(
-                corners, normals, points, members, shift, resolution, both, masks, k * SIZE
-            )
+        members = clusters.order[begin * SIZE : end * SIZE]
+        painting.paint(
+            *(tree.boxes, near, balls, facing, normals, points, members, across, up),
+            *(resolution, both, masks, begin * SIZE),
+        )
 
-    in_blocks(work, clusters.count, 1, threads, progress)
+    in_blocks(work, clusters.count, _AT_ONCE, threads, progress)
     return masks
