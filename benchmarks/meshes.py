@@ -53,7 +53,7 @@ def concave():
         seconds, _ = took(lambda m=mesh: clusters_of(Mesh(m.vertices, m.facets)), 1)
         row("  clusters", f"{seconds:.2f} s")
         rounds = 3 if len(mesh) < 50_000 else 1
-        seconds, table = took(lambda m=mesh: Visibility.of(m), rounds)
+        seconds, table = took(lambda m=mesh: Visibility.of(m, keep=False), rounds)
         required = "<= 5" if 20_000 <= len(mesh) <= 23_000 else ""
         row(f"  table of {table.resolution} cells", f"{seconds:.2f} s", required)
         sun, observer = directions(2000, 90.0)
@@ -66,7 +66,7 @@ def concave():
 def main():
     print(f"numpy {np.__version__}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     print(f"{'quantity':58s} {'measured':34s} required")
-    Visibility.of(peanut(2), resolution=8)  # compiles
+    Visibility.of(peanut(2), resolution=8, keep=False)  # compiles
     convex()
     concave()
 

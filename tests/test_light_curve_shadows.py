@@ -1,5 +1,7 @@
 """Self-shadowing: the table of visibility against rays, written out here and cast by embree."""
 
+import io
+import os
 import pickle
 
 import numpy as np
@@ -300,3 +302,71 @@ def test_a_table_of_another_mesh_is_refused():
             brightness_by_rays(given, "lambert", up, up)
     with pytest.raises(AttitudeError, match="resolution is 2"):
         Visibility.of(peanut(3), resolution=2)
+
+
+def test_a_table_is_kept_on_disk_by_the_content_of_the_mesh(tmp_path, monkeypatch):
+    from attitude.light_curve import table_files
+
+    def refuse(*given):
+        raise AssertionError("computed again")
+
+    monkeypatch.setenv("ATTITUDE_CACHE", str(tmp_path / "tables"))
+    computed = visibility._painted
+    # Below the time from which on a table is worth its place, none is kept.
+    Visibility.of(peanut(3), resolution=4)
+    assert not (tmp_path / "tables").exists()
+    monkeypatch.setattr(table_files, "WORTH", 0.0)
+    first = Visibility.of(peanut(3), resolution=8)
+    (file,) = (tmp_path / "tables").iterdir()
+    monkeypatch.setattr(visibility, "_painted", refuse)
+    again = Visibility.of(peanut(3), resolution=8)
+    assert np.array_equal(first.masks, again.masks) and not again.masks.flags.writeable
+    # Another mesh, another resolution, and keep=False have their own.
+    for mesh, resolution, keep in (
+        (peanut(3).scaled(1.0 + 1e-15), 8, True),
+        (peanut(3), 9, True),
+        (peanut(3), 8, False),
+    ):
+        with pytest.raises(AssertionError, match="computed again"):
+            Visibility.of(mesh, resolution=resolution, keep=keep)
+    # One bit that changed, and a file cut short, count as no table.
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    for spoilt in (bytes(content), content[:1000], b""):
+        file.write_bytes(spoilt)
+        with pytest.raises(AssertionError, match="computed again"):
+            Visibility.of(peanut(3), resolution=8)
+    monkeypatch.setattr(visibility, "_painted", computed)
+    assert np.array_equal(Visibility.of(peanut(3), resolution=8).masks, first.masks)
+    # Beyond the bound the file that was used longest ago goes.
+    monkeypatch.setattr(table_files, "LARGEST", int(2.5 * file.stat().st_size))
+    os.utime(file, (1.0, 1.0))
+    for size in (2.0, 3.0):
+        Visibility.of(peanut(3).scaled(size), resolution=8)
+    assert not file.exists() and len(list((tmp_path / "tables").iterdir())) == 2
+    # A folder that cannot be made is no error.
+    (tmp_path / "taken").write_text("")
+    monkeypatch.setenv("ATTITUDE_CACHE", str(tmp_path / "taken"))
+    Visibility.of(peanut(3), resolution=8)
+
+
+def test_the_first_brightness_of_a_large_mesh_is_not_silent(monkeypatch):
+    from attitude.light_curve import progress_bar
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    up = [0.0, 0.0, 1.0]
+    shown = Terminal()
+    monkeypatch.setattr("sys.stderr", shown)
+    brightness(peanut(3), "lambert", up, up)
+    assert shown.getvalue() == ""  # done in less than a second
+    monkeypatch.setattr(progress_bar, "_PATIENCE", 0.0)
+    brightness(peanut(4), "lambert", up, up)
+    assert "\rattitude: shadows of 320 facets [" in shown.getvalue()
+    assert shown.getvalue().endswith("[" + "#" * 30 + "] 100 %\n")
+    silent = io.StringIO()
+    monkeypatch.setattr("sys.stderr", silent)
+    brightness(peanut(4, 0.1), "lambert", up, up)
+    assert silent.getvalue() == ""

@@ -12,13 +12,16 @@ rather than its middle.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
+from attitude.light_curve import table_files
 from attitude.light_curve.clusters import SIZE, Clusters, clusters_of
+from attitude.light_curve.progress_bar import ProgressBar
 from attitude.shape import Mesh
 from attitude.shape.closure import parts
 
@@ -81,6 +84,7 @@ class Visibility:
         resolution: int | None = None,
         threads: int = 1,
         progress: Callable[[int, int], object] | None = None,
+        keep: bool = True,
     ) -> Visibility:
         """The table of a mesh.
 
@@ -95,7 +99,11 @@ class Visibility:
         threads : int
             Number of threads; it does not change the table.
         progress : callable, optional
-            Called with (number of clusters of eight facets done, number of clusters).
+            Called with (number of clusters of eight facets done, number of clusters).  By default a
+            bar is drawn on standard error, if that is a terminal, after a second.
+        keep : bool
+            Whether the table is read from and, if it took more than a second, kept in the user's
+            cache folder (`table_files`).
 
         Raises
         ------
@@ -121,8 +129,17 @@ class Visibility:
             raise AttitudeError(
                 f"resolution is {resolution!r}; give a whole number of cells from 4 to 512."
             )
-        masks = _painted(mesh, clusters, int(resolution), threads, progress)
-        return cls(masks, int(resolution), clusters, mesh.corners)
+        resolution = int(resolution)
+        file = table_files.file_of(mesh.corners, clusters.order, resolution) if keep else None
+        masks = table_files.read(file, (6 * resolution**2, places))
+        if masks is None:
+            begin = time.monotonic()
+            if progress is None:
+                progress = ProgressBar(f"shadows of {len(mesh)} facets")
+            masks = _painted(mesh, clusters, resolution, threads, progress)
+            if time.monotonic() - begin > table_files.WORTH:
+                table_files.write(file, masks)
+        return cls(masks, resolution, clusters, mesh.corners)
 
     def is_of(self, mesh: Mesh) -> bool:
         """Whether the table, which may have been unpickled, belongs to a mesh.
