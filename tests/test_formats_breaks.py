@@ -99,3 +99,48 @@ def test_motions_without_breaks_are_one_segment_as_before():
     # A break at the first record belongs to the stretch before.
     (part,) = sources.segments(ARCS, ARCS.joints[0] + np.arange(20.0))
     assert part.seconds[0] == ARCS.joints[0] and len(part) == 20
+
+
+@pytest.mark.parametrize(("kind", "tolerance"), [(5, 1e-9), (5, 1e-12), (3, 1e-6)])
+def test_a_kernel_keeps_its_tolerance_on_both_sides_of_a_break(tmp_path, kind, tolerance):
+    """It claimed 1.3e-15 rad and erred by 2.1e-6: SPICE interpolated across the jump."""
+    spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    from attitude.formats import ck
+
+    made = ck.write(tmp_path / "a.bc", ARCS, 0.0, 120.0, kind=kind, tolerance=tolerance)
+    assert made.error <= tolerance
+    steps = np.random.default_rng(1).uniform(-2.0, 2.0, 60) * made.step
+    t = np.concatenate([EPOCHS + 0.37, *(joint + steps for joint in ARCS.joints)])
+    # SPICE's epochs are doubles of seconds past J2000.
+    et = ARCS.epoch.seconds + t
+    seconds = (et - ARCS.epoch.seconds) - ARCS.epoch.low
+    true = ARCS.at(seconds, ((et - ARCS.epoch.seconds) - seconds) - ARCS.epoch.low)
+    names = list(made.kernels)
+    try:
+        for name in names:
+            spice.furnsh(name)
+        for k, second in enumerate(et):
+            ticks = spice.sce2c(-999, second)
+            matrix, rate, _ = spice.ckgpav(-999000, ticks, 0.0, "J2000")
+            assert np.max(np.abs(matrix - true.dcm[k])) < tolerance + 4e-15
+            assert np.max(np.abs(rate - true.angular_velocity_inertial[k])) < tolerance
+    finally:
+        for name in names:
+            spice.unload(name)
+
+
+def test_a_kernel_of_many_breaks_closer_than_its_step(tmp_path):
+    pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    from attitude.formats import ck
+
+    random = np.random.default_rng(3)
+    at = np.cumsum(random.uniform(1e-4, 0.3, 200))
+    kicks = [Impulse(at=float(t), angular_momentum=random.normal(size=3) * 0.1) for t in at]
+    made = ck.write(tmp_path / "a.bc", Arcs(BODY, SPIN, kicks), 0.0, 60.0, tolerance=1e-10)
+    assert made.error <= 1e-10
+    twice = [
+        Impulse(at=10.0, angular_momentum=(1, 0, 0)),
+        Impulse(at=10.0 + 2e-15, angular_momentum=(1, 0, 0)),
+    ]
+    with pytest.raises(AttitudeError, match="jumps twice within the rounding"):
+        ck.write(tmp_path / "b.bc", Arcs(BODY, SPIN, twice), -1e6, 60.0)
