@@ -6,7 +6,7 @@ import pytest
 from attitude import Body, FreeRotation, Spin
 from attitude.arcs import Arcs, Impulse, InertiaChange
 from attitude.errors import AttitudeError
-from attitude.formats import aem, sources, stk, tables
+from attitude.formats import aem, apm, damit, sources, spin_file, stk, tables
 
 BODY = Body(moments=(10, 20, 26))
 SPIN = Spin(epoch="2026-01-01T00:00:00.25", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.03, 0.02))
@@ -88,6 +88,16 @@ def test_files_of_one_segment_refuse_a_break(tmp_path):
         write(path, ARCS, t=EPOCHS[22:53])
         read = tables.read if name.endswith("csv") else stk.read
         assert apart(ARCS, read(path), EPOCHS[22:52] + 0.3) < BETWEEN
+
+
+def test_files_of_a_state_refuse_a_motion_with_jumps(tmp_path):
+    """An APM of it held the state at the epoch, from which readers propagate past the impulse."""
+    for name, write in (("a.apm", apm.write), ("a.spin", damit.write), ("a.toml", spin_file.write)):
+        with pytest.raises(AttitudeError, match=r"3 jumps of .* first 20\.7 s after|FreeRotation"):
+            write(tmp_path / name, ARCS)
+        assert not (tmp_path / name).exists()
+    apm.write(tmp_path / "a.apm", Arcs(BODY, SPIN, []))
+    assert apm.read(tmp_path / "a.apm").spin.epoch == SPIN.epoch
 
 
 def test_motions_without_breaks_are_one_segment_as_before():

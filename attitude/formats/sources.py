@@ -59,6 +59,21 @@ def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Recor
     return parts[0]
 
 
+def refuse_breaks(motion: object, holder: str) -> None:
+    """Raise the AttitudeError for a motion whose angular velocity jumps.
+
+    `holder` is the kind of file in the error message, which holds the state at one epoch.
+    """
+    if isinstance(motion, Motion) and len(motion.breaks()):
+        count = len(motion.breaks())
+        raise AttitudeError(
+            f"the motion has {count} jump{'s' if count > 1 else ''} of the angular velocity, the "
+            f"first {motion.breaks()[0, 0]:.9g} s after its epoch, of which {holder} would hold "
+            "nothing: it is the state of a free rotation at one epoch. Write a FreeRotation of the "
+            "stretch that matters, or attitudes at epochs (AEM, C-kernel, ECSV, FITS, parquet)."
+        )
+
+
 class Records:
     """One segment to be written: a motion and its epochs, evaluated piece by piece.
 
