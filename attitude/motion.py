@@ -65,8 +65,10 @@ class Motion(Immutable):
     ``span``
         First and last Instant of its attitudes, or None: any epoch.
     ``joints``
-        (N,) TDB seconds since the epoch, ascending, at which the angular velocity jumps.  Writers
-        of files start a new segment there.
+        (N,) TDB seconds since the epoch, ascending, at which the angular velocity jumps.  The state
+        there is that after the jump.  Writers of files start a new segment there.
+    ``breaks()``
+        The joints in two doubles, if one is not exact.
     ``body``; ``body_at(t)``, ``constant_body(what)``, ``momentum_in_body(history)``
         The Body at the epoch, None if the inertia is unknown; the methods if it changes.
     ``momentum``
@@ -262,6 +264,10 @@ class Motion(Immutable):
         raise AttitudeError(
             f"{type(self).__name__} has no regime, periods or mode; give a FreeRotation."
         )
+
+    def breaks(self) -> FloatArray:
+        """The joints in two doubles of TDB seconds since the epoch, (N, 2)."""
+        return np.stack([self.joints, np.zeros(len(self.joints))], axis=1)
 
     def rate_bounds(self, seconds: float) -> RateBounds | None:
         """Upper bounds that hold from TDB seconds since the epoch to the next joint, or None."""

@@ -252,7 +252,7 @@ def shadows():
     sun, observer = directions(1500, 90.0)
     count = 20_000
     many = directions(count, 90.0, seed=3)
-    Visibility.of(peanut(2), resolution=8)  # compiles
+    Visibility.of(peanut(2), resolution=8, keep=False)  # compiles
     begin = time.perf_counter()
     exact = brightness_by_rays(mesh, "lommel-seeliger", sun, observer)
     took = time.perf_counter() - begin
@@ -265,7 +265,7 @@ def shadows():
     row("  no shadows at all", f"{rms(none, exact):.0f} mmag rms")
     for resolution in (32, 64, 128):
         begin = time.perf_counter()
-        table = Visibility.of(mesh, resolution=resolution)
+        table = Visibility.of(mesh, resolution=resolution, keep=False)
         made = time.perf_counter() - begin
         ours = brightness(mesh, "lommel-seeliger", sun, observer, shadows=table)
         took = least([lambda t=table: brightness(mesh, "lommel-seeliger", *many, shadows=t)])[0]

@@ -45,6 +45,9 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
+# Tables of shadows are computed in each test; those that test the files name a folder.
+os.environ["ATTITUDE_CACHE"] = "off"
+
 # A first example compiles, or asks mpmath for a thousand digits: no deadline.  In continuous
 # integration the same examples are tried in every run.
 settings.register_profile("attitude", deadline=None)

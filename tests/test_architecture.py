@@ -200,6 +200,10 @@ ALLOWED_ACCESS = {
     "attitude.formats.parquet": {"json"},
     # jplephem opens an SPK, a binary format.
     "attitude.paths.spk": {"SPK.open"},
+    # A table of shadows in numpy's binary format.
+    "attitude.light_curve.table_files": {"file.open"},
+    # The argument open= of a mesh, not the function.
+    "attitude.shape.mesh": {"open"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
     "attitude.cli": {"os.open"},
 }

@@ -7,7 +7,18 @@ import pytest
 
 from attitude.compilation.decorators import entry_point
 from attitude.compilation.instructions import fma
-from attitude.compilation.simd import at_least, bits_set_in_bytes, eight, lanes, root, summed_up
+from attitude.compilation.simd import (
+    at_least,
+    at_most,
+    bits_set_in_bytes,
+    chosen,
+    eight,
+    lanes,
+    largest_lane,
+    positive_bits,
+    root,
+    summed_up,
+)
 
 A = 0.1, 1.0 / 3.0, -2.5, 1.1
 B = 3.0, 0.7, 1e-9, -1.3
@@ -28,6 +39,8 @@ def operations(a, b, x):
         summed_up((x / q) * weights),
         summed_up(root(lanes((4.0, 9.0, 2.0, 0.0))) * weights),
         summed_up(at_least(q, lanes((1.0, 1.0, 1.0, 1.0))) * weights),
+        summed_up(at_most(q, lanes((1.0, 1.0, 1.0, 1.0))) * weights),
+        summed_up(chosen(q, p, weights) * weights),
     )
 
 
@@ -43,6 +56,12 @@ def fused(a, b, x):
 def of_eight(array, word):
     read = eight(array, 1)
     return summed_up(read), summed_up(bits_set_in_bytes(word) * read)
+
+
+@entry_point
+def compared(array):
+    read = eight(array, 0)
+    return largest_lane(read), positive_bits(read)
 
 
 def halves(numbers):
@@ -65,6 +84,8 @@ def test_arithmetic_is_that_of_each_lane():
         (x / b) * w,
         np.sqrt([4.0, 9.0, 2.0, 0.0]) * w,
         np.maximum(b, 1.0) * w,
+        np.minimum(b, 1.0) * w,
+        np.where(b > 0.0, a, w) * w,
     )
     assert operations(A, B, x) == tuple(halves(each) for each in wanted)
 
@@ -84,3 +105,12 @@ def test_eight_are_read_from_any_place():
     total, counted = of_eight(array, word)
     assert total == halves(EIGHT)
     assert counted == pytest.approx(np.dot(EIGHT, np.arange(1, 9)), rel=1e-15)
+
+
+@pytest.mark.parametrize("largest", range(8))
+def test_the_largest_lane_and_the_lanes_above_zero(largest):
+    array = np.array([-3.0, 0.0, 5.0, -0.0, 1e-300, -1e-300, 2.0, -7.0])
+    array[largest] = 9.0
+    bits = sum(2**k for k in range(8) if array[k] > 0.0)
+    assert compared(array) == (9.0, bits) == compared.py_func(array)
+    assert compared(-np.abs(array) - 1.0) == (-np.min(np.abs(array)) - 1.0, 0)

@@ -297,7 +297,7 @@ def test_shapes_and_laws_that_do_not_fit():
 
 
 def test_an_open_plate_shows_its_front_only():
-    plate = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    plate = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], open=True)
     up = np.array([0.0, 0.0, 1.0])
     assert brightness(plate, "lambert", up, up) == pytest.approx(0.5 / np.pi)
     assert brightness(plate, "lambert", -up, -up) == 0.0

@@ -1,5 +1,7 @@
 """Self-shadowing: the table of visibility against rays, written out here and cast by embree."""
 
+import io
+import os
 import pickle
 
 import numpy as np
@@ -79,6 +81,76 @@ def test_the_table_against_every_ray_with_every_triangle():
     assert errors[0] < 8.0 and errors[1] < 2.5 and errors[1] < errors[0] / 2.0
     unshadowed = brightness(mesh, LommelSeeliger(), sun, observer, shadows=False)
     assert np.sqrt(np.mean(millimagnitudes(unshadowed, exact) ** 2)) > 50.0
+
+
+def sampled(table):
+    """The direction in which each point samples each cell of a table: (6, n, n, 8, 3)."""
+    n = table.resolution
+    shift = np.stack(visibility.plane_filling(8), axis=1) - 0.5
+    place = (
+        (np.arange(n)[:, None] + 0.5 + shift[:, 0]) * 2.0 / n - 1.0,
+        (np.arange(n)[:, None] + 0.5 + shift[:, 1]) * 2.0 / n - 1.0,
+    )
+    u, v = (np.sign(s) * ((1.0 + np.abs(s)) ** 2 - 1.0) / 3.0 for s in place)
+    found = np.empty((6, n, n, 8, 3))
+    for face in range(6):
+        axis = face // 2
+        found[face, ..., axis] = 1.0 - 2.0 * (face % 2)
+        found[face, ..., (axis + 1) % 3] = u[None]
+        found[face, ..., (axis + 2) % 3] = v[:, None]
+    return found
+
+
+SHEET = Mesh(
+    [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 1.5], [0, 2, 1.5]],
+    [[0, 1, 2], [0, 2, 3], [0, 3, 5], [0, 5, 4]],
+    open=True,
+)
+
+
+@pytest.mark.parametrize(
+    "mesh", [peanut(2), peanut(3, 0.02), box_wing((2, 3, 4), (5, 2), gap=0.5), SHEET]
+)
+def test_every_bit_of_the_table_is_a_ray_with_every_triangle(mesh):
+    """Neither boxes around facets nor windows around triangles leave out a cell."""
+    table = Visibility.of(mesh, resolution=9)
+    directions = sampled(table)
+    points = visibility.points_of(mesh.corners)
+    wrong = 0
+    for place, facet in enumerate(table.clusters.order):
+        if facet < 0:
+            continue
+        bits = np.unpackbits(table.masks[:, place, None], axis=1, bitorder="little") == 1
+        for point in range(8):
+            rays = directions[..., point, :].reshape(-1, 3)
+            a, b, c = np.moveaxis(mesh.corners - points[facet, point], 1, 0)
+            det = np.einsum("fi,fi->f", a, np.cross(b, c))
+            sides = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+            # Triangles in the plane of the facet, and itself, hide nothing.
+            sides *= (np.sign(det) * (np.abs(det) > 1e-12))[:, None]
+            hit = np.any(np.all(np.einsum("ri,kfi->krf", rays, sides) > 0.0, axis=0), axis=1)
+            up = rays @ mesh.normals[facet] > 0.0
+            wrong += np.sum(~(hit & up) != bits[:, point])
+    # A ray that passes within rounding of an edge may count either way.
+    assert wrong <= 1e-6 * table.masks.size * 8
+
+
+def test_boxes_hold_their_facets():
+    from attitude.light_curve.hierarchy import LEAF, hierarchy_of
+
+    for mesh in (peanut(1), peanut(3), box((1, 2, 3)), SHEET):
+        tree = hierarchy_of(mesh.corners)
+        assert sorted(tree.order) == list(range(len(mesh)))
+        leaves = len(tree.boxes) // 2
+        for node in range(1, 2 * leaves):
+            depth = leaves.bit_length() - node.bit_length()
+            first = ((node << depth) - leaves) * LEAF
+            inside = mesh.corners[tree.order[first : first + (LEAF << depth)]].reshape(-1, 3)
+            if len(inside):
+                assert np.array_equal(tree.boxes[node, :3], inside.min(axis=0))
+                assert np.array_equal(tree.boxes[node, 3:], inside.max(axis=0))
+            else:
+                assert np.all(tree.boxes[node] == [np.inf] * 3 + [-np.inf] * 3)
 
 
 def test_2000_facets_against_embree():
@@ -230,3 +302,71 @@ def test_a_table_of_another_mesh_is_refused():
             brightness_by_rays(given, "lambert", up, up)
     with pytest.raises(AttitudeError, match="resolution is 2"):
         Visibility.of(peanut(3), resolution=2)
+
+
+def test_a_table_is_kept_on_disk_by_the_content_of_the_mesh(tmp_path, monkeypatch):
+    from attitude.light_curve import table_files
+
+    def refuse(*given):
+        raise AssertionError("computed again")
+
+    monkeypatch.setenv("ATTITUDE_CACHE", str(tmp_path / "tables"))
+    computed = visibility._painted
+    # Below the time from which on a table is worth its place, none is kept.
+    Visibility.of(peanut(3), resolution=4)
+    assert not (tmp_path / "tables").exists()
+    monkeypatch.setattr(table_files, "WORTH", 0.0)
+    first = Visibility.of(peanut(3), resolution=8)
+    (file,) = (tmp_path / "tables").iterdir()
+    monkeypatch.setattr(visibility, "_painted", refuse)
+    again = Visibility.of(peanut(3), resolution=8)
+    assert np.array_equal(first.masks, again.masks) and not again.masks.flags.writeable
+    # Another mesh, another resolution, and keep=False have their own.
+    for mesh, resolution, keep in (
+        (peanut(3).scaled(1.0 + 1e-15), 8, True),
+        (peanut(3), 9, True),
+        (peanut(3), 8, False),
+    ):
+        with pytest.raises(AssertionError, match="computed again"):
+            Visibility.of(mesh, resolution=resolution, keep=keep)
+    # One bit that changed, and a file cut short, count as no table.
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    for spoilt in (bytes(content), content[:1000], b""):
+        file.write_bytes(spoilt)
+        with pytest.raises(AssertionError, match="computed again"):
+            Visibility.of(peanut(3), resolution=8)
+    monkeypatch.setattr(visibility, "_painted", computed)
+    assert np.array_equal(Visibility.of(peanut(3), resolution=8).masks, first.masks)
+    # Beyond the bound the file that was used longest ago goes.
+    monkeypatch.setattr(table_files, "LARGEST", int(2.5 * file.stat().st_size))
+    os.utime(file, (1.0, 1.0))
+    for size in (2.0, 3.0):
+        Visibility.of(peanut(3).scaled(size), resolution=8)
+    assert not file.exists() and len(list((tmp_path / "tables").iterdir())) == 2
+    # A folder that cannot be made is no error.
+    (tmp_path / "taken").write_text("")
+    monkeypatch.setenv("ATTITUDE_CACHE", str(tmp_path / "taken"))
+    Visibility.of(peanut(3), resolution=8)
+
+
+def test_the_first_brightness_of_a_large_mesh_is_not_silent(monkeypatch):
+    from attitude.light_curve import progress_bar
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    up = [0.0, 0.0, 1.0]
+    shown = Terminal()
+    monkeypatch.setattr("sys.stderr", shown)
+    brightness(peanut(3), "lambert", up, up)
+    assert shown.getvalue() == ""  # done in less than a second
+    monkeypatch.setattr(progress_bar, "_PATIENCE", 0.0)
+    brightness(peanut(4), "lambert", up, up)
+    assert "\rattitude: shadows of 320 facets [" in shown.getvalue()
+    assert shown.getvalue().endswith("[" + "#" * 30 + "] 100 %\n")
+    silent = io.StringIO()
+    monkeypatch.setattr("sys.stderr", silent)
+    brightness(peanut(4, 0.1), "lambert", up, up)
+    assert silent.getvalue() == ""

@@ -117,7 +117,7 @@ def test_density_or_surface_density():
 
 def test_a_hole_names_its_facets():
     whole = Ellipsoid((1, 1, 1)).facets(80)
-    holed = Mesh(whole.vertices, np.delete(whole.facets, 7, axis=0))
+    holed = Mesh(whole.vertices, np.delete(whole.facets, 7, axis=0), open=True)
     edge = set(whole.facets[7])
     around = [k for k, f in enumerate(holed.facets) if len(edge & set(f)) == 2]
     assert list(holed.open_facets) == around
@@ -126,11 +126,123 @@ def test_a_hole_names_its_facets():
     assert holed.mass_properties(surface_density=1.0).mass > 0.0
 
 
-def test_a_facet_against_its_neighbours_is_named():
-    facets = box((1, 1, 1)).facets.copy()
+def turned(facets):
     facets[3] = facets[3, ::-1]
-    wrong = Mesh(box((1, 1, 1)).vertices, facets)
-    assert 3 in wrong.open_facets and not wrong.is_closed
+    return facets
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence", "always"),
+    [
+        (turned, r"facets 2, 3, \d+, \d+ run against a neighbour: .*from vertex \d to", True),
+        (lambda f: np.append(f, f[7:8], axis=0), "facets 7 and 12 are doubled", True),
+        (lambda f: np.append(f, np.roll(f[7:8], 1, axis=1), axis=0), "facets 7 and 12 are", True),
+        (lambda f: np.append(f, f[7:8, ::-1], axis=0), "run against a neighbour", True),
+        (lambda f: np.delete(f, 5, axis=0), "facets 0, 4, 9 lie at a hole.*open=True", False),
+    ],
+)
+def test_a_facet_turned_doubled_or_missing_is_refused_with_its_number(spoil, sentence, always):
+    """Summed silently, one of them changes the brightness of a box by up to 17 %."""
+    whole = box((3, 2, 1))
+    facets = spoil(whole.facets.copy())
+    with pytest.raises(AttitudeError, match=sentence):
+        Mesh(whole.vertices, facets)
+    if always:
+        with pytest.raises(AttitudeError, match=sentence):
+            Mesh(whole.vertices, facets, open=True)
+    else:
+        assert not Mesh(whole.vertices, facets, open=True).is_closed
+
+
+def test_a_facet_doubled_between_vertices_of_its_own_is_refused():
+    whole = box((3, 2, 1))
+    vertices = np.concatenate([whole.vertices, whole.corners[4]])
+    with pytest.raises(AttitudeError, match="facets 4 and 12 are doubled"):
+        Mesh(vertices, np.append(whole.facets, [[8, 9, 10]], axis=0), open=True)
+    with pytest.raises(AttitudeError, match="facets 0 and 12 are doubled"):
+        whole.joined(whole)
+    with pytest.raises(AttitudeError, match="open is '1'"):
+        Mesh(whole.vertices, whole.facets, open="1")
+
+
+def test_sheets_plates_and_parts_that_touch_are_legal():
+    sheet = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], open=True)
+    for mesh in (sheet, sheet.moved((1, 0, 0)), sheet.divided(1), sheet.reversed()):
+        assert mesh.may_be_open and not mesh.is_closed
+    assert (
+        sheet.joined(box((1, 1, 1))).may_be_open and pickle.loads(pickle.dumps(sheet)).may_be_open
+    )
+    # The two sides of a plate, and two boxes with one edge in common.
+    assert Mesh(sheet.vertices, [[0, 1, 2], [0, 2, 1]]).is_closed
+    one, other = box((1, 1, 1)), box((1, 1, 1), center=(1, 1, 0))
+    both = np.concatenate([one.vertices, other.vertices])
+    vertices, number = np.unique(both, axis=0, return_inverse=True)
+    joined = number.reshape(-1)[np.concatenate([one.facets, other.facets + 8])]
+    assert len(vertices) == 14 and Mesh(vertices, joined).volume == pytest.approx(2.0)
+
+
+def rises(mesh):
+    """The largest height of a vertex above a facet, over the size: the definition of convexity."""
+    middle = np.mean(mesh.vertices, axis=0)
+    height = mesh.normals @ (mesh.vertices - middle).T
+    level = np.einsum("fi,fi->f", mesh.normals, mesh.centroids - middle)
+    return np.max(height - level[:, None]) / np.max(np.abs(mesh.vertices - middle))
+
+
+def hull(points):
+    from scipy.spatial import ConvexHull
+
+    found = ConvexHull(points)
+    facets = found.simplices.copy()
+    a, b, c = np.moveaxis(points[facets], 1, 0)
+    inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), found.equations[:, :3]) < 0.0
+    facets[inward] = facets[inward, ::-1]
+    used, number = np.unique(facets, return_inverse=True)
+    return Mesh(points[used], number.reshape(-1, 3))
+
+
+def test_convexity_by_edges_is_that_of_the_definition():
+    rng = np.random.default_rng(4)
+    for k in range(60):
+        points = rng.normal(size=(30, 3)) * rng.uniform(0.01, 3, 3) + 10.0 ** rng.uniform(-3, 3)
+        mesh = hull(points)
+        assert mesh.is_convex and rises(mesh) < 1e-12
+        # One vertex drawn inward by 1e-9 to 1e-1: mostly a dent at once, sometimes not yet.
+        vertices = mesh.vertices.copy()
+        moved = rng.integers(len(vertices))
+        vertices[moved] += (np.mean(vertices, axis=0) - vertices[moved]) * 10.0 ** -(1 + k % 9)
+        dented = Mesh(vertices, mesh.facets)
+        assert dented.is_convex == (rises(dented) < 1e-12)
+    assert not peanut().is_convex
+
+
+def test_convex_edges_alone_do_not_make_a_body_convex():
+    """A surface that winds twice about its middle has convex edges, and two parts have as well."""
+    angle = np.arange(5) * 4.0 * np.pi / 5.0
+    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(5)], axis=1)
+    k = np.arange(5)
+    caps = [
+        np.stack([k, (k + 1) % 5, np.full(5, 5)], 1),
+        np.stack([(k + 1) % 5, k, np.full(5, 6)], 1),
+    ]
+    star = Mesh(np.concatenate([ring, [[0, 0, 0.7], [0, 0, -0.7]]]), np.concatenate(caps))
+    assert star.is_closed and not len(star.inward_facets) and not star.is_convex
+    assert not box((1, 1, 1)).joined(box((1, 1, 1), center=(3, 0, 0))).is_convex
+    assert not box((2, 2, 2)).joined(box((1, 1, 1))).is_convex
+    # A body so flat that its middle is in its surface, and a plate without a volume.
+    assert box((1, 1, 1e-13)).is_convex
+    assert Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]]).is_convex
+
+
+def test_the_test_of_convexity_is_linear(monkeypatch):
+    """No height of every vertex above every facet: those of 80,000 facets took 12 s."""
+    from attitude.shape import convexity
+
+    def refuse(*given):
+        raise AssertionError("all pairs were compared")
+
+    monkeypatch.setattr(convexity, "_all_below", refuse)
+    assert Ellipsoid((3, 2, 1)).facets(80_000).is_convex and not peanut(20).is_convex
 
 
 def test_an_inside_out_body_is_refused_and_a_cavity_is_not():

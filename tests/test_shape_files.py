@@ -1,5 +1,7 @@
 """Shapes from files: what is read, and what is refused with its line."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -107,9 +109,11 @@ def test_repair_turns_facets_round_and_closes_holes(tmp_path):
     mesh = Ellipsoid((1, 1, 1)).facets(80)
     facets = np.delete(mesh.facets, 4, axis=0)
     facets[10] = facets[10, ::-1]
-    from attitude.shape import Mesh
-
-    path = written(tmp_path, "r.obj", obj_of(Mesh(mesh.vertices, facets)))
-    with pytest.raises(AttitudeError, match="not closed"):
-        read(path)
+    spoilt = SimpleNamespace(vertices=mesh.vertices, facets=facets)
+    path = written(tmp_path, "r.obj", obj_of(spoilt))
+    for closed in (True, False):
+        with pytest.raises(
+            AttitudeError, match=r"r\.obj: facets 7, 8, 9, 10 run against a neighbour"
+        ):
+            read(path, closed=closed)
     assert read(path, repair=True).volume == pytest.approx(mesh.volume, rel=1e-12)

@@ -200,6 +200,10 @@ class Arcs(Motion):
             out[on] = history.angular_velocity[on] @ body.tensor
         return out
 
+    def breaks(self) -> FloatArray:
+        """The joints in two doubles of TDB seconds since the epoch, (N, 2)."""
+        return self._starts[1:].copy()
+
     def rate_bounds(self, seconds: float) -> RateBounds:
         """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
         omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))

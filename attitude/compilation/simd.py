@@ -101,6 +101,16 @@ def at_least(a: Lanes, least: Lanes | float) -> Lanes:
     return a._with(least, lambda x, y: x if x > y else y)
 
 
+def at_most(a: Lanes, most: Lanes | float) -> Lanes:
+    """The smaller of two numbers, lane by lane."""
+    return a._with(most, lambda x, y: x if x < y else y)
+
+
+def chosen(by: Lanes, a: Lanes, b: Lanes) -> Lanes:
+    """The lanes of `a` where those of `by` are above zero, else those of `b`."""
+    return Lanes(x if k > 0.0 else y for k, x, y in zip(by.lanes, a.lanes, b.lanes, strict=True))
+
+
 def root(a: Lanes) -> Lanes:
     """The square root, lane by lane; NaN of negative numbers."""
     return Lanes(math.nan if x < 0.0 else math.sqrt(x) for x in a.lanes)
@@ -113,3 +123,13 @@ def summed_up(a: Lanes) -> float:
         half = len(left) // 2
         left = [left[k] + left[half + k] for k in range(half)]
     return left[0]
+
+
+def largest_lane(a: Lanes) -> float:
+    """The largest of the lanes, none of which is NaN."""
+    return max(a.lanes)
+
+
+def positive_bits(a: Lanes) -> int:
+    """A number with a bit for each lane, the first one lowest: 1 where the lane is above zero."""
+    return sum(1 << k for k, x in enumerate(a.lanes) if x > 0.0)

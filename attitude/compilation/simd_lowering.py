@@ -104,6 +104,26 @@ def _at_least(context, builder, signature, arguments):
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
+@_typed(simd.at_most)
+def _at_most_type(a, most):
+    return a
+
+
+@_lowered(simd.at_most)
+def _at_most(context, builder, signature, arguments):
+    return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
+
+
+@_typed(simd.chosen)
+def _chosen_type(by, a, b):
+    return a
+
+
+@_lowered(simd.chosen)
+def _chosen(context, builder, signature, arguments):
+    return builder.select(_above_zero(builder, arguments[0]), *arguments[1:])
+
+
 @_typed(simd.root)
 def _root_type(a):
     return a
@@ -131,6 +151,37 @@ def _summed_up(context, builder, signature, arguments):
         left = builder.fadd(low, high)
         half //= 2
     return builder.extract_element(left, _INDEX(0))
+
+
+@_typed(simd.largest_lane)
+def _largest_type(a):
+    return types.float64
+
+
+@_lowered(simd.largest_lane)
+def _largest(context, builder, signature, arguments):
+    (left,) = arguments
+    half = signature.args[0].count // 2
+    while half:
+        pair = [builder.shuffle_vector(left, left, _picked(range(k, k + half))) for k in (0, half)]
+        left = builder.select(builder.fcmp_ordered(">", *pair), *pair)
+        half //= 2
+    return builder.extract_element(left, _INDEX(0))
+
+
+@_typed(simd.positive_bits)
+def _positive_type(a):
+    return types.int64
+
+
+@_lowered(simd.positive_bits)
+def _positive(context, builder, signature, arguments):
+    above = builder.bitcast(_above_zero(builder, arguments[0]), ir.IntType(signature.args[0].count))
+    return builder.zext(above, ir.IntType(64))
+
+
+def _above_zero(builder, x):
+    return builder.fcmp_ordered(">", x, ir.Constant(x.type, [0.0] * x.type.count))
 
 
 def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:

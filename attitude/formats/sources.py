@@ -1,6 +1,8 @@
 """The arguments of writers as segments: histories, tables, or a motion with epochs.
 
-Motions are evaluated piece by piece, so that long files need little memory.
+Motions are evaluated piece by piece, so that long files need little memory.  Where the angular
+velocity of a motion jumps, a segment ends with the state before and the next begins with the state
+after: readers interpolate within segments.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from attitude import epochs
+from attitude import epochs, pairs
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 
 # Records that are evaluated and written at a time.
 PIECE: int = 16384
+# Seconds from a break within which the state at the break replaces a record.
+_APART = 1e-9
 
 
 def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
@@ -40,12 +44,34 @@ def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Recor
         For several segments, and as `segments`.
     """
     parts = segments(source, t)
+    if any(part.after_break for part in parts):
+        listed = ", ".join(f"{part.seconds[0]:.9g}" for part in parts if part.after_break)
+        raise AttitudeError(
+            f"the angular velocity of the motion jumps at {listed[:60]} s after "
+            f"{parts[0].epoch.utc_iso} UTC, across which readers would interpolate; {holder} holds "
+            "one segment. Write a file for each stretch, or an AEM, ECSV, FITS or parquet file."
+        )
     if len(parts) != 1:
         raise AttitudeError(
             f"{len(parts)} segments are given; {holder} holds one. Write a file for each, or an "
             "AEM, ECSV or FITS."
         )
     return parts[0]
+
+
+def refuse_breaks(motion: object, holder: str) -> None:
+    """Raise the AttitudeError for a motion whose angular velocity jumps.
+
+    `holder` is the kind of file in the error message, which holds the state at one epoch.
+    """
+    if isinstance(motion, Motion) and len(motion.breaks()):
+        count = len(motion.breaks())
+        raise AttitudeError(
+            f"the motion has {count} jump{'s' if count > 1 else ''} of the angular velocity, the "
+            f"first {motion.breaks()[0, 0]:.9g} s after its epoch, of which {holder} would hold "
+            "nothing: it is the state of a free rotation at one epoch. Write a FreeRotation of the "
+            "stretch that matters, or attitudes at epochs (AEM, C-kernel, ECSV, FITS, parquet)."
+        )
 
 
 class Records:
@@ -70,6 +96,8 @@ class Records:
         Names, comments and keywords of the file that the motion was read from.
     table : AttitudeTable or None
         The motion, if it is a table.
+    after_break : bool
+        Whether the segment begins where the angular velocity jumps.
 
     Raises
     ------
@@ -90,6 +118,7 @@ class Records:
         self.seconds: FloatArray = seconds
         self.low: FloatArray | None = low
         self._history = history
+        self.after_break: bool = False
         self.meta: dict[str, Any] = dict(motion.meta)
         self.table: AttitudeTable | None = motion if isinstance(motion, AttitudeTable) else None
         if len(seconds) == 0:
@@ -125,7 +154,7 @@ class Records:
 
 
 def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
-    """The segments, as `Records`, of what a writer was given.
+    """The segments, as `Records`, of what a writer was given, cut at the breaks of motions.
 
     Parameters
     ----------
@@ -140,15 +169,15 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
         For other types, epochs that are not a row (N,), and as `Records`.
     """
     if isinstance(source, Records):
-        return [source]
+        return _cut(source)
     if t is not None:
-        return [_of_motion(source, t)]
+        return _cut(_of_motion(source, t))
     if isinstance(source, (list, tuple)):
         return [each for part in source for each in segments(part)]
     if isinstance(source, AttitudeTable):
         return [_of_history(part.history) for part in source.segments]
     if isinstance(source, AttitudeHistory):
-        return [_of_history(source)]
+        return _cut(_of_history(source))
     raise AttitudeError(
         f"{type(source).__name__} is given to be written; give an AttitudeHistory, an "
         "AttitudeTable, a list of them, or a motion and its epochs (t=)."
@@ -167,3 +196,38 @@ def _of_motion(motion, t):
     if seconds.ndim != 1:
         raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
     return Records(motion, motion.epoch, seconds, low)
+
+
+def _cut(records: Records) -> list[Records]:
+    """The records in one segment for each stretch between breaks, with both states at a break."""
+    motion, epoch = records.motion, records.epoch
+    breaks = motion.breaks()
+    if not len(breaks):
+        return [records]
+    shift = epoch.seconds - motion.epoch.seconds, epoch.low - motion.epoch.low
+    low = np.zeros(len(records)) if records.low is None else records.low
+    seconds, low = pairs.add((records.seconds, low), *shift)
+    first = (breaks[:, 0] - seconds[0]) + (breaks[:, 1] - low[0])
+    last = (seconds[-1] - breaks[:, 0]) + (low[-1] - breaks[:, 1])
+    inside = breaks[(first > 0.0) & (last >= 0.0)]
+    if not len(inside):
+        return [records]
+    parts: list[Records] = []
+    for k in range(len(inside) + 1):
+        free = np.ones(len(records), dtype=bool)
+        ends: list[list[tuple[float, float]]] = [[], []]
+        if k > 0:
+            hi, lo = inside[k - 1]
+            free &= (seconds - hi) + (low - lo) > _APART
+            ends[0] = [(hi, lo)]
+        if k < len(inside):
+            hi, lo = inside[k]
+            free &= (seconds - hi) + (low - lo) < -_APART
+            ends[1] = [(hi, np.nextafter(lo, -np.inf))]
+        both = np.array([*ends[0], *zip(seconds[free], low[free], strict=True), *ends[1]])
+        # A break at the last record leaves nothing behind it.
+        if k < len(inside) or len(both) > 1:
+            part = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())
+            part.meta, part.after_break = dict(records.meta), k > 0
+            parts.append(part)
+    return parts

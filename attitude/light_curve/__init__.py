@@ -7,11 +7,13 @@ white Lambert disc of radius R, face on, has R^2.
 brightness   the sum over facets, or the closed form of an ellipsoid, for many directions
 magnitudes   reduced and apparent magnitudes
 orientations the mean over all orientations, for the phase functions of asteroids
-visibility   the table of shadows that a body casts on itself; `painting`, its compiled loops
+visibility   the table of shadows that a body casts on itself; `painting`, its compiled loops;
+             `hierarchy`, boxes around facets, for them; `table_files`, tables kept on disk
 raycast      the same shadows by casting rays
 sums         the compiled sums; `clusters`, the layout of facets for them
 closed_form  the compiled brightness of an ellipsoid
-directions   checks of directions; `blocks`, division of the work among threads
+directions   checks of directions; `blocks`, division of the work among threads;
+             `progress_bar`, how far it is
 """
 
 from attitude.light_curve.brightness import brightness, stream

@@ -58,8 +58,9 @@ def brightness(
         component-major memory are read in place; others are copied block by block.
     shadows : bool or Visibility
         Whether facets of a mesh that is not convex shade and hide each other.  True makes a table
-        at the first use of a mesh (seconds for 2000 facets) and keeps it as long as the mesh;
-        `Visibility.of` makes one beforehand.  Convex meshes need none.
+        at the first use of a mesh (0.5 s for 2000 facets, 4 s for 20,000), shows a bar meanwhile,
+        and keeps the table as long as the mesh, and on disk; `Visibility.of` makes one beforehand.
+        Convex meshes need none.
     threads : int
         Number of threads; it does not change the bits of the result.
     out : (...) float64 array, optional

@@ -175,11 +175,14 @@ def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]
     spare = (half * np.sum(np.abs(normals), axis=1) + _SLACK).astype(np.float32)
     sky = np.zeros((cells**3, words), dtype=np.uint64)
     for word in range(words):
-        part = order[word * WORD : (word + 1) * WORD]
-        height = looking @ normals[part.reshape(-1)].T.astype(np.float32)
-        height += spare[part.reshape(-1)]
-        height[:, part.reshape(-1) < 0] = -9.0
-        shown = np.max(height.reshape(len(near), len(part), SIZE), axis=2) > 0.0
-        weights = np.uint64(1) << np.arange(len(part), dtype=np.uint64)
-        sky[near, word] = np.sum(np.where(shown, weights, np.uint64(0)), axis=1, dtype=np.uint64)
+        part = order[word * WORD : (word + 1) * WORD].reshape(-1)
+        height = looking @ normals[part].T.astype(np.float32)
+        height += spare[part]
+        height[:, part < 0] = -9.0
+        # The eight facets of a cluster are the eight bytes of a word.
+        shown = (height > 0.0).view(np.uint64) != 0
+        bits = np.zeros((len(near), WORD // 8), dtype=np.uint8)
+        packed = np.packbits(shown, axis=1, bitorder="little")
+        bits[:, : packed.shape[1]] = packed
+        sky[near, word] = bits.view("<u8")[:, 0]
     return cells, sky

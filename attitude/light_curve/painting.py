@@ -1,132 +1,273 @@
-"""The compiled loops of `visibility`: triangles are painted onto the faces of a cube, by rows."""
+"""The compiled loops of `visibility`: triangles are painted onto the faces of a cube.
+
+The eight points of a facet are the lanes of a SIMD vector: a triangle is projected from all of them
+at once, and a cell is compared with its edges for all of them at once.
+"""
 
 import numpy as np
 
 from attitude.compilation.decorators import reduction, reduction_inlined, reduction_subroutine
+from attitude.compilation.instructions import larger
+from attitude.compilation.simd import (
+    at_least,
+    at_most,
+    chosen,
+    eight,
+    lanes,
+    largest_lane,
+    positive_bits,
+)
+from attitude.light_curve.hierarchy import LEAF
 from attitude.light_curve.sums import evened
+
+# Heights above the plane of a facet up to this share of the size of the body are rounding: those
+# of neighbours in the same plane.
+_RISE = 1e-9
+_FACES = 6
+_LANES = 8
+# Unsigned: for signed indices numba adds a test for negative values to every access.
+_0, _1, _2, _3, _4, _5 = (np.uint64(k) for k in range(6))
+# Cells of a row from which on it pays to look for the part that the triangle covers.
+_WIDE = 12
+_ONE, _OPPOSITE = (1.0,) * _LANES, (-1.0,) * _LANES
+# Beyond the edges of a face, as tangents.
+_RIGHT, _LEFT = (2.0,) * _LANES, (-2.0,) * _LANES
 
 
 @reduction
-def paint(corners, normals, points, members, shift, resolution, both, masks, place):
+def tangents(shift, resolution):
+    """Tangents along the rows and the columns of a face for each cell and point, two flat arrays.
+
+    shift (8, 2) is in cells.
+    """
+    across, up = np.empty(resolution * _LANES), np.empty(resolution * _LANES)
+    for k in range(resolution):
+        for bit in range(_LANES):
+            across[k * _LANES + bit] = _tangent(
+                (k + 0.5 + shift[bit, 0]) / (0.5 * resolution) - 1.0
+            )
+            up[k * _LANES + bit] = _tangent((k + 0.5 + shift[bit, 1]) / (0.5 * resolution) - 1.0)
+    return across, up
+
+
+@reduction
+def paint(
+    boxes, corners, balls, facing, normals, points, members, across, up, resolution, both, masks,
+    place,
+):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
-    corners (F, 3, 3), normals (F, 3) and points (F, POINTS, 3) are in m; shift (POINTS, 2) is in
-    cells; masks (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
+    `boxes` are those of a `Hierarchy`, in whose order are corners (F, 3, 3), `balls` (F, 4), their
+    `enclosed`, and normals with their heights above the origin, `facing` (F, 4); normals (F, 3) and
+    points (F, 3, 8) are in that of the mesh, all in m.  `across` and `up` are `tangents`; masks are
+    (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
     """
     sky = np.empty((members.size, masks.shape[0]), np.uint8)
-    above = np.empty(corners.shape[0], np.int64)
+    flat = points.reshape(-1)
+    middle = np.empty(6)
     size = np.max(np.abs(corners))
     for m in range(members.size):
         sky[m, :] = 255
-        if members[m] < 0:
-            continue
-        count = _risen(corners, normals[members[m]], points[members[m], 0], size, above)
-        for bit in range(points.shape[1]):
-            own = points[members[m], bit]
-            clear = np.uint8(255 - (1 << bit))
-            for k in range(count):
-                _hide(
-                    corners[above[k]], own, normals[members[m]], both,
-                    shift[bit], resolution, clear, sky[m],
-                )  # fmt: skip
-    for i in range(masks.shape[0]):
-        for m in range(members.size):
-            masks[i, place + m] = sky[m, i]
-
-
-@reduction_subroutine
-def _risen(corners, normal, origin, size, above):
-    """Indices of facets with a corner above the plane by more than rounding, into `above`."""
-    count = 0
-    for g in range(corners.shape[0]):
-        height = -np.inf
-        for k in range(3):
-            h = 0.0
+        k = members[m]
+        if k >= 0:
             for i in range(3):
-                h += normal[i] * (corners[g, k, i] - origin[i])
-            height = max(height, h)
-        if height > 1e-9 * size:
-            above[count] = g
-            count += 1
-    return count
+                middle[i] = np.mean(points[k, i])
+                reach = np.max(np.abs(points[k, i] - middle[i]))
+                middle[3 + i] = 1.001 * reach + 1e-12 * size
+            _look_around(
+                boxes, corners, balls, facing, normals[k], flat, 24 * k, middle, size, across, up,
+                resolution, both, sky[m],
+            )  # fmt: skip
+    first, count = np.uint64(place), np.uint64(members.size)
+    for i in range(np.uint64(masks.shape[0])):
+        for m in range(count):
+            masks[i, first + m] = sky[m, i]
 
 
 @reduction_subroutine
-def _hide(triangle, own, normal, both, shift, resolution, clear, sky):
-    """Clear a bit of the cells whose direction from `own` meets the triangle above the plane."""
-    ax, ay, az = triangle[0, 0] - own[0], triangle[0, 1] - own[1], triangle[0, 2] - own[2]
-    bx, by, bz = triangle[1, 0] - own[0], triangle[1, 1] - own[1], triangle[1, 2] - own[2]
-    cx, cy, cz = triangle[2, 0] - own[0], triangle[2, 1] - own[1], triangle[2, 2] - own[2]
-    # Normals of the planes through the point and an edge.  For a triangle seen from its back all
-    # three point inward, so a negative determinant means that its front faces the point.
-    e0 = (by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx)
-    e1 = (cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax)
-    e2 = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
-    det = ax * e0[0] + ay * e0[1] + az * e0[2]
-    if det >= 0.0 and not both:
-        return
-    turn = -1.0 if det < 0.0 else 1.0
-    px, py, pz = (ax, bx, cx), (ay, by, cy), (az, bz, cz)
-    n = (normal[0], normal[1], normal[2])
-    _on_faces(0, px, py, pz, e0, e1, e2, n, turn, shift, resolution, clear, sky)
-    _on_faces(1, py, pz, px, _cycled(e0), _cycled(e1), _cycled(e2), _cycled(n), turn, shift,
-              resolution, clear, sky)  # fmt: skip
-    _on_faces(2, pz, px, py, _cycled(_cycled(e0)), _cycled(_cycled(e1)), _cycled(_cycled(e2)),
-              _cycled(_cycled(n)), turn, shift, resolution, clear, sky)  # fmt: skip
+def _look_around(
+    boxes, corners, balls, facing, normal, flat, first, middle, size, across, up, resolution, both,
+    sky,
+):  # fmt: skip
+    """Clear the bits of the sky of one facet.
+
+    Its points are flat[first : first + 24], x of each, then y, then z; along axis i they are within
+    middle[3 + i] of middle[i].
+    """
+    plane = normal[0] * flat[first] + normal[1] * flat[first + 8] + normal[2] * flat[first + 16]
+    lowest = plane + _RISE * size
+    leaves = boxes.shape[0] // 2
+    node = 1
+    while node > 0:
+        inner = False
+        if _highest(boxes, np.uint64(node), normal) > plane + 0.5 * _RISE * size:
+            inner = node < leaves
+            if not inner:
+                start = (node - leaves) * LEAF
+                for g in range(np.uint64(start), np.uint64(min(start + LEAF, len(corners)))):
+                    if not _may_hide(corners, facing, g, normal, lowest, middle, both):
+                        continue
+                    for face in range(_FACES):
+                        if _may_meet(balls, g, middle, face):
+                            begin, end, low, high = _window(corners, g, middle, face, resolution)
+                            if begin < end and low < high:
+                                _cover(
+                                    corners, g, normal, flat, first, face, begin, end, low, high,
+                                    across, up, resolution, both, sky,
+                                )  # fmt: skip
+        node = 2 * node if inner else _after(node)
 
 
 @reduction_inlined
-def _cycled(v):
-    return v[1], v[2], v[0]
+def _after(node):
+    """The node that follows when the children of a node are skipped; 0 at the end."""
+    while node & 1:
+        node >>= 1
+    return node + 1 if node > 0 else 0
+
+
+@reduction_inlined
+def _highest(boxes, node, normal):
+    """The largest height along a normal in a box; minus infinity or NaN if the box is empty."""
+    height = 0.0
+    for i in range(_3):
+        height += normal[i] * (boxes[node, _3 + i] if normal[i] > 0.0 else boxes[node, i])
+    return height
+
+
+@reduction_inlined
+def _may_hide(corners, facing, g, normal, lowest, middle, both):
+    """Whether a triangle rises above a height and its front may face one of the points."""
+    rise, front = lowest, middle[_3] + middle[_4] + middle[_5] - facing[g, _3]
+    for i in range(_3):
+        front += facing[g, i] * middle[i]
+    if both or front > 0.0:
+        for k in range(_3):
+            height = 0.0
+            for i in range(_3):
+                height += normal[i] * corners[g, k, i]
+            rise = larger(rise, height)
+    return rise > lowest
+
+
+@reduction_inlined
+def _may_meet(balls, g, middle, face):
+    """Whether a triangle may be in front of a face of the cube about one of the points.
+
+    Along each axis its corners are within balls[g, 3] of balls[g, :3].
+    """
+    w, u, v = _axes(face)
+    spare = larger(larger(middle[_3], middle[_4]), middle[_5]) + balls[g, _3]
+    ahead = (1.0 - 2.0 * (face % 2)) * (balls[g, w] - middle[w]) + 2.0 * spare
+    return ahead > larger(abs(balls[g, u] - middle[u]), abs(balls[g, v] - middle[v]))
+
+
+@reduction_inlined
+def _axes(face):
+    """The axis of a face of the cube, those of its columns and of its rows."""
+    axis = face // 2
+    return np.uint64(axis), np.uint64((axis + 1) % 3), np.uint64((axis + 2) % 3)
+
+
+@reduction_inlined
+def _window(corners, g, middle, face, resolution):
+    """Columns and rows of a face that a triangle may reach, seen from any point: from, to."""
+    w, u, v = _axes(face)
+    sign = 1.0 - 2.0 * (face % 2)
+    half = 0.5 * resolution
+    left, right, low, high = 9.0, -9.0, 9.0, -9.0
+    least = 1.0
+    for k in range(_3):
+        ahead = sign * (corners[g, k, w] - middle[w])
+        x, y = corners[g, k, u] - middle[u], corners[g, k, v] - middle[v]
+        near, far = 1.0 / (ahead - middle[_3 + w]), 1.0 / (ahead + middle[_3 + w])
+        right = larger(right, _most(x + middle[_3 + u], near, far))
+        high = larger(high, _most(y + middle[_3 + v], near, far))
+        left = -larger(-left, _most(middle[_3 + u] - x, near, far))
+        low = -larger(-low, _most(middle[_3 + v] - y, near, far))
+        least = least if near > 0.0 else -1.0
+    if least < 0.0:
+        left, right, low, high = -2.0, 2.0, -2.0, 2.0
+    return (
+        max(_first(left, half), 0), min(_last(right, half), resolution),
+        max(_first(low, half), 0), min(_last(high, half), resolution),
+    )  # fmt: skip
+
+
+@reduction_inlined
+def _most(u, near, far):
+    """The largest tangent of a component between the reciprocals of two distances."""
+    return u * (near if u > 0.0 else far)
 
 
 @reduction_subroutine
-def _on_faces(axis, pw, pu, pv, e0, e1, e2, n, turn, shift, resolution, clear, sky):
-    """Paint both faces of one axis; components are along this axis, the next and the one after."""
-    for side in range(2):
-        sign = 1.0 - 2.0 * side
-        w0, w1, w2 = sign * pw[0], sign * pw[1], sign * pw[2]
-        if w0 <= 0.0 and w1 <= 0.0 and w2 <= 0.0:
-            continue
-        low, high = -2.0, 2.0
-        if w0 > 0.0 and w1 > 0.0 and w2 > 0.0:
-            t0, t1, t2 = pv[0] / w0, pv[1] / w1, pv[2] / w2
-            low, high = min(t0, t1, t2), max(t0, t1, t2)
-            t0, t1, t2 = pu[0] / w0, pu[1] / w1, pu[2] / w2
-            if min(t0, t1, t2) > 1.1 or max(t0, t1, t2) < -1.1:
-                continue
-        half = 0.5 * resolution
-        first = _next(low, half, shift[1])
-        last = _next(high, half, shift[1])
-        base = (2 * axis + side) * resolution * resolution
-        for row in range(max(first, 0), min(last, resolution)):
-            v = _tangent((row + 0.5 + shift[1]) / half - 1.0)
-            left, right = -2.0, 2.0
-            left, right = _cut(turn * e0[1], turn * (sign * e0[0] + v * e0[2]), left, right)
-            left, right = _cut(turn * e1[1], turn * (sign * e1[0] + v * e1[2]), left, right)
-            left, right = _cut(turn * e2[1], turn * (sign * e2[0] + v * e2[2]), left, right)
-            left, right = _cut(n[1], sign * n[0] + v * n[2], left, right)
-            if left < right:
-                begin = max(_next(left, half, shift[0]), 0)
-                end = min(_next(right, half, shift[0]), resolution)
-                for i in range(base + row * resolution + begin, base + row * resolution + end):
-                    sky[i] &= clear
+def _cover(
+    corners, g, normal, flat, first, face, begin, end, low, high, across, up, resolution, both, sky
+):
+    """Clear the bits of the cells of a window in which a triangle hides the sky from the points."""
+    w, u, v = _axes(face)
+    sign = 1.0 - 2.0 * (face % 2)
+    pw, pu, pv = eight(flat, first + 8 * w), eight(flat, first + 8 * u), eight(flat, first + 8 * v)
+    aw, au, av = corners[g, _0, w] - pw, corners[g, _0, u] - pu, corners[g, _0, v] - pv
+    bw, bu, bv = corners[g, _1, w] - pw, corners[g, _1, u] - pu, corners[g, _1, v] - pv
+    cw, cu, cv = corners[g, _2, w] - pw, corners[g, _2, u] - pu, corners[g, _2, v] - pv
+    # Normals of the planes through the point and an edge.  For a triangle seen from its front all
+    # three point outward, and the determinant is negative; then they are turned.
+    e0w, e0u, e0v = bu * cv - bv * cu, bv * cw - bw * cv, bw * cu - bu * cw
+    e1w, e1u, e1v = cu * av - cv * au, cv * aw - cw * av, cw * au - cu * aw
+    e2w, e2u, e2v = au * bv - av * bu, av * bw - aw * bv, aw * bu - au * bw
+    front = (aw * e0w + au * e0u + av * e0v) * -1.0
+    seen = 255 if both else positive_bits(front)
+    turn = chosen(front, lanes(_OPPOSITE), lanes(_ONE))
+    e0w, e0u, e0v = e0w * (turn * sign), e0u * turn, e0v * turn
+    e1w, e1u, e1v = e1w * (turn * sign), e1u * turn, e1v * turn
+    e2w, e2u, e2v = e2w * (turn * sign), e2u * turn, e2v * turn
+    rise = lanes(_ONE) * normal[u]
+    wide = end - begin >= _WIDE
+    i0, i1, i2, i3 = rise, rise, rise, rise
+    if wide:
+        i0, i1, i2, i3 = -1.0 / e0u, -1.0 / e1u, -1.0 / e2u, -1.0 / rise
+    for row in range(low, high if seen != 0 else low):
+        y = eight(up, row * _LANES)
+        l0, l1, l2 = e0w + y * e0v, e1w + y * e1v, e2w + y * e2v
+        l3 = y * normal[v] + sign * normal[w]
+        here, there = begin, end
+        if wide:
+            x0, x1, x2, x3 = l0 * i0, l1 * i1, l2 * i2, l3 * i3
+            left = at_least(_bound(e0u, x0, _LEFT), _bound(e1u, x1, _LEFT))
+            left = at_least(left, at_least(_bound(e2u, x2, _LEFT), _bound(rise, x3, _LEFT)))
+            right = at_most(_bound(e0u * -1.0, x0, _RIGHT), _bound(e1u * -1.0, x1, _RIGHT))
+            right = at_most(right, _bound(e2u * -1.0, x2, _RIGHT))
+            right = at_most(right, _bound(rise * -1.0, x3, _RIGHT))
+            here = max(begin, _first(-largest_lane(left * -1.0), 0.5 * resolution))
+            there = min(end, _last(largest_lane(right), 0.5 * resolution))
+        start = (face * resolution + row) * resolution
+        for column in range(here, there):
+            x = eight(across, column * _LANES)
+            least = at_most(l0 + x * e0u, l1 + x * e1u)
+            least = at_most(least, at_most(l2 + x * e2u, l3 + x * rise))
+            sky[np.uint64(start + column)] &= np.uint8(255 - (positive_bits(least) & seen))
 
 
 @reduction_inlined
-def _cut(slope, level, left, right):
-    """The part of the interval (left, right) where slope u + level > 0."""
-    if slope > 0.0:
-        return max(left, -level / slope), right
-    if slope < 0.0:
-        return left, min(right, -level / slope)
-    return (left, right) if level > 0.0 else (right, left)
+def _bound(slope, x, none):
+    """The bound x of an interval where the slope is above zero, else none."""
+    return chosen(slope, x, lanes(none))
 
 
 @reduction_inlined
-def _next(u, half, shift):
-    """The first cell of a row whose tangent is not below u."""
-    return int(np.ceil((1.0 + evened(u)) * half - 0.5 - shift))
+def _first(u, half):
+    """The first cell in which a point may look at a tangent of u or more.
+
+    Points look at directions up to half a cell from the middle of a cell.
+    """
+    return int(np.ceil((1.0 + evened(larger(u, -1.1))) * half - 1.001))
+
+
+@reduction_inlined
+def _last(u, half):
+    """The cell after the last one in which a point may look at a tangent of u or less."""
+    return int(np.floor((1.0 - evened(larger(-u, -1.1))) * half + 0.001)) + 1
 
 
 @reduction_inlined

@@ -1,8 +1,8 @@
 """The table of directions in which each part of each facet is free: shadows without rays.
 
 The sky is a cube of 6 n^2 cells.  Each facet has eight points.  For each point every facet that
-rises above its horizon is painted onto the cube, row by row: a triangle seen from a point is a
-triangle on each face of the cube.  One bit for each point and cell records whether the sky is free.
+rises above its horizon is painted onto the cube: a triangle seen from a point is a triangle on each
+face of the cube.  One bit for each point and cell records whether the sky is free.
 Sun and observer are then one row of the table each, and the bits that both rows share are the
 points both lit and seen: no assumption about the overlap of shadow and occultation is needed.
 
@@ -12,13 +12,16 @@ rather than its middle.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.errors import AttitudeError
+from attitude.light_curve import table_files
 from attitude.light_curve.clusters import SIZE, Clusters, clusters_of
+from attitude.light_curve.progress_bar import ProgressBar
 from attitude.shape import Mesh
 from attitude.shape.closure import parts
 
@@ -36,6 +39,8 @@ POINTS = 8
 # halves the error and takes four times the memory; see `Visibility.of`.
 _LARGEST = 1 << 28
 _FINEST = 64
+# Clusters whose columns of the table, one cache line, are written together.
+_AT_ONCE = 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,6 +84,7 @@ class Visibility:
         resolution: int | None = None,
         threads: int = 1,
         progress: Callable[[int, int], object] | None = None,
+        keep: bool = True,
     ) -> Visibility:
         """The table of a mesh.
 
@@ -93,7 +99,11 @@ class Visibility:
         threads : int
             Number of threads; it does not change the table.
         progress : callable, optional
-            Called with (number of clusters of eight facets done, number of clusters).
+            Called with (number of clusters of eight facets done, number of clusters).  By default a
+            bar is drawn on standard error, if that is a terminal, after a second.
+        keep : bool
+            Whether the table is read from and, if it took more than a second, kept in the user's
+            cache folder (`table_files`).
 
         Raises
         ------
@@ -119,8 +129,17 @@ class Visibility:
             raise AttitudeError(
                 f"resolution is {resolution!r}; give a whole number of cells from 4 to 512."
             )
-        masks = _painted(mesh, clusters, int(resolution), threads, progress)
-        return cls(masks, int(resolution), clusters, mesh.corners)
+        resolution = int(resolution)
+        file = table_files.file_of(mesh.corners, clusters.order, resolution) if keep else None
+        masks = table_files.read(file, (6 * resolution**2, places))
+        if masks is None:
+            begin = time.monotonic()
+            if progress is None:
+                progress = ProgressBar(f"shadows of {len(mesh)} facets")
+            masks = _painted(mesh, clusters, resolution, threads, progress)
+            if time.monotonic() - begin > table_files.WORTH:
+                table_files.write(file, masks)
+        return cls(masks, resolution, clusters, mesh.corners)
 
     def is_of(self, mesh: Mesh) -> bool:
         """Whether the table, which may have been unpickled, belongs to a mesh.
@@ -178,22 +197,29 @@ def _painted(
     """The masks of a `Visibility`."""
     from attitude.light_curve import painting
     from attitude.light_curve.blocks import in_blocks
+    from attitude.light_curve.hierarchy import enclosed, hierarchy_of
 
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
     # With the mean of the centroids as origin, heights keep their digits wherever the mesh lies.
     corners = mesh.corners - np.mean(mesh.centroids, axis=0)
-    points = np.ascontiguousarray(points_of(corners))
+    points = np.ascontiguousarray(np.swapaxes(points_of(corners), 1, 2))
     shift = np.stack(plane_filling(POINTS), axis=1) - 0.5
+    across, up = painting.tangents(shift, resolution)
+    planes = np.einsum("fi,fi->f", mesh.normals, corners[:, 0])
+    tree = hierarchy_of(corners)
+    near = corners[tree.order]
+    facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
+    balls = enclosed(near)
     normals = np.ascontiguousarray(mesh.normals)
     both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
     def work(begin: int, end: int) -> None:
-        for k in range(begin, end):
-            members = clusters.order[k * SIZE : (k + 1) * SIZE]
-            painting.paint(
-                corners, normals, points, members, shift, resolution, both, masks, k * SIZE
-            )
+        members = clusters.order[begin * SIZE : end * SIZE]
+        painting.paint(
+            *(tree.boxes, near, balls, facing, normals, points, members, across, up),
+            *(resolution, both, masks, begin * SIZE),
+        )
 
-    in_blocks(work, clusters.count, 1, threads, progress)
+    in_blocks(work, clusters.count, _AT_ONCE, threads, progress)
     return masks

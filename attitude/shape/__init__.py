@@ -4,7 +4,8 @@ Coordinates are metres in body axes.
 
 mesh          `Mesh`
 mesh_input    checks of its vertices, facets and materials
-closure       holes, facets that are inside out, connected parts
+closure       edges, holes, facets that are doubled or inside out, connected parts
+convexity     the test of convexity
 integrals     mass, centre of mass and inertia: `MassProperties`
 ellipsoid     `Ellipsoid`, in closed form and as a mesh
 geodesic      even triangulations of the unit sphere

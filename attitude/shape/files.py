@@ -45,7 +45,7 @@ def read(
     format : "obj", "damit", "stl" or "ply", optional
         By default that of the ending of the file.
     closed : bool
-        Whether the surface must bound a solid.
+        Whether the surface must bound a solid; False for a sheet such as a panel.
     repair : bool
         Whether trimesh merges vertices, drops degenerate facets, reverses facets and fills small
         holes first.  Materials are then lost.
@@ -83,7 +83,7 @@ def read(
     if repair:
         vertices, facets, materials = _repaired(vertices, facets)
     try:
-        mesh = Mesh(vertices * factor, facets, materials)
+        mesh = Mesh(vertices * factor, facets, materials, open=not closed)
         return mesh.require_closed() if closed else mesh
     except AttitudeError as err:
         raise AttitudeError(f"{file.name}: {err}") from err

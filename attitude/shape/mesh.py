@@ -11,7 +11,7 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
-from attitude.shape import closure, integrals, mesh_input
+from attitude.shape import closure, convexity, integrals, mesh_input
 from attitude.shape.mesh_input import listed
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # The material of facets that are given none.
 SURFACE: str = "surface"
+# Rounding of vertices and normals in heights, over the size of the body.
+_FLAT = 1e-12 + 32.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -38,6 +40,8 @@ class Mesh(Immutable):
         Indices from 0 into the vertices, anticlockwise seen from outside.
     materials : sequence of F str, or one str for all, optional
         Names of the materials of the facets; by default "surface".
+    open : bool
+        Whether the surface may have a boundary: a sheet such as a panel, lit on its front only.
 
     Attributes
     ----------
@@ -45,33 +49,47 @@ class Mesh(Immutable):
         m.
     facets : (F, 3) array of int
     materials : tuple of F str
+    may_be_open : bool
+        Whether ``open`` was given; see `is_closed`.
 
     Raises
     ------
     AttitudeError
-        For numbers that are not finite, indices without a vertex, and facets whose area is within
-        the rounding of their corners, so that they have no normal.
+        For numbers that are not finite, indices without a vertex, facets whose area is within the
+        rounding of their corners, so that they have no normal, two facets with the same corners,
+        facets that run against a neighbour, and, unless ``open``, facets at a hole.
 
     Notes
     -----
-    An open mesh is a legal surface, such as a plate, but bounds no solid: `require_closed`, which
-    the readers and `mass_properties` call, names the facets at its holes.  Arrays are read-only.
+    An open mesh bounds no solid: `require_closed`, which `mass_properties` calls, refuses it.
+    Arrays are read-only.
     """
 
     vertices: FloatArray
     facets: IntArray
     materials: tuple[str, ...]
+    may_be_open: bool
 
     def __init__(
-        self, vertices: Reals, facets: ArrayLike, materials: str | Iterable[str] = SURFACE
+        self,
+        vertices: Reals,
+        facets: ArrayLike,
+        materials: str | Iterable[str] = SURFACE,
+        *,
+        open: bool = False,
     ) -> None:
         self._set("vertices", frozen(mesh_input.vertices_of(vertices)))
         self._set("facets", frozen(mesh_input.facets_of(facets, len(self.vertices))))
         self._set("materials", mesh_input.materials_of(materials, len(self.facets)))
+        self._set("may_be_open", validation.one_of(open, "open", (True, False)))
         mesh_input.refuse_degenerate(self.corners, self.areas)
+        mesh_input.refuse_doubled(self.corners)
+        mesh_input.refuse_repeated(self.facets, self._edges)
+        if not open:
+            self._require_no_hole()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Mesh, (self.vertices, self.facets, self.materials)
+        return _remade, (self.vertices, self.facets, self.materials, self.may_be_open)
 
     def __repr__(self) -> str:
         kind = "closed" if self.is_closed else "open"
@@ -119,8 +137,12 @@ class Mesh(Immutable):
 
     @cached_property
     def open_facets(self) -> IntArray:
-        """Indices of the facets at a hole or turned against a neighbour; empty if closed."""
-        return frozen(closure.open_facets(self.facets))
+        """Indices of the facets at a hole; empty if closed."""
+        return self._edges.unbalanced
+
+    @cached_property
+    def _edges(self) -> closure.Edges:
+        return closure.edges_of(self.facets, len(self.vertices))
 
     @property
     def is_closed(self) -> bool:
@@ -130,26 +152,20 @@ class Mesh(Immutable):
     @cached_property
     def inward_facets(self) -> IntArray:
         """Indices of the facets of closed parts whose normals point inward; may be empty."""
+        if not self.is_closed:
+            return frozen(np.zeros(0, dtype=np.int64))
         return frozen(closure.inward_facets(self.vertices, self.facets))
 
     @cached_property
     def is_convex(self) -> bool:
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
-        Heights within the rounding of the coordinates count as zero.
+        Heights within the rounding of the coordinates count as zero.  The time grows with the
+        number of facets (`convexity`).
         """
         if not self.is_closed or len(self.inward_facets):
             return False
-        size = np.max(np.abs(self.vertices - self._middle))
-        used = self.vertices[np.unique(self.facets)] - self._middle
-        level = np.einsum("fi,fi->f", self.normals, self.centroids - self._middle)
-        # In blocks: 1e5 facets have 1e10 heights.
-        for begin in range(0, len(self), 512):
-            part = slice(begin, begin + 512)
-            height = np.max(self.normals[part] @ used.T, axis=1) - level[part]
-            if np.any(height > 32.0 * np.finfo(float).eps * size + 1e-12 * size):
-                return False
-        return True
+        return convexity.is_convex(self.corners, self.normals, self._edges.mates, _FLAT)
 
     @property
     def _middle(self) -> FloatArray:
@@ -162,16 +178,9 @@ class Mesh(Immutable):
         Raises
         ------
         AttitudeError
-            With the facets at holes or turned against their neighbours, or the facets of closed
-            parts that are inside out.
+            With the facets at holes, or the facets of closed parts that are inside out.
         """
-        if not self.is_closed:
-            raise AttitudeError(
-                f"the mesh is not closed: facets {listed(self.open_facets)} lie at a hole, or run "
-                "against a neighbour. Close the holes and turn the facets the same way (vertices "
-                "anticlockwise seen from outside), read the file with repair=True, or give "
-                "closed=False for a surface that is meant to be open."
-            )
+        self._require_no_hole()
         if len(self.inward_facets):
             raise AttitudeError(
                 f"the mesh is inside out: the normals of facets {listed(self.inward_facets)} point "
@@ -180,14 +189,32 @@ class Mesh(Immutable):
             )
         return self
 
+    def _require_no_hole(self) -> None:
+        if not self.is_closed:
+            raise AttitudeError(
+                f"the mesh is not closed: facets {listed(self.open_facets)} lie at a hole. Close "
+                "the holes, give vertices that coincide one number, read the file with "
+                "repair=True, or say that the surface is a sheet: open=True of Mesh, closed=False "
+                "of shape.read."
+            )
+
+    def _with_vertices(self, vertices: FloatArray) -> Mesh:
+        """The same facets between other vertices, whose edges need no second check."""
+        other = object.__new__(Mesh)
+        other._set("vertices", frozen(mesh_input.vertices_of(vertices)))
+        for name in ("facets", "materials", "may_be_open", "_edges"):
+            other._set(name, getattr(self, name))
+        mesh_input.refuse_degenerate(other.corners, other.areas)
+        return other
+
     def reversed(self) -> Mesh:
         """The same surface with every normal reversed."""
-        return Mesh(self.vertices, self.facets[:, ::-1], self.materials)
+        return Mesh(self.vertices, self.facets[:, ::-1], self.materials, open=self.may_be_open)
 
     def moved(self, offset: Reals) -> Mesh:
         """The mesh displaced by (3,) m; by minus its centre of mass it turns about that centre."""
         offset = validation.real(offset, "offset", shape=(3,), unit="m")
-        return Mesh(self.vertices + offset, self.facets, self.materials)
+        return self._with_vertices(self.vertices + offset)
 
     def turned(self, matrix: ArrayLike) -> Mesh:
         """The mesh in other axes: vertices become matrix @ vertex, for a proper rotation (3, 3).
@@ -205,13 +232,11 @@ class Mesh(Immutable):
                 f"determinant is {np.linalg.det(turn):.3g}; give an orthogonal matrix with "
                 "determinant +1."
             )
-        return Mesh(self.vertices @ turn.T, self.facets, self.materials)
+        return self._with_vertices(self.vertices @ turn.T)
 
     def scaled(self, factor: Real) -> Mesh:
         """The mesh with every length multiplied by a positive number."""
-        return Mesh(
-            self.vertices * validation.positive(factor, "factor"), self.facets, self.materials
-        )
+        return self._with_vertices(self.vertices * validation.positive(factor, "factor"))
 
     def divided(self, times: int = 1) -> Mesh:
         """The same surface with each facet cut into 4^times by the middles of its edges.
@@ -236,10 +261,15 @@ class Mesh(Immutable):
         corners = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         facets = np.stack([np.stack(each, axis=1) for each in corners], axis=1).reshape(-1, 3)
         names = tuple(name for name in self.materials for _ in range(4))
-        return Mesh(np.concatenate([self.vertices, middles]), facets, names).divided(times - 1)
+        finer = Mesh(np.concatenate([self.vertices, middles]), facets, names, open=self.may_be_open)
+        return finer.divided(times - 1)
 
     def joined(self, other: Mesh) -> Mesh:
-        """Both meshes as one; parts that overlap count twice in volume and mass."""
+        """Both meshes as one, open if either is.
+
+        Parts that overlap count twice in volume and mass.  A part that is there already, with
+        facets of the same corners, is refused.
+        """
         if not isinstance(other, Mesh):
             raise AttitudeError(
                 f"a mesh is joined to {validation.shown(other)}; give another Mesh."
@@ -248,6 +278,7 @@ class Mesh(Immutable):
             np.concatenate([self.vertices, other.vertices]),
             np.concatenate([self.facets, other.facets + len(self.vertices)]),
             self.materials + other.materials,
+            open=self.may_be_open or other.may_be_open,
         )
 
     def mass_properties(
@@ -292,3 +323,8 @@ class Mesh(Immutable):
         filling = validation.positive(density, "density", unit="kg/m3")
         self.require_closed()
         return integrals.about_center(filling, *integrals.solid_moments(corners), self._middle)
+
+
+def _remade(vertices: FloatArray, facets: IntArray, materials: tuple[str, ...], open: bool) -> Mesh:
+    """The mesh that was pickled."""
+    return Mesh(vertices, facets, materials, open=open)

@@ -8,9 +8,11 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
+from attitude.shape.closure import doubled_facets
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
+    from attitude.shape.closure import Edges
 
 
 def vertices_of(value: Any) -> FloatArray:
@@ -100,6 +102,33 @@ def refuse_degenerate(corners: FloatArray, areas: FloatArray) -> None:
             f"facets {listed(flat)} are degenerate: their corners lie on a line or coincide, so "
             "they have no normal. Remove them and merge the vertices that coincide."
         )
+
+
+def refuse_doubled(corners: FloatArray) -> None:
+    """Raise the AttitudeError for two facets among (F, 3, 3) that are the same."""
+    pair = doubled_facets(corners)
+    if pair is not None:
+        raise AttitudeError(
+            f"facets {pair[0]} and {pair[1]} are doubled: they have the same corners in the same "
+            "order, so that their area would count twice. Remove one of them, or read the file "
+            "with repair=True."
+        )
+
+
+def refuse_repeated(facets: IntArray, edges: Edges) -> None:
+    """Raise the AttitudeError for edges that facets (F, 3) pass twice in the same direction."""
+    if len(edges.repeated) == 0:
+        return
+    own = facets[edges.repeated]
+    passed = np.stack([own, own[:, [1, 2, 0]]], axis=-1).reshape(-1, 2)
+    each, times = np.unique(passed, axis=0, return_counts=True)
+    start, end = each[np.argmax(times > 1)]
+    raise AttitudeError(
+        f"facets {listed(edges.repeated)} run against a neighbour: an edge is passed twice in the "
+        f"same direction (first that from vertex {start} to vertex {end}). Turn the facets the "
+        "same way, vertices anticlockwise seen from outside, remove those in excess, or read the "
+        "file with repair=True."
+    )
 
 
 def listed(indices: IntArray) -> str:

@@ -27,6 +27,7 @@ from attitude.formats.ccsds import axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE, known_tolerance
+from attitude.formats.sources import refuse_breaks
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.spin import Spin
 from attitude.textfiles import kvn
@@ -164,11 +165,12 @@ def write(
     Raises
     ------
     AttitudeError
-        For unknown names of versions, axes or time systems, a state without rates or inertia, and
-        a file that cannot be written.
+        For unknown names of versions, axes or time systems, a state without rates or inertia, a
+        motion whose angular velocity jumps, and a file that cannot be written.
     """
     if version not in VERSIONS:
         raise AttitudeError(f"version is {version!r}; APM has {' and '.join(VERSIONS)}.")
+    refuse_breaks(motion, "an APM")
     spin, body = motion.spin, motion.body if inertia else None
     if inertia and body is None:
         raise AttitudeError("there is no inertia to be written; give inertia=False.")

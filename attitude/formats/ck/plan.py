@@ -1,12 +1,13 @@
 """The motion on the clock of a C-kernel, and the step between records.
 
 At this step the error between records, measured at some places of the span, is a quarter of the
-tolerances.
+tolerances.  The span is divided into stretches where the angular velocity of the motion jumps:
+records of one stretch hold the state of this stretch up to both its ends, and SPICE interpolates
+within a stretch only.
 """
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from attitude.errors import AttitudeError
 from attitude.motion import motion_of
 
 if TYPE_CHECKING:
-    from attitude.annotations import EpochOrSeconds, FloatArray
+    from attitude.annotations import EpochOrSeconds, FloatArray, IntArray
     from attitude.history import AttitudeHistory
     from attitude.motion import HasAttitudes
 
@@ -51,6 +52,9 @@ class Plan:
         Start of the clock, TDB seconds since J2000.
     begin, end : float
         The span, s on the clock.
+    bounds : (S + 1,) array
+        `begin`, the jumps of the angular velocity in between, and `end`, s on the clock: stretch k
+        runs from bounds[k] to bounds[k + 1].
     step : float
         Time between records, s.
 
@@ -95,6 +99,7 @@ class Plan:
         self.end: float = float(end)
         if not self.end > self.begin:
             raise AttitudeError("stop is not after start; give a span of time.")
+        self._divide()
         probes = self.history(np.linspace(self.begin, self.end, _PROBES)).angular_velocity
         fastest = float(np.max(np.linalg.norm(probes, axis=1)))
         if rate_tolerance is None:
@@ -104,25 +109,73 @@ class Plan:
         self.rate_tolerance: float = float(rate_tolerance)
         self.step: float = self._first_step(fastest)
 
-    def history(self, seconds: FloatArray) -> AttitudeHistory:
-        """The motion at seconds on the clock, whose epochs are not rounded."""
-        return self._motion.at(*pairs.add((seconds, 0.0), *self._shift))
+    def _divide(self):
+        """Set `bounds`, and the first and last epoch of each stretch as the motion counts them."""
+        breaks = self._motion.breaks()
+        clock = pairs.add((breaks[:, 0], breaks[:, 1]), -self._shift[0], -self._shift[1])[0]
+        inside = (clock > self.begin) & (clock < self.end)
+        jumps = breaks[inside]
+        self.bounds: FloatArray = np.concatenate([[self.begin], clock[inside], [self.end]])
+        if np.any(np.diff(self.bounds) <= 0.0):
+            raise AttitudeError(
+                "the angular velocity of the motion jumps twice within the rounding of an epoch; "
+                "a C-kernel cannot hold that."
+            )
+        before = np.stack([jumps[:, 0], np.nextafter(jumps[:, 1], -np.inf)], axis=1)
+        far = [[np.inf, 0.0]]
+        self._ends = np.concatenate([np.negative(far), jumps]), np.concatenate([before, far])
 
-    def records(self) -> FloatArray:
-        """The times of all records, s on the clock: equal steps of at most `step` up to the end.
+    def history(
+        self, seconds: FloatArray, stretch: IntArray | int | None = None
+    ) -> AttitudeHistory:
+        """The motion at seconds on the clock, whose epochs are not rounded.
+
+        Of the given stretches, broadcast against `seconds`, also at their ends; by default of those
+        in which the seconds are.
+        """
+        if stretch is None:
+            stretch = np.searchsorted(self.bounds[1:-1], seconds, side="right")
+        hi, lo = pairs.add((np.asarray(seconds), 0.0), *self._shift)
+        first, last = (np.broadcast_to(each[stretch], (*np.shape(hi), 2)) for each in self._ends)
+        early = (hi < first[..., 0]) | ((hi == first[..., 0]) & (lo < first[..., 1]))
+        late = (hi > last[..., 0]) | ((hi == last[..., 0]) & (lo > last[..., 1]))
+        for outside, end in ((early, first), (late, last)):
+            hi, lo = np.where(outside, end[..., 0], hi), np.where(outside, end[..., 1], lo)
+        return self._motion.at(hi, lo)
+
+    @property
+    def _width(self):
+        """Records from which SPICE interpolates."""
+        return 2 if self.kind == 3 else (DEGREE + 1) // 2
+
+    def records(self) -> list[FloatArray]:
+        """The times of all records of each stretch, s on the clock: equal steps up to its ends.
 
         Raises
         ------
         AttitudeError
             For more than 20 million records.
         """
-        count = max(math.ceil((self.end - self.begin) / self.step) + 1, 2)
-        if count > _MOST_RECORDS:
+        lengths = np.diff(self.bounds)
+        # A full window of interpolation in each stretch.
+        least = 2 if len(lengths) == 1 else self._width
+        counts = np.maximum(np.ceil(lengths / self.step).astype(int) + 1, least)
+        if np.sum(counts) > _MOST_RECORDS:
             raise AttitudeError(
-                f"the tolerances need {count} records, more than {_MOST_RECORDS}; give larger "
-                "ones, a shorter span, or type 5."
+                f"the tolerances need {np.sum(counts)} records, more than {_MOST_RECORDS}; give "
+                "larger ones, a shorter span, or type 5."
             )
-        return np.linspace(self.begin, self.end, count)
+        ends = zip(self.bounds[:-1], self.bounds[1:], counts, strict=True)
+        return [np.linspace(begin, end, count) for begin, end, count in ends]
+
+    def checks(self, count: int, random: np.random.Generator) -> FloatArray:
+        """Epochs at which the finished kernel is compared: random ones, and some beside jumps."""
+        jumps = self.bounds[1:-1]
+        if len(jumps) > count:
+            jumps = random.choice(jumps, count, replace=False)
+        share = random.uniform(-1.0, 1.0, (4, len(jumps))) ** 3
+        beside = np.ravel(jumps + share * 2.0 * self.step)
+        return np.concatenate([random.uniform(self.begin, self.end, count), beside])
 
     def _first_step(self, fastest):
         """A step at which the error between records is a quarter of the tolerances."""
@@ -140,18 +193,18 @@ class Plan:
 
     def _errors(self, step):
         """Largest errors of attitude and rate, rad and rad/s, between records with this step."""
-        width = 2 if self.kind == 3 else (DEGREE + 1) // 2
-        window = (width - 1) * step
-        span = self.end - self.begin
-        first = self.begin + np.linspace(0.0, 1.0, _PROBES) * max(span - window, 0.0)
-        place = np.arange(width) * step
-        t = first[:, None] + place
-        t = np.minimum(t, self.end) if window > span else t
-        nodes = self.history(t)
+        width = self._width
+        spread = self.begin + np.linspace(0.0, 1.0, _PROBES) * (self.end - self.begin)
+        stretch = np.searchsorted(self.bounds[1:-1], spread, side="right")
+        low, high = self.bounds[stretch], self.bounds[stretch + 1]
+        # A window lies within the stretch in which it begins, or fills it.
+        steps = np.minimum(step, (high - low) / (width - 1))
+        first = np.maximum(np.minimum(spread, high - (width - 1) * steps), low)
+        place = np.arange(width) * steps[:, None]
+        nodes = self.history(first[:, None] + place, stretch[:, None])
         # In the middle itself the error of a steady rotation is one of the length only.
-        middle = first + (0.5 * (width - 1) + _OFF_MIDDLE) * step
-        middle = np.minimum(middle, self.end)
-        true = self.history(middle)
+        middle = first + (0.5 * (width - 1) + _OFF_MIDDLE) * steps
+        true = self.history(middle, stretch)
         q = [nodes.wxyz[:, k] for k in range(width)]
         w = [nodes.angular_velocity_inertial[:, k] for k in range(width)]
         if self.kind == 3:
@@ -161,11 +214,13 @@ class Plan:
             rates = w[0] + share * (w[1] - w[0])
             found = quaternion.multiply(q[0], part), rates
         else:
-            at = np.broadcast_to(place / step, (len(first), width))
-            x = (middle - first) / step
+            at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
+            x = (middle - first) / steps
             bends = quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
             change = forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
-            slopes = [[part[:, k] * step for k in range(width)] for part in (change, bends)]
+            slopes = [
+                [part[:, k] * steps[:, None] for k in range(width)] for part in (change, bends)
+            ]
             found = [
                 interpolation.polynomial(at, values, slope, x)
                 for values, slope in zip((q, w), slopes, strict=True)

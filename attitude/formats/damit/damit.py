@@ -23,6 +23,7 @@ from attitude.body import Body
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.sources import refuse_breaks
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.spin import Spin
 from attitude.textfiles.atomic_write import written_whole
@@ -154,6 +155,7 @@ def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = (
     AttitudeError
         For other motions, and a file that cannot be written.
     """
+    refuse_breaks(motion, "a DAMIT spin file")
     rates = motion.spin.angular_velocity
     z = rates[2]
     if not (z > 0.0 and np.hypot(rates[0], rates[1]) <= _ALONG_Z * z):
