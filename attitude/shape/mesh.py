@@ -13,6 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.shape import closure, integrals, mesh_input
 from attitude.shape.mesh_input import listed
+from attitude.shape.rounding import height_errors
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -45,6 +46,9 @@ class Mesh(Immutable):
         m.
     facets : (F, 3) array of int
     materials : tuple of F str
+    rounding : float
+        How much each coordinate may err, m; of a mesh read from text, half a unit of the last
+        digit, otherwise 0.
 
     Raises
     ------
@@ -61,6 +65,7 @@ class Mesh(Immutable):
     vertices: FloatArray
     facets: IntArray
     materials: tuple[str, ...]
+    rounding: float
 
     def __init__(
         self, vertices: Reals, facets: ArrayLike, materials: str | Iterable[str] = SURFACE
@@ -68,10 +73,11 @@ class Mesh(Immutable):
         self._set("vertices", frozen(mesh_input.vertices_of(vertices)))
         self._set("facets", frozen(mesh_input.facets_of(facets, len(self.vertices))))
         self._set("materials", mesh_input.materials_of(materials, len(self.facets)))
+        self._set("rounding", 0.0)
         mesh_input.refuse_degenerate(self.corners, self.areas)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Mesh, (self.vertices, self.facets, self.materials)
+        return _remade, (self.vertices, self.facets, self.materials, self.rounding)
 
     def __repr__(self) -> str:
         kind = "closed" if self.is_closed else "open"
@@ -136,7 +142,8 @@ class Mesh(Immutable):
     def is_convex(self) -> bool:
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
-        Heights within the rounding of the coordinates count as zero.
+        Heights within the rounding of the coordinates, `rounding` and that of doubles, count as
+        zero.
         """
         if not self.is_closed or len(self.inward_facets):
             return False
@@ -146,9 +153,13 @@ class Mesh(Immutable):
         # In blocks: 1e5 facets have 1e10 heights.
         for begin in range(0, len(self), 512):
             part = slice(begin, begin + 512)
-            height = np.max(self.normals[part] @ used.T, axis=1) - level[part]
-            if np.any(height > 32.0 * np.finfo(float).eps * size + 1e-12 * size):
-                return False
+            height = self.normals[part] @ used.T - level[part, None]
+            facet, vertex = np.nonzero(height > 32.0 * np.finfo(float).eps * size + 1e-12 * size)
+            for first in range(0, len(facet), 1 << 16):
+                f, v = facet[first : first + (1 << 16)], vertex[first : first + (1 << 16)]
+                corners, points = self.corners[part][f] - self._middle, used[v]
+                if np.any(height[f, v] > height_errors(corners, points, self.rounding)):
+                    return False
         return True
 
     @property
@@ -180,14 +191,25 @@ class Mesh(Immutable):
             )
         return self
 
+    def with_rounding(self, rounding: Real) -> Mesh:
+        """The same mesh, each coordinate of which may err by a length, m: see `is_convex`."""
+        given = validation.number(rounding, "rounding", unit="m")
+        if given < 0.0:
+            raise AttitudeError(f"rounding is {given!r} m; give 0 or more.")
+        other = Mesh(self.vertices, self.facets, self.materials)
+        other._set("rounding", given)
+        return other
+
     def reversed(self) -> Mesh:
         """The same surface with every normal reversed."""
-        return Mesh(self.vertices, self.facets[:, ::-1], self.materials)
+        turned = Mesh(self.vertices, self.facets[:, ::-1], self.materials)
+        return turned.with_rounding(self.rounding)
 
     def moved(self, offset: Reals) -> Mesh:
         """The mesh displaced by (3,) m; by minus its centre of mass it turns about that centre."""
         offset = validation.real(offset, "offset", shape=(3,), unit="m")
-        return Mesh(self.vertices + offset, self.facets, self.materials)
+        moved = Mesh(self.vertices + offset, self.facets, self.materials)
+        return moved.with_rounding(self.rounding)
 
     def turned(self, matrix: ArrayLike) -> Mesh:
         """The mesh in other axes: vertices become matrix @ vertex, for a proper rotation (3, 3).
@@ -205,13 +227,14 @@ class Mesh(Immutable):
                 f"determinant is {np.linalg.det(turn):.3g}; give an orthogonal matrix with "
                 "determinant +1."
             )
-        return Mesh(self.vertices @ turn.T, self.facets, self.materials)
+        turned = Mesh(self.vertices @ turn.T, self.facets, self.materials)
+        return turned.with_rounding(self.rounding)
 
     def scaled(self, factor: Real) -> Mesh:
         """The mesh with every length multiplied by a positive number."""
-        return Mesh(
-            self.vertices * validation.positive(factor, "factor"), self.facets, self.materials
-        )
+        factor = validation.positive(factor, "factor")
+        scaled = Mesh(self.vertices * factor, self.facets, self.materials)
+        return scaled.with_rounding(self.rounding * factor)
 
     def divided(self, times: int = 1) -> Mesh:
         """The same surface with each facet cut into 4^times by the middles of its edges.
@@ -236,7 +259,8 @@ class Mesh(Immutable):
         corners = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         facets = np.stack([np.stack(each, axis=1) for each in corners], axis=1).reshape(-1, 3)
         names = tuple(name for name in self.materials for _ in range(4))
-        return Mesh(np.concatenate([self.vertices, middles]), facets, names).divided(times - 1)
+        finer = Mesh(np.concatenate([self.vertices, middles]), facets, names)
+        return finer.with_rounding(self.rounding).divided(times - 1)
 
     def joined(self, other: Mesh) -> Mesh:
         """Both meshes as one; parts that overlap count twice in volume and mass."""
@@ -244,11 +268,12 @@ class Mesh(Immutable):
             raise AttitudeError(
                 f"a mesh is joined to {validation.shown(other)}; give another Mesh."
             )
-        return Mesh(
+        both = Mesh(
             np.concatenate([self.vertices, other.vertices]),
             np.concatenate([self.facets, other.facets + len(self.vertices)]),
             self.materials + other.materials,
         )
+        return both.with_rounding(max(self.rounding, other.rounding))
 
     def mass_properties(
         self, *, density: Real | None = None, surface_density: Real | None = None
@@ -292,3 +317,10 @@ class Mesh(Immutable):
         filling = validation.positive(density, "density", unit="kg/m3")
         self.require_closed()
         return integrals.about_center(filling, *integrals.solid_moments(corners), self._middle)
+
+
+def _remade(
+    vertices: FloatArray, facets: IntArray, materials: tuple[str, ...], rounding: float
+) -> Mesh:
+    """The mesh that was pickled."""
+    return Mesh(vertices, facets, materials).with_rounding(rounding)
