@@ -1,5 +1,9 @@
-"""The one exception type of the package."""
+"""The one exception type of the package, and its warnings."""
 
 
 class AttitudeError(ValueError):
     """Input that the package refuses; the message is a sentence: given, allowed, what to do."""
+
+
+class AttitudeWarning(UserWarning):
+    """A result that is computed as requested but less certain than it looks; one sentence."""

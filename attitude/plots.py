@@ -6,12 +6,13 @@ figure of four.  No window is opened, and no global setting changed.
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import evaluation, frames, validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.free_rotation import polhode as curves
 from attitude.published import conventions
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import FloatArray, Real
+    from attitude.epochs.instants import Instant
     from attitude.free_rotation.free_rotation import FreeRotation
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
@@ -30,6 +32,8 @@ _NAMES = ("long axis", "middle axis", "short axis")
 # Least span in s, s in the unit, and its name.
 _UNITS = ((86400.0 * 3.0, 86400.0, "d"), (3.0 * 3600.0, 3600.0, "h"), (0.0, 1.0, "s"))
 _POINTS = 1201
+# Fewest points a turn that draw a curve.
+_A_TURN = 8.0
 
 
 def overview(
@@ -60,16 +64,45 @@ def overview(
     AttitudeError
         For a body at rest, a rod, a span that is not positive, an unknown frame, or if matplotlib
         is not installed.
+
+    Warns
+    -----
+    AttitudeWarning
+        If the span is so long that the steps of the curves are coarse against a period.
     """
     figure = new_figure((11.0, 8.5))
     seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
+    _warn_of_coarse(motion, seconds)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AttitudeWarning)  # said once
+        _draw(figure, motion, seconds, frame)
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def _draw(figure: Figure, motion: FreeRotation, seconds: FloatArray, frame: str) -> None:
+    """Draw the four plots of `overview`."""
     polhode(figure.add_subplot(2, 2, 1, projection="3d"), motion)
     sky(figure.add_subplot(2, 2, 2, projection="mollweide"), motion, seconds, frame=frame)
     rates(figure.add_subplot(2, 2, 3), motion, seconds)
     angles(figure.add_subplot(2, 2, 4), motion, seconds)
-    if title:
-        figure.suptitle(title)
-    return figure
+
+
+def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
+    """Warn of steps between epochs that are coarse against the shortest period of a motion."""
+    steps = np.abs(np.diff(np.asarray(seconds, dtype=np.float64)))
+    regime = motion.regime
+    periods = [abs(each) for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
+    shortest = min((each for each in periods if 0.0 < each < np.inf), default=np.inf)
+    if steps.size and np.max(steps) > shortest / _A_TURN:
+        warnings.warn(
+            f"the curves have a point every {np.max(steps):.4g} s, which is coarse against the "
+            f"shortest period of the motion, {shortest:.4g} s: lines between the points do not "
+            f"follow it. Give a shorter span, or epochs at most {shortest / _A_TURN:.3g} s apart.",
+            AttitudeWarning,
+            stacklevel=3,
+        )
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
@@ -200,6 +233,7 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
     AttitudeError
         For an unknown frame.
     """
+    _warn_of_coarse(motion, seconds)
     history = motion.at(seconds)
     turn = frames.matrix_to_icrf(frame)
     directions = conventions.axes(motion.body, "S")
@@ -226,10 +260,11 @@ def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
     seconds : (N,) array_like
         TDB seconds since the epoch.
     """
+    _warn_of_coarse(motion, seconds)
     omega = motion.angular_velocity_at(seconds) @ conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
     factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
-    time, label = _time(seconds)
+    time, label = _time(seconds, motion.epoch)
     for k, name in enumerate(_NAMES):
         axes.plot(time, np.degrees(omega[:, k]) * factor, color=_COLORS[k], label=name)
     axes.set(xlabel=label, ylabel=f"angular velocity, {unit}")
@@ -255,10 +290,11 @@ def angles(
     AttitudeError
         For another convention.
     """
+    _warn_of_coarse(motion, seconds)
     if convention is None:
         convention = "L" if motion.regime.circulates < 0 else "S"
     found = np.degrees(motion.angles(seconds, convention))
-    time, label = _time(seconds)
+    time, label = _time(seconds, motion.epoch)
     for k, name in enumerate(("phi", "theta", "psi")):
         axes.plot(*_unbroken(time, found[:, k], 180.0), color=_COLORS[k], label=name)
     axes.set(xlabel=label, ylabel="deg", ylim=(0.0, 360.0), yticks=range(0, 361, 60))
@@ -273,13 +309,13 @@ def _legend(axes: Axes, height: float) -> None:
     )
 
 
-def _time(given: ArrayLike) -> tuple[FloatArray, str]:
-    """Times in a unit that suits their span, and a label with that unit."""
+def _time(given: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
+    """Times in a unit that suits their span, and a label with that unit and the epoch."""
     seconds = np.asarray(given, dtype=np.float64)
     longest = np.max(np.abs(seconds))
     for least, unit, name in _UNITS:
         if longest >= least:
-            return seconds / unit, f"time since the epoch, {name}"
+            return seconds / unit, f"time since {epoch.utc_iso} UTC, {name}"
     raise AssertionError("the last unit applies to every span")
 
 

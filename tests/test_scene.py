@@ -372,7 +372,7 @@ def test_lit_fraction_is_the_uncovered_share_of_the_disc(limb_degrees):
     sun = np.array([[1.0], [0.0], [0.0]])
     found = shadow.lit_fraction(where, radius, sun, np.full(5, AU))
     want = [1.0 - disc_share(each, disc, limb) for each in apart]
-    # 1e-4: the counting; the projection itself is good to 1e-5.
+    # 1e-4: the counting.
     assert np.max(np.abs(found - want)) < 2e-4
     assert found[-1] == 1.0
 

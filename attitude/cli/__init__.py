@@ -5,7 +5,7 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 wrong input.
 
 propagate, describe, geometry, lightcurve, plot, convert, check    the commands
-target          the motion of a spin file or of an entry of the catalogue
+target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
 output          the option --output
@@ -20,13 +20,15 @@ import difflib
 import os
 import re
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from typing import Any, NoReturn
 
 from attitude import __version__
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 
 COMMANDS: tuple[str, ...] = (
     "propagate",
@@ -66,7 +68,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     try:
         arguments = _parsed(_joined(sys.argv[1:] if argv is None else list(argv)))
-        arguments.run(arguments)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", AttitudeWarning)
+            warnings.showwarning = partial(_said, warnings.showwarning)
+            arguments.run(arguments)
         sys.stdout.flush()
     except SystemExit as end:  # argparse: help, version
         return int(end.code or 0)
@@ -140,6 +145,20 @@ def _joined(argv: list[str]) -> list[str]:
         else:
             joined.append(each)
     return joined
+
+
+def _said(
+    other: Callable[..., None],
+    message: Warning | str,
+    category: type[Warning],
+    *rest: Any,
+    **more: Any,
+) -> None:
+    """Print a warning of the package as one sentence on stderr; `other` prints all others."""
+    if issubclass(category, AttitudeWarning):
+        print(f"attitude: warning: {message}", file=sys.stderr)
+    else:
+        other(message, category, *rest, **more)
 
 
 def _failed(sentence: str) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 
 from attitude.cli import output, target
 from attitude.errors import AttitudeError
@@ -63,6 +64,6 @@ def run(arguments: argparse.Namespace) -> None:
 def _file_name(name: str, given: str) -> str:
     """A PNG in the working directory, named after the entry of the catalogue or the file."""
     if target.is_file(given):
-        name = os.path.basename(given).removesuffix(".toml")
+        name = re.sub(r"\.(toml|spin|apm|xml)$", "", os.path.basename(given))
     words = "".join(each if each.isalnum() else " " for each in name.lower()).split()
     return "-".join(words) + ".png"

@@ -27,7 +27,11 @@ _BLOCK = 16384
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument("file", metavar="FILE.toml", help="spin file: a body and its state")
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        help="a body and its state: spin file (.toml), APM, or DAMIT spin file (.spin)",
+    )
     parser.add_argument(
         "--start",
         default="0",
@@ -54,10 +58,10 @@ def run(arguments: argparse.Namespace) -> None:
     """
     from attitude.cli import table
     from attitude.cli.grid import grid
-    from attitude.formats import spin_file
+    from attitude.formats import state
 
     kind = output.kind_of(arguments.output)
-    motion = spin_file.read(arguments.file).motion
+    motion = state.read(arguments.file).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     motion.at(epochs.block(epochs.count - 1, 1)[0])  # refused before a row is written
     with output.opened(arguments.output) as file:

@@ -1,4 +1,4 @@
-"""The motion that a command is run for: a spin file, or a completed entry of the catalogue."""
+"""The motion that a command is run for: that of a file, or a completed entry of the catalogue."""
 
 from __future__ import annotations
 
@@ -54,8 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add NAME|FILE, and the options that complete an entry of the catalogue."""
     parser.add_argument(
         "target",
-        metavar="NAME|FILE.toml",
-        help="name in the catalogue (or a part of it), or spin file: a body and its state",
+        metavar="NAME|FILE",
+        help="name in the catalogue (or a part of it), or a body and its state in a file: spin "
+        "file (.toml), APM, or DAMIT spin file (.spin)",
     )
     group = parser.add_argument_group("values that an entry of the catalogue lacks")
     for option, name, _, text in _NUMBERS:
@@ -66,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def is_file(text: str) -> bool:
     """Whether a target is a file: one that exists, or a name of the form of a path."""
-    written_so = re.search(r"\.toml$|[/\\]", text) is not None
+    written_so = re.search(r"\.(toml|spin|apm)$|[/\\]", text) is not None
     return os.path.exists(text) or (written_so and not _listed(text))
 
 
@@ -99,7 +100,7 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
 
 
 def _from_file(arguments: argparse.Namespace) -> Target:
-    from attitude.formats import spin_file
+    from attitude.formats import state
 
     useless = _completing(arguments)
     if useless:
@@ -107,7 +108,7 @@ def _from_file(arguments: argparse.Namespace) -> Target:
             f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
             "spin file."
         )
-    found = spin_file.read(arguments.target)
+    found = state.read(arguments.target)
     return Target(found.motion, found.name or arguments.target, found.source, found.note)
 
 

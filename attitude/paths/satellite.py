@@ -11,15 +11,16 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import pairs
+from attitude import pairs, validation
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.paths.moving_pole import pole_of_teme, to_gcrs
 from attitude.paths.path import Path, since, spelled
 from attitude.textfiles import kvn, records, xml
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from attitude.annotations import FilePath
 
 _KM = 1000.0
+# Days from the epoch of the elements beyond which a path warns, and refuses.
+_WARNED, _REFUSED = 14.0, 365.25
 _OMM_NEEDED = (
     *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
     *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),
@@ -58,6 +61,8 @@ class Satellite(Path):
         The two lines of a TLE, or keywords and values of an OMM.
     epoch : Instant
         The epoch of the elements.
+    any_epoch : bool
+        Whether epochs far from that of the elements are accepted.
     name, center, source
         As for all paths.
     """
@@ -66,6 +71,7 @@ class Satellite(Path):
     epoch: Instant
     name: str
     source: str
+    any_epoch: bool = False
     center = "earth"
 
     def _state(self, instant, hi, lo):
@@ -82,12 +88,32 @@ class Satellite(Path):
         model = _model(self.lines)
         # The rates of TDB and TAI agree to 3e-10, 1 ms a month.
         days = _elapsed_tai(self.epoch, elapsed) / time_scales.DAY
+        if not self.any_epoch and days.size:
+            self._check_distance(days)
         whole = np.floor(days)
         jd = model.jdsatepoch + whole
         errors, position, velocity = model.sgp4_array(jd, model.jdsatepochF + (days - whole))
         if errors.any():
             self._refuse(errors, instant, hi)
         return position.T * _KM, velocity.T * _KM
+
+    def _check_distance(self, days):
+        """Refuse epochs beyond a year from that of the elements; warn once beyond two weeks."""
+        farthest = float(np.nanmax(np.abs(days), initial=0.0))
+        if farthest > _REFUSED:
+            raise AttitudeError(
+                f"{self.name} is evaluated {farthest:.4g} days from the epoch of its elements "
+                f"({spelled(self.epoch)}), where positions of SGP4 mean little; give elements of "
+                f"an epoch within {_REFUSED:.0f} days, or any_epoch=True."
+            )
+        if farthest > _WARNED and not self.__dict__.get("_has_warned"):
+            object.__setattr__(self, "_has_warned", True)
+            warnings.warn(
+                f"{self.name} is evaluated {farthest:.3g} days from the epoch of its elements "
+                f"({spelled(self.epoch)}), where SGP4 errs by tens of kilometres; give newer ones.",
+                AttitudeWarning,
+                stacklevel=2,
+            )
 
     def _refuse(self, errors, instant, hi):
         """Raise the AttitudeError for SGP4's first error code that is not zero."""
@@ -110,7 +136,9 @@ def _elapsed_tai(epoch, elapsed):
     return elapsed - (time_scales.difference_at(start[0] + elapsed, start[1]) - first)
 
 
-def tle(text: FilePath | Sequence[str], *, name: str | int | None = None) -> Satellite:
+def tle(
+    text: FilePath | Sequence[str], *, name: str | int | None = None, any_epoch: bool = False
+) -> Satellite:
     """The path of a satellite from two-line elements, relative to the Earth.
 
     Parameters
@@ -120,6 +148,9 @@ def tle(text: FilePath | Sequence[str], *, name: str | int | None = None) -> Sat
         lines, or as the path of a file.
     name : str or int, optional
         Name or catalog number, to select one satellite of several.
+    any_epoch : bool
+        Whether the path accepts epochs beyond a year from that of the elements, without a warning
+        beyond 14 days.
 
     Returns
     -------
@@ -130,7 +161,8 @@ def tle(text: FilePath | Sequence[str], *, name: str | int | None = None) -> Sat
     ------
     AttitudeError
         For lines of another length or form, a wrong checksum, and more than one satellite without
-        a name.  The path raises it for an epoch at which SGP4 has no orbit.
+        a name.  The path raises it for an epoch at which SGP4 has no orbit, and beyond 365.25 days
+        from the epoch of the elements; beyond 14 days it warns (`AttitudeWarning`), once.
 
     Notes
     -----
@@ -152,10 +184,15 @@ def tle(text: FilePath | Sequence[str], *, name: str | int | None = None) -> Sat
             f"{label}: line 1 is of satellite {first[2:7]} and line 2 of {second[2:7]}; give two "
             "lines of one."
         )
-    return _satellite((first, second), title or first[2:7].strip(), "TLE")
+    return _satellite((first, second), title or first[2:7].strip(), "TLE", any_epoch)
 
 
-def omm(message: Mapping[str, Any] | FilePath, *, name: str | int | None = None) -> Satellite:
+def omm(
+    message: Mapping[str, Any] | FilePath,
+    *,
+    name: str | int | None = None,
+    any_epoch: bool = False,
+) -> Satellite:
     """The path of a satellite from a CCSDS orbit mean-elements message; see `tle`.
 
     Parameters
@@ -165,6 +202,8 @@ def omm(message: Mapping[str, Any] | FilePath, *, name: str | int | None = None)
         or CSV (the formats of Celestrak and Space-Track).
     name : str or int, optional
         OBJECT_NAME or NORAD_CAT_ID, to select one satellite of several.
+    any_epoch : bool
+        As of `tle`.
 
     Raises
     ------
@@ -195,15 +234,16 @@ def omm(message: Mapping[str, Any] | FilePath, *, name: str | int | None = None)
     stamp = fields["EPOCH"].removesuffix("Z")
     fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # the form that sgp4 reads
     title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
-    return _satellite(tuple(sorted(fields.items())), title, "OMM")
+    return _satellite(tuple(sorted(fields.items())), title, "OMM", any_epoch)
 
 
-def _satellite(lines, name, kind):
+def _satellite(lines, name, kind, any_epoch):
     """The satellite of two lines or of the fields of an OMM."""
     model = _model(lines)
     jd1, jd2 = np.float64(model.jdsatepoch), np.float64(model.jdsatepochF)
+    flag = validation.flag(any_epoch, "any_epoch")
     epoch = Instant(*time_scales.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
-    return Satellite(lines, epoch, name, f"{kind} of {spelled(epoch)}")
+    return Satellite(lines, epoch, name, f"{kind} of {spelled(epoch)}", flag)
 
 
 def _tai_of_utc(jd1, jd2):

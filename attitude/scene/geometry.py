@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -231,14 +232,23 @@ class Geometry(Immutable):
             far = scene.sun.is_direction
             found = self._sight(body, scene.center, self._emission(), geometric=far)
             assert found.distance is not None
+            moves = scene.light_time and not far
             lit -= 1.0 - shadow.lit_fraction(
                 found.unit * found.distance,
                 radius,
                 self.sun_line.unit,
                 self.sun_line.distance,
                 flattening=shadow.flattening_of(body, radius),
+                velocity=partial(self._velocity_of, body) if moves else None,
             )
         return self._numbers(np.maximum(lit, 0.0))
+
+    def _velocity_of(self, body: str, where: BoolArray) -> FloatArray:
+        """Barycentric velocities (3, K) of a body at the marked epochs of emission, m/s, ICRF."""
+        hi, lo = self._emission()
+        low = np.broadcast_to(lo, hi.shape)[where]
+        path = paths.relative(body, "ssb", self.scene.ephemeris)
+        return np.moveaxis(path.velocity(self.epoch, hi[where], low), -1, 0)
 
     @quantity()
     def in_umbra(self) -> BoolArray:

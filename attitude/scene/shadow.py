@@ -2,10 +2,8 @@
 
 The occulter is a sphere, the Earth a spheroid whose axis is the pole of ICRF (the pole of date is
 0.2 degrees away in 2030); no atmosphere bends the light.  A stretch of space along that axis makes
-the spheroid a sphere.  Seen from the body, the limbs of the occulter and of the Sun are small
-circles on the sphere of directions, and also circles in the stereographic projection about the
-centre of the Sun, for any size of the occulter: in low orbit its limb is 65 degrees from its
-centre.
+the spheroid a sphere.  `attitude.scene.discs` has the
+outlines of the Sun and of the occulter on the sky.
 
 Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the Sun's radius of IAU
 2015 resolution B3.
@@ -13,7 +11,7 @@ Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -21,10 +19,16 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name
-from attitude.physical_constants import EARTH_FLATTENING, EARTH_RADIUS_M, SUN_RADIUS_M
+from attitude.physical_constants import (
+    EARTH_FLATTENING,
+    EARTH_RADIUS_M,
+    SPEED_OF_LIGHT_M_S,
+    SUN_RADIUS_M,
+)
+from attitude.scene import discs
 
 if TYPE_CHECKING:
-    from attitude.annotations import FloatArray
+    from attitude.annotations import BoolArray, FloatArray
 
 # Mean radii, m; of the Earth the equatorial one.
 RADII: Final[dict[str, float]] = {
@@ -39,6 +43,10 @@ RADII: Final[dict[str, float]] = {
     "neptune": 2.4622e7,
     "pluto": 1.1883e6,
 }
+
+# Largest angle, rad, by which the motion of an occulter during the light time shifts it: planets
+# move by up to 2e-4 of the speed of light.
+_FASTEST = 1e-3
 
 
 def radius_of(body: str) -> float | None:
@@ -85,13 +93,14 @@ def lit_fraction(
     sun_distance: FloatArray | None,
     *,
     flattening: float = 0.0,
+    velocity: Callable[[BoolArray], FloatArray] | None = None,
 ) -> FloatArray:
     """The fraction (N,) of the Sun's disc that is seen past an occulter, 0 to 1.
 
     Parameters
     ----------
     to_occulter : (3, N) array
-        From the body to the occulter's centre, m, ICRF.
+        From the body to the occulter's centre when light left it towards the body, m, ICRF.
     radius : float
         Equatorial radius of the occulter, m.
     sun : (3, N) or (3, 1) array
@@ -100,6 +109,9 @@ def lit_fraction(
         m; None for a Sun that is infinitely far away, a point.
     flattening : float
         Of the occulter, along the pole of ICRF.
+    velocity : function, optional
+        Of a mask (N,): barycentric velocities (3, K) of the occulter in m/s, ICRF, at the epochs
+        that it marks.  None for an occulter at rest, as in a scene without light times.
 
     Raises
     ------
@@ -108,11 +120,45 @@ def lit_fraction(
 
     Notes
     -----
-    The error is 1e-5 of the disc for a spherical occulter: the stereographic projection distorts
-    the disc by that.
+    The fraction is that of the solid angle, to 1e-9.
+
+    A ray that arrives from the direction n was s n from the body s / c before, when the occulter
+    was at its present place less v s / c: it meets the occulter where the ray along n + v / c meets
+    the occulter at rest at its present place.  So each point of the limb is taken at the epoch at
+    which the light passed it.
     """
+    sun = np.broadcast_to(sun, to_occulter.shape)
+    limb, apart = _limb_and_distance(to_occulter, radius, sun, flattening)
+    if sun_distance is None:
+        return np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
+    disc = _angular_radius(SUN_RADIUS_M, sun_distance)
+    # The stretch and the velocity change these angles by less.
+    margin = 2.0 * flattening * disc + (0.0 if velocity is None else _FASTEST)
+    found = np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
+    near = np.abs(apart - limb) < disc + margin
+    if np.any(near):
+        center, seen, far = to_occulter[:, near], sun[:, near], sun_distance[near]
+        if velocity is not None:
+            shift = velocity(near) / SPEED_OF_LIGHT_M_S
+            center = center + shift * np.sqrt(np.sum(center * center, axis=0))
+            seen = seen + shift
+        size = np.sqrt(np.sum(seen * seen, axis=0))
+        found[near] = discs.free_share(
+            center,
+            radius,
+            seen / size,
+            _angular_radius(SUN_RADIUS_M, far * size),
+            1.0 / (1.0 - flattening),
+        )
+    return found
+
+
+def _limb_and_distance(
+    to_occulter: FloatArray, radius: float, sun: FloatArray, flattening: float
+) -> tuple[FloatArray, FloatArray]:
+    """Angular radius of the occulter and angle from its centre to the Sun, in stretched space."""
     stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
-    middle, sun = to_occulter * stretch, sun * stretch
+    middle = to_occulter * stretch
     distance = np.sqrt(np.sum(middle * middle, axis=0))
     if np.any(distance <= radius):
         raise AttitudeError(
@@ -121,42 +167,13 @@ def lit_fraction(
         )
     from attitude.scene.angles import between
 
-    apart = between(middle, np.broadcast_to(sun, middle.shape))
-    limb = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
-    if sun_distance is None:
-        return np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
-    stretched = sun_distance * np.sqrt(np.sum(sun * sun, axis=0))
-    disc = np.arctan2(
-        SUN_RADIUS_M, np.sqrt((stretched - SUN_RADIUS_M) * (stretched + SUN_RADIUS_M))
-    )
-    # In the plane that touches the sphere at the Sun, the line through both centres meets the limb
-    # of the occulter at these distances from the Sun.
-    near = 2.0 * np.tan(0.5 * (apart - limb))
-    far = 2.0 * np.tan(0.5 * np.minimum(apart + limb, np.pi - 1e-9))
-    return 1.0 - _covered(2.0 * np.tan(0.5 * disc), 0.5 * (far - near), 0.5 * (far + near))
+    return _angular_radius(radius, distance), between(middle, sun * stretch)
 
 
-def _covered(disc, limb, apart):
-    """The fraction of a circle of radius `disc` covered by one of radius `limb` `apart` away."""
-    # Sixteen times the square of the triangle's area: Heron's formula.
-    heron = (apart + disc + limb) * (apart - disc + limb) * (apart + disc - limb)
-    sine = np.sqrt(np.maximum(heron * (disc + limb - apart), 0.0))
-    at_sun = np.arctan2(sine, apart**2 + disc**2 - limb**2)
-    at_limb = np.arctan2(sine, apart**2 + limb**2 - disc**2)
-    lens = disc**2 * _segment(at_sun) + limb**2 * _segment(at_limb)
-    share = np.where(apart >= disc + limb, 0.0, lens / (np.pi * disc**2))
-    inside = apart <= np.abs(limb - disc)
-    return np.where(inside, np.minimum((limb / disc) ** 2, 1.0), share)
-
-
-def _segment(angle):
-    """angle - sin(angle) cos(angle), without cancellation where the angle is small."""
-    double = 2.0 * angle
-    # The series of (x - sin x) / 2; the first omitted term is below 1.6e-15 of the sum at 0.1.
-    square = double * double
-    series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))
-    small = double * square / 12.0 * series
-    return np.where(np.abs(double) < 0.1, small, 0.5 * (double - np.sin(double)))
+def _angular_radius(radius: float, distance: FloatArray) -> FloatArray:
+    """The angular radius of a sphere, rad."""
+    found: FloatArray = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
+    return found
 
 
 def flattening_of(body: str, radius: float) -> float:

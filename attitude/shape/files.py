@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.shape.mesh import SURFACE, Mesh
+from attitude.shape.rounding import of_printed, of_single_precision
 from attitude.textfiles.lines import whole
 from attitude.validation import flag, shown
 
@@ -72,18 +73,21 @@ def read(
         )
     if not file.is_file():
         raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
-    factor = _metres(unit)
+    factor, rounding = _metres(unit), 0.0
     if kind in ("stl", "ply"):
         parts = _through_trimesh(file, kind)
+        rounding = of_single_precision(parts[0])
     else:
         advice = 'give a shape in text, or format="stl" or "ply" for a binary one'
         lines = whole(file, advice).splitlines()
         parts = (read_obj if kind == "obj" else read_damit)(lines, file.name)
+        rounding = of_printed(_coordinates(lines, kind))
     vertices, facets, materials = parts
     if repair:
         vertices, facets, materials = _repaired(vertices, facets)
     try:
         mesh = Mesh(vertices * factor, facets, materials, open=not closed)
+        mesh = mesh.with_rounding(rounding * factor)
         return mesh.require_closed() if closed else mesh
     except AttitudeError as err:
         raise AttitudeError(f"{file.name}: {err}") from err
@@ -205,6 +209,16 @@ def _statements(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
         text = line.split("#", 1)[0].strip()
         if text:
             yield number, text
+
+
+def _coordinates(lines: Iterable[str], kind: str | None) -> Iterator[str]:
+    """The printed coordinates of the vertices of an OBJ or DAMIT file."""
+    for number, (_, line) in enumerate(_statements(lines)):
+        fields = line.split()
+        if kind == "obj" and fields[0] == "v":
+            yield from fields[1:4]
+        elif kind == "damit" and number > 0 and any("." in field for field in fields):
+            yield from fields
 
 
 def _three(line: str, where: str) -> list[str]:

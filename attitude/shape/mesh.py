@@ -51,6 +51,9 @@ class Mesh(Immutable):
     materials : tuple of F str
     may_be_open : bool
         Whether ``open`` was given; see `is_closed`.
+    rounding : float
+        How much each coordinate may err, m; of a mesh read from text, half a unit of the last
+        digit, otherwise 0.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Mesh(Immutable):
     facets: IntArray
     materials: tuple[str, ...]
     may_be_open: bool
+    rounding: float
 
     def __init__(
         self,
@@ -82,6 +86,7 @@ class Mesh(Immutable):
         self._set("facets", frozen(mesh_input.facets_of(facets, len(self.vertices))))
         self._set("materials", mesh_input.materials_of(materials, len(self.facets)))
         self._set("may_be_open", validation.one_of(open, "open", (True, False)))
+        self._set("rounding", 0.0)
         mesh_input.refuse_degenerate(self.corners, self.areas)
         mesh_input.refuse_doubled(self.corners)
         mesh_input.refuse_repeated(self.facets, self._edges)
@@ -89,7 +94,8 @@ class Mesh(Immutable):
             self._require_no_hole()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _remade, (self.vertices, self.facets, self.materials, self.may_be_open)
+        state = self.vertices, self.facets, self.materials, self.may_be_open, self.rounding
+        return _remade, state
 
     def __repr__(self) -> str:
         kind = "closed" if self.is_closed else "open"
@@ -160,12 +166,14 @@ class Mesh(Immutable):
     def is_convex(self) -> bool:
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
-        Heights within the rounding of the coordinates count as zero.  The time grows with the
-        number of facets (`convexity`).
+        Heights within the rounding of the coordinates, `rounding` and that of doubles, count as
+        zero.  The time grows with the number of facets (`convexity`).
         """
         if not self.is_closed or len(self.inward_facets):
             return False
-        return convexity.is_convex(self.corners, self.normals, self._edges.mates, _FLAT)
+        return convexity.is_convex(
+            self.corners, self.normals, self._edges.mates, _FLAT, self.rounding
+        )
 
     @property
     def _middle(self) -> FloatArray:
@@ -198,18 +206,29 @@ class Mesh(Immutable):
                 "of shape.read."
             )
 
-    def _with_vertices(self, vertices: FloatArray) -> Mesh:
+    def _with_vertices(self, vertices: FloatArray, factor: float = 1.0) -> Mesh:
         """The same facets between other vertices, whose edges need no second check."""
         other = object.__new__(Mesh)
         other._set("vertices", frozen(mesh_input.vertices_of(vertices)))
+        other._set("rounding", self.rounding * factor)
         for name in ("facets", "materials", "may_be_open", "_edges"):
             other._set(name, getattr(self, name))
         mesh_input.refuse_degenerate(other.corners, other.areas)
         return other
 
+    def with_rounding(self, rounding: Real) -> Mesh:
+        """The same mesh, each coordinate of which may err by a length, m: see `is_convex`."""
+        given = validation.number(rounding, "rounding", unit="m")
+        if given < 0.0:
+            raise AttitudeError(f"rounding is {given!r} m; give 0 or more.")
+        other = self._with_vertices(self.vertices)
+        other._set("rounding", given)
+        return other
+
     def reversed(self) -> Mesh:
         """The same surface with every normal reversed."""
-        return Mesh(self.vertices, self.facets[:, ::-1], self.materials, open=self.may_be_open)
+        turned = Mesh(self.vertices, self.facets[:, ::-1], self.materials, open=self.may_be_open)
+        return turned.with_rounding(self.rounding)
 
     def moved(self, offset: Reals) -> Mesh:
         """The mesh displaced by (3,) m; by minus its centre of mass it turns about that centre."""
@@ -236,7 +255,8 @@ class Mesh(Immutable):
 
     def scaled(self, factor: Real) -> Mesh:
         """The mesh with every length multiplied by a positive number."""
-        return self._with_vertices(self.vertices * validation.positive(factor, "factor"))
+        factor = validation.positive(factor, "factor")
+        return self._with_vertices(self.vertices * factor, factor)
 
     def divided(self, times: int = 1) -> Mesh:
         """The same surface with each facet cut into 4^times by the middles of its edges.
@@ -262,7 +282,7 @@ class Mesh(Immutable):
         facets = np.stack([np.stack(each, axis=1) for each in corners], axis=1).reshape(-1, 3)
         names = tuple(name for name in self.materials for _ in range(4))
         finer = Mesh(np.concatenate([self.vertices, middles]), facets, names, open=self.may_be_open)
-        return finer.divided(times - 1)
+        return finer.with_rounding(self.rounding).divided(times - 1)
 
     def joined(self, other: Mesh) -> Mesh:
         """Both meshes as one, open if either is.
@@ -274,12 +294,13 @@ class Mesh(Immutable):
             raise AttitudeError(
                 f"a mesh is joined to {validation.shown(other)}; give another Mesh."
             )
-        return Mesh(
+        both = Mesh(
             np.concatenate([self.vertices, other.vertices]),
             np.concatenate([self.facets, other.facets + len(self.vertices)]),
             self.materials + other.materials,
             open=self.may_be_open or other.may_be_open,
         )
+        return both.with_rounding(max(self.rounding, other.rounding))
 
     def mass_properties(
         self, *, density: Real | None = None, surface_density: Real | None = None
@@ -325,6 +346,12 @@ class Mesh(Immutable):
         return integrals.about_center(filling, *integrals.solid_moments(corners), self._middle)
 
 
-def _remade(vertices: FloatArray, facets: IntArray, materials: tuple[str, ...], open: bool) -> Mesh:
+def _remade(
+    vertices: FloatArray,
+    facets: IntArray,
+    materials: tuple[str, ...],
+    open: bool,
+    rounding: float,
+) -> Mesh:
     """The mesh that was pickled."""
-    return Mesh(vertices, facets, materials, open=open)
+    return Mesh(vertices, facets, materials, open=open).with_rounding(rounding)

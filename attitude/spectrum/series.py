@@ -5,13 +5,14 @@ Source: Pravec et al., Icarus 173, 108 (2005), eq. 11.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.immutable import Immutable, frozen
 from attitude.spectrum.frequencies import Line, known_orders, line_numbers
 
@@ -149,6 +150,11 @@ def fit(
     AttitudeError
         For fewer values than unknowns, and shapes that do not fit.
 
+    Warns
+    -----
+    AttitudeWarning
+        If the values do not determine all parameters (`SeriesFit.rank`).
+
     >>> t = np.linspace(0, 1000, 400)
     >>> found = fit(t, 5 + 2 * np.cos(2 * np.pi * (1 / 17 - 1 / 90) * t), 90, 17)
     >>> line, amplitude = found.strongest(1)[0]
@@ -163,6 +169,7 @@ def fit(
     data.refuse_few(numbers)
     solution, residuals, rank = data.solved(psi, phi, numbers)
     count, curves = len(numbers), data.curves
+    _warn_of_rank(rank, curves + 2 * count, np.ptp(data.t))
     free = max(1, len(data.t) - rank)
     return SeriesFit(
         1.0 / psi,
@@ -178,6 +185,18 @@ def fit(
         rank,
         curves + 2 * count,
     )
+
+
+def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
+    """Warn of lines that the data do not separate."""
+    if rank < parameters:
+        warnings.warn(
+            f"the values determine {rank} of the {parameters} parameters: within {span:.4g} s some "
+            "lines are not separated, and their amplitudes are those of least norm. Give a longer "
+            "span, more epochs, or a lower order.",
+            AttitudeWarning,
+            stacklevel=3,
+        )
 
 
 def search(

@@ -17,13 +17,15 @@ Format: M. Kaasalainen, J. Torppa, J. Durech, documentation of convexinv, in DAM
 
 from __future__ import annotations
 
+import itertools
+import warnings
 from collections.abc import Iterable
 from decimal import Decimal
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.damit.curve import DamitLightCurve, from_positions
 from attitude.textfiles.atomic_write import written_whole
@@ -38,6 +40,10 @@ __all__ = [
     "read_damit_light_curves",
     "write_damit_light_curves",
 ]
+
+# What DAMIT's programs hold (constants.h of convexinv): points of a curve, curves, and points.
+POINTS_OF_A_CURVE: Final = 1000
+_CURVES, _POINTS = 100, 10_000
 
 # Largest count of points in a curve; a larger number is misplaced.
 _MOST = 100_000_000
@@ -94,6 +100,10 @@ def write_damit_light_curves(
 
     Notes
     -----
+    DAMIT's programs hold 1000 points a curve, 100 curves and 10,000 points.  A calibrated curve
+    of more points is written as several, which mean the same; of all else beyond these limits the
+    function warns (`AttitudeWarning`): each part of a relative curve would have a unit of its own.
+
     Numbers are written with all their digits, dates to 1e-20 d.  A date without `jd_low` is
     written with the fewest digits that are read as the same `jd`; the difference between these
     decimals and the double, 20 microseconds at most, is then read as `jd_low`.
@@ -115,14 +125,41 @@ def write_damit_light_curves(
             "the light curves differ in time_system, which the file does not hold; write a file "
             "for each."
         )
+    parts = [(curve, part) for curve in curves for part in _parts(curve)]
+    _warn_beyond_limits(parts)
     with written_whole(path) as file:
-        file.write(f"{len(curves)}\n")
-        for curve in curves:
-            file.write(f"{len(curve)} {int(curve.calibrated)}\n")
-            for k in range(len(curve)):
+        file.write(f"{len(parts)}\n")
+        for curve, part in parts:
+            file.write(f"{len(part)} {int(curve.calibrated)}\n")
+            for k in part:
                 numbers = (curve.brightness[k], *curve.sun[k], *curve.earth[k])
                 date = _date(curve.jd[k], curve.jd_low[k])
                 file.write(f"{date} {' '.join(repr(float(x)) for x in numbers)}\n")
+
+
+def _parts(curve):
+    """The points of a curve, cut where DAMIT's programs need it and the meaning allows it."""
+    count = len(curve)
+    if not curve.calibrated or count <= POINTS_OF_A_CURVE:
+        return [range(count)]
+    ends = np.linspace(0, count, -(-count // POINTS_OF_A_CURVE) + 1).astype(int).tolist()
+    return [range(a, b) for a, b in itertools.pairwise(ends)]
+
+
+def _warn_beyond_limits(parts):
+    longest, total = max(len(part) for _, part in parts), sum(len(part) for _, part in parts)
+    for found, limit, what in (
+        (longest, POINTS_OF_A_CURVE, "points in a relative curve"),
+        (len(parts), _CURVES, "curves"),
+        (total, _POINTS, "points in all"),
+    ):
+        if found > limit:
+            warnings.warn(
+                f"the file holds {found} {what}, and DAMIT's programs take {limit} unless they are "
+                "compiled with larger limits; write fewer, or larger values in their constants.h.",
+                AttitudeWarning,
+                stacklevel=3,
+            )
 
 
 def _rows(lines):
