@@ -147,7 +147,7 @@ def test_a_spin_is_a_value():
         ({"epoch": None}, "epoch is None"),
         ({"epoch": math.nan}, "epoch is nan"),
         ({"epoch": ["2026-01-01", "2026-01-02"]}, r"epoch has shape \(2,\); give one epoch"),
-        ({"epoch": np.datetime64("NaT")}, "which is not an epoch"),
+        ({"epoch": np.datetime64("NaT", "s")}, "which is not an epoch"),
     ],
 )
 def test_bad_input_is_a_sentence(options, message):
