@@ -196,8 +196,8 @@ ALLOWED_ACCESS = {
     "attitude.formats.tables": {"open"},
     # Parquet, a binary format, has JSON in its schema.
     "attitude.formats.parquet": {"json"},
-    # jplephem opens an SPK, a binary format.
-    "attitude.paths.spk": {"SPK.open"},
+    # An SPK, a binary format, is given to jplephem as an open file.
+    "attitude.paths.spk": {"open"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
     "attitude.cli": {"os.open"},
 }
