@@ -1,14 +1,16 @@
-"""Before anything is imported: where machine code is kept, and how hypothesis works."""
+"""Before anything is imported: where machine code is kept, how hypothesis works, no network."""
 
 import hashlib
 import os
 import shutil
 import signal
+import socket
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 import attitude
@@ -58,3 +60,27 @@ settings.load_profile("attitude-ci" if os.environ.get("CI") else "attitude")
 # process that they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _on_this_machine(function, host):
+    """The function of `socket` that connects or resolves; a test that names another host fails.
+
+    `pytest.fail` raises what no `except Exception` of a library that downloads can hide.
+    """
+
+    def checked(*given, **options):
+        name = host(*given)
+        if name not in _THIS_MACHINE:
+            pytest.fail(f"a test tried to reach {name}; tests run without a network")
+        return function(*given, **options)
+
+    return checked
+
+
+def _peer(opened, address):
+    return address[0] if opened.family in (socket.AF_INET, socket.AF_INET6) else None
+
+
+_THIS_MACHINE = (None, "", "localhost", "127.0.0.1", "::1")
+socket.getaddrinfo = _on_this_machine(socket.getaddrinfo, lambda host=None, *_: host)
+socket.socket.connect = _on_this_machine(socket.socket.connect, _peer)

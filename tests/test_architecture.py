@@ -198,8 +198,8 @@ ALLOWED_ACCESS = {
     "attitude.formats.tables": {"open"},
     # Parquet, a binary format, has JSON in its schema.
     "attitude.formats.parquet": {"json"},
-    # jplephem opens an SPK, a binary format.
-    "attitude.paths.spk": {"SPK.open"},
+    # An SPK, a binary format, is given to jplephem as an open file.
+    "attitude.paths.spk": {"open"},
     # A table of shadows in numpy's binary format.
     "attitude.light_curve.table_files": {"file.open"},
     # The argument open= of a mesh, not the function.

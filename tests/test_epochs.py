@@ -613,7 +613,7 @@ def test_what_is_no_epoch_is_refused(t, message):
         (TimeDelta(1.0, format="sec"), "a length of time"),
         (["2026-01-01", "2026-01-02"], r"has shape \(2,\); give one epoch"),
         (Time(["2026-01-01"]), r"has shape \(1,\); give one epoch"),
-        (np.datetime64("NaT"), "not an epoch"),
+        (np.datetime64("NaT", "s"), "not an epoch"),
         (None, "epoch is None; give an ISO date"),
         (True, "epoch is True"),
     ],

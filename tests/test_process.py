@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import pickle
 import shutil
+import socket
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -217,3 +218,10 @@ def test_another_process_reads_the_cache():
         stamp, misses, hits = run.stdout.split()
         stamps.append(stamp)
     assert int(misses) == 0 and int(hits) > 0
+
+
+@pytest.mark.parametrize("peer", [("192.0.2.1", 80), ("datacenter.invalid", 443)])
+def test_a_test_that_reaches_for_the_network_fails(peer):
+    """By address or by name; addresses of RFC 5737 and names of RFC 2606 belong to no machine."""
+    with pytest.raises(pytest.fail.Exception, match=f"tried to reach {peer[0]}"):
+        socket.create_connection(peer, timeout=0.1)

@@ -192,7 +192,7 @@ def test_a_free_rotation_starts_at_the_unit_quaternion_in_pairs(frame):
         ({"epoch": None}, "epoch is None"),
         ({"epoch": math.nan}, "epoch is nan"),
         ({"epoch": ["2026-01-01", "2026-01-02"]}, r"epoch has shape \(2,\); give one epoch"),
-        ({"epoch": np.datetime64("NaT")}, "which is not an epoch"),
+        ({"epoch": np.datetime64("NaT", "s")}, "which is not an epoch"),
     ],
 )
 def test_bad_input_is_a_sentence(options, message):

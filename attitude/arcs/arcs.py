@@ -377,10 +377,9 @@ class Arcs(Motion):
 
     def _refuse(self, t: float) -> None:
         """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
-        number = self._arc(t)
-        local = np.array([[t - self._starts[number, 0]]])
-        out = np.empty((1, 4, 1))
-        evaluation.evaluate(self._constants[number : number + 1], local, None, out, None)
+        k = self._arc(t)
+        local, out = np.array([[t - self._starts[k, 0]]]), np.empty((1, 4, 1))
+        evaluation.evaluate(self._constants[k : k + 1], local, None, out, None)
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
@@ -396,7 +395,6 @@ def _compiled():
 
 def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
-    state = q[None, :, 0].copy(), w[None].copy(), body.principal_wxyz[None]
-    return evaluation.constants_of(
-        body.moments_as_pairs[None], *state, differences=differences, wxyz_low=low
-    )[0]
+    given = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
+    more = {"differences": differences, "wxyz_low": low}
+    return evaluation.constants_of(*given, body.principal_wxyz[None], **more)[0]

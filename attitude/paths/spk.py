@@ -127,16 +127,18 @@ def _open_once(path, modified, size):
 
 def _directory(file):
     """jplephem's segments of a file, without the coefficients, which `_words` reads."""
+    from jplephem.daf import DAF
     from jplephem.spk import SPK
 
+    # Opened here: SPK.open of jplephem before 2.23 leaves a file open that it cannot read.
     try:
-        spk = SPK.open(file)
+        with open(file, "rb") as opened:
+            spk = SPK(DAF(opened))
     except Exception as err:  # jplephem raises whatever its unpacking raises
         raise AttitudeError(
             f"{os.path.basename(file)} is not an SPK kernel ({err}); give a file such as de440.bsp."
         ) from err
     segments = spk.segments
-    spk.close()
     if not segments or spk.daf.ni != 6:
         raise AttitudeError(
             f"{os.path.basename(file)} holds no positions of bodies (it is a DAF of another kind, "
