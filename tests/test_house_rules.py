@@ -115,13 +115,18 @@ def _public(tree):
     """Public functions and classes of a module, methods and properties of its public classes."""
     for node in tree.body:
         if isinstance(node, (*FUNCTIONS, ast.ClassDef)) and not node.name.startswith("_"):
-            if any(ast.unparse(each).endswith("overload") for each in node.decorator_list):
+            if _is_overload(node):
                 continue
             yield node.name, node
             if isinstance(node, ast.ClassDef):
                 for inner in node.body:
-                    if isinstance(inner, FUNCTIONS) and not inner.name.startswith("_"):
+                    is_public = isinstance(inner, FUNCTIONS) and not inner.name.startswith("_")
+                    if is_public and not _is_overload(inner):
                         yield f"{node.name}.{inner.name}", inner
+
+
+def _is_overload(node):
+    return any(ast.unparse(each).endswith("overload") for each in node.decorator_list)
 
 
 @pytest.mark.parametrize("name", MODULES)
