@@ -133,8 +133,19 @@ class AttitudeHistory(Immutable):
     @cached_property
     def sigma(self) -> FloatArray:
         """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
-        matrix = self.motion.covariance_at(self.seconds, self.low, rates=False)
-        return frozen(np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0)))
+        return frozen(_deviations(self._turn_covariance))
+
+    @cached_property
+    def sigma_angular_velocity(self) -> FloatArray:
+        """(S, 3) standard deviations of the angular velocity over the body axes, rad/s."""
+        return frozen(_deviations(self.covariance[..., 3:, 3:]))
+
+    @cached_property
+    def _turn_covariance(self) -> FloatArray:
+        """(S, 3, 3) covariance of the attitude, rad2, ICRF axes."""
+        if "covariance" in self.__dict__:
+            return self.covariance[..., :3, :3]
+        return frozen(self.motion.covariance_at(self.seconds, self.low, rates=False))
 
     @cached_property
     def nonlinearity(self) -> FloatArray:
@@ -205,13 +216,17 @@ class AttitudeHistory(Immutable):
         angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
         return angles.reshape(*self.shape, 3)
 
-    def table(self, *, rates: bool = True) -> QTable:
+    def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
         """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
+
+        With ``sigma=True`` also their standard deviations: sigma (deg, about the ICRF axes) and
+        sigma_angular_velocity (rad/s).
 
         Raises
         ------
         AttitudeError
-            For epochs of any shape other than (N,).
+            For epochs of any shape other than (N,); standard deviations of a motion without a
+            covariance.
         """
         from astropy import units
         from astropy.table import QTable
@@ -223,6 +238,11 @@ class AttitudeHistory(Immutable):
         columns = {"time": self.time, "wxyz": np.array(self.wxyz)}
         if rates:
             columns["angular_velocity"] = np.array(self.angular_velocity) * units.rad / units.s
+        if sigma and rates:
+            of_rates = np.array(self.sigma_angular_velocity) * units.rad / units.s
+            columns["sigma_angular_velocity"] = of_rates
+        if sigma:
+            columns["sigma"] = np.degrees(self.sigma) * units.deg
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
         return QTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
 
@@ -232,6 +252,11 @@ class AttitudeHistory(Immutable):
                 f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
                 "with history[~np.isnan(history.seconds)]."
             )
+
+
+def _deviations(covariance):
+    """Square roots (S, n) of the diagonals of covariances (S, n, n)."""
+    return np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
 
 
 def _is_one_for_many(v: FloatArray, wxyz: FloatArray) -> bool:
