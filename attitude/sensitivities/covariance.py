@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Asymmetry, and a negative eigenvalue of the correlations, that count as rounding.
 _ROUNDING = 1e-9
+# An eigenvalue of correlations that may be rounding: 9 rows of up to 9 products of doubles.
+_NO_EIGENVALUE = 81.0 * float(np.finfo(float).eps)
 # Names of standard deviations, and their units; the moments have that of the body.
 UNITS: Final[Mapping[str, str | None]] = {
     "attitude": "rad",
@@ -90,10 +92,15 @@ def components(covariance: FloatArray) -> dict[str, FloatArray] | None:
 
 
 def factor(covariance: FloatArray) -> FloatArray:
-    """W (9, 9) of a covariance W W^T; columns of zeros where its rank is lower."""
+    """W (9, 9) of a covariance W W^T; columns of zeros where its rank is lower.
+
+    Eigenvalues of the correlations that are rounding errors count as zero: their square roots,
+    1e-8, would be errors in directions in which the covariance has none.
+    """
     correlations, size = _correlations(covariance)
     values, vectors = np.linalg.eigh(correlations)
-    product: FloatArray = size[:, None] * (vectors * np.sqrt(np.maximum(values, 0.0)))
+    values = np.where(values > _NO_EIGENVALUE, values, 0.0)
+    product: FloatArray = size[:, None] * (vectors * np.sqrt(values))
     return product
 
 
