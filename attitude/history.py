@@ -128,13 +128,35 @@ class AttitudeHistory(Immutable):
         AttitudeError
             If the spin has no covariance.
         """
-        return frozen(self.motion.covariance_at(self.seconds, self.low))
+        return frozen(self._covariance_at(rates=True))
 
     @cached_property
     def sigma(self) -> FloatArray:
         """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
-        matrix = self.motion.covariance_at(self.seconds, self.low, rates=False)
-        return frozen(np.sqrt(np.maximum(np.diagonal(matrix, axis1=-2, axis2=-1), 0.0)))
+        return frozen(_deviations(self.attitude_covariance))
+
+    @cached_property
+    def sigma_angular_velocity(self) -> FloatArray:
+        """(S, 3) standard deviations of the angular velocity over the body axes, rad/s."""
+        return frozen(_deviations(self.covariance[..., 3:, 3:]))
+
+    @cached_property
+    def attitude_covariance(self) -> FloatArray:
+        """(S, 3, 3) covariance of the attitude (rotation vector, rad, ICRF axes)."""
+        if "covariance" in self.__dict__:
+            return self.covariance[..., :3, :3]
+        return frozen(self._covariance_at(rates=False))
+
+    def _covariance_at(self, *, rates: bool) -> FloatArray:
+        try:
+            covariance_at = self.motion.covariance_at
+        except AttributeError as err:
+            raise AttitudeError(
+                f"{type(self.motion).__name__} has no derivatives; standard deviations and "
+                "covariances follow from a FreeRotation whose spin has a covariance."
+            ) from err
+        found: FloatArray = covariance_at(self.seconds, self.low, rates=rates)
+        return found
 
     @cached_property
     def nonlinearity(self) -> FloatArray:
@@ -162,6 +184,23 @@ class AttitudeHistory(Immutable):
         if _is_one_for_many(vectors, self.wxyz):
             return _one_for_many(vectors, self.wxyz)
         return quaternion.rotate(quaternion.conjugate(self.wxyz), vectors)
+
+    def body_to_inertial_sigma(self, v: Reals) -> FloatArray:
+        """Standard deviations (S, 3) of `body_to_inertial`, for exact vectors in body axes.
+
+        To first order: in the unit of v, over the ICRF axes.  AttitudeError without a covariance.
+        """
+        arms = np.cross(self.body_to_inertial(v)[..., None, :], np.eye(3))
+        return turned_deviations(self.attitude_covariance[..., None, :, :], arms)
+
+    def inertial_to_body_sigma(self, v: Reals) -> FloatArray:
+        """Standard deviations (S, 3) of `inertial_to_body`, for exact vectors in ICRF.
+
+        To first order: in the unit of v, over the body axes.  AttitudeError without a covariance.
+        """
+        vectors = np.broadcast_to(self._vectors(v), (*self.shape, 3))
+        arms = np.cross(np.swapaxes(self.matrix, -1, -2), vectors[..., None, :])
+        return turned_deviations(self.attitude_covariance[..., None, :, :], arms)
 
     def _vectors(self, v: Reals) -> FloatArray:
         """Vectors (..., 3) whose leading axes broadcast with the shape of the epochs."""
@@ -205,13 +244,17 @@ class AttitudeHistory(Immutable):
         angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
         return angles.reshape(*self.shape, 3)
 
-    def table(self, *, rates: bool = True) -> QTable:
+    def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
         """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
+
+        With ``sigma=True`` also their standard deviations: sigma (deg, about the ICRF axes) and
+        sigma_angular_velocity (rad/s).
 
         Raises
         ------
         AttitudeError
-            For epochs of any shape other than (N,).
+            For epochs of any shape other than (N,); standard deviations of a motion without a
+            covariance.
         """
         from astropy import units
         from astropy.table import QTable
@@ -223,6 +266,11 @@ class AttitudeHistory(Immutable):
         columns = {"time": self.time, "wxyz": np.array(self.wxyz)}
         if rates:
             columns["angular_velocity"] = np.array(self.angular_velocity) * units.rad / units.s
+        if sigma and rates:
+            of_rates = np.array(self.sigma_angular_velocity) * units.rad / units.s
+            columns["sigma_angular_velocity"] = of_rates
+        if sigma:
+            columns["sigma"] = np.degrees(self.sigma) * units.deg
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
         return QTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
 
@@ -232,6 +280,17 @@ class AttitudeHistory(Immutable):
                 f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
                 "with history[~np.isnan(history.seconds)]."
             )
+
+
+def _deviations(covariance):
+    """Square roots (S, n) of the diagonals of covariances (S, n, n)."""
+    return np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
+
+
+def turned_deviations(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Standard deviations (...) of numbers with gradients (..., 3) by errors of (..., 3, 3)."""
+    variance = np.einsum("...i,...ij,...j->...", gradient, covariance, gradient)
+    return np.sqrt(np.maximum(variance, 0.0))
 
 
 def _is_one_for_many(v: FloatArray, wxyz: FloatArray) -> bool:

@@ -204,17 +204,30 @@ class Motion(Immutable):
         AttitudeError
             If the spin of the motion has no covariance, or the motion no derivatives.
         """
-        raise AttitudeError(
-            f"{type(self).__name__} has no derivatives; covariances follow from a FreeRotation "
-            "whose spin has a covariance."
-        )
+        raise self._without_derivatives()
 
     def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Second over first order (S,) of the errors; as `covariance_at`."""
-        raise AttitudeError(
-            f"{type(self).__name__} has no derivatives; give a FreeRotation whose spin has a "
-            "covariance."
+        raise self._without_derivatives()
+
+    @property
+    def momentum_covariance(self) -> FloatArray:
+        """(3, 3) covariance of `momentum`, in its unit squared, from that of the spin.
+
+        AttitudeError as `covariance_at`.
+        """
+        raise self._without_derivatives()
+
+    def _without_derivatives(self) -> AttitudeError:
+        return AttitudeError(
+            f"{self._kind} has no derivatives; standard deviations and covariances follow from a "
+            "FreeRotation whose spin has a covariance."
         )
+
+    @property
+    def _kind(self) -> str:
+        """Name of the class in error messages."""
+        return type(self).__name__
 
     def body_at(self, t: Epoch | float) -> Body | None:
         """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
@@ -313,6 +326,10 @@ class Foreign(Motion):
         for name in ("body", "momentum", "span", "meta"):
             if getattr(given, name, None) is not None:
                 self._set(name, getattr(given, name))
+
+    @property
+    def _kind(self) -> str:
+        return type(self.given).__name__
 
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs; see `Motion.at`."""

@@ -73,6 +73,35 @@ def test_rows_are_those_of_the_motion(attitude_command):
     assert np.max(np.abs(since[0] - seconds + since[1])) <= 0.5001e-9
 
 
+def test_standard_deviations(attitude_command, tmp_path):
+    spin_text = Path(PAPER).read_text() + '\n[errors]\nattitude = "1 deg"\nmoments = 0.01\n'
+    (tmp_path / "a.toml").write_text(spin_text)
+    options = ("propagate", tmp_path / "a.toml", "--stop", "20", "--step", "2", "--sigma")
+    code, out, err = attitude_command(*options, "--rates")
+    assert (code, err) == (0, "")
+    found = columns(out)
+    motion = spin_file.read(tmp_path / "a.toml").motion
+    history = motion.at(np.array(found["tdb_seconds"], dtype=float))
+    for k, axis in enumerate("xyz"):
+        sigma = np.array(found[f"sigma_{axis}"], dtype=float)
+        assert sigma.tolist() == np.degrees(history.sigma[:, k]).tolist()
+        of_rate = np.array(found[f"sigma_omega_{axis}"], dtype=float)
+        assert of_rate.tolist() == np.sqrt(history.covariance[:, 3 + k, 3 + k]).tolist()
+        assert sigma[0] == pytest.approx(1.0, rel=1e-12)
+    assert sigma[-1] > 1.001
+    _, out, _ = attitude_command(*options)
+    assert list(columns(out))[-4:] == ["z", "sigma_x", "sigma_y", "sigma_z"]
+    from astropy.table import QTable
+
+    attitude_command(*options, "--rates", "--output", tmp_path / "a.ecsv")
+    table = QTable.read(tmp_path / "a.ecsv")
+    assert np.array_equal(table["sigma_z"].to_value("deg"), np.degrees(history.sigma[:, 2]))
+    assert str(table["sigma_omega_x"].unit) == "rad / s"
+    code, out, err = attitude_command("propagate", PAPER, "--stop", "1", "--step", "1", "--sigma")
+    assert (code, out) == (2, "")
+    assert "paper.toml has no section [errors], from which --sigma follows" in err
+
+
 def test_dates_are_stepped_in_utc(attitude_command):
     code, out, _ = attitude_command(
         "propagate", PAPER, "--start", "2016-12-31T23:59:58.5", "--stop", "2017-01-01T00:00:01",

@@ -107,6 +107,69 @@ def test_sigma_points_carry_mean_and_covariance():
     assert np.allclose(0.5 * rates.T @ rates, expected, atol=1e-9 * np.abs(expected).max())
 
 
+def test_errors_of_a_common_scale_are_none():
+    """Ratios of moments decide: rounding of a singular covariance must not add directions."""
+    moments = np.array([10.0, 20.0, 26.0])
+    common = np.zeros((9, 9))
+    common[6:, 6:] = 0.01 * np.outer(moments, moments)
+    motion = FreeRotation(Body(moments=moments), spin_of((1, 15, 1), common))
+    assert len(motion.sigma_points()) == 2
+    # Of 1e5 rad in each moment alone.
+    assert np.all(motion.at([0.0, 1e3, 1e5]).sigma < 1e-9)
+    assert motion.predictable_time() == np.inf
+
+
+# Times until errors reach a tolerance -------------------------------------------------------------
+
+
+def largest(motion, seconds):
+    return np.sqrt(np.linalg.eigvalsh(motion.covariance_at(seconds, rates=False))[..., -1])
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("size", [1e-5, 1e-2])
+def test_the_first_time_at_which_the_tolerance_is_reached(name, size):
+    moments, omega = BODIES[name]
+    speed = max(np.linalg.norm(omega), 0.1)
+    errors = {"attitude": 0.01, "angular_velocity": size * speed}
+    motion = FreeRotation(Body(moments=moments), spin_of(omega, errors))
+    found = motion.predictable_time(tolerance="0.2 rad")
+    assert largest(motion, found) == pytest.approx(0.2, rel=1e-9)
+    before = largest(motion, found * np.linspace(0.0, 1.0, 20001)[:-1])
+    # Between 64 samples of a period the error may have been larger: by half a step of the phase,
+    # of a wave as large as the error itself.
+    assert np.max(before) < 0.2 * (1.0 + 0.5 * (np.pi / 64) ** 2 * 4)
+
+
+@pytest.mark.parametrize("name", ["tumbling", "symmetric", "sphere", "axis", "equator"])
+def test_the_time_agrees_with_that_of_relative_errors(name):
+    moments, omega = BODIES[name]
+    size = 1e-6 * np.linalg.norm(omega)
+    motion = FreeRotation(Body(moments=moments), spin_of(omega, {"angular_velocity": size}))
+    older = motion.predictable_time(rates_error=1e-6, tolerance=0.05)
+    # The drift alone, added over both phases; the periodic part is 1e-2 of it.
+    assert motion.predictable_time(tolerance=0.05) == pytest.approx(older, rel=0.02)
+    assert motion.predictable_time(moments_error=0.0) == np.inf
+
+
+def test_times_without_growth():
+    body = Body(moments=(10, 20, 26))
+    for errors, expected in (({"attitude": 0.05}, np.inf), ({"attitude": 0.2}, 0.0), ({}, np.inf)):
+        motion = FreeRotation(body, spin_of((9, 2, 1), errors))
+        assert motion.predictable_time() == expected
+    with pytest.raises(AttitudeError, match=r"tolerance is -1\.0"):
+        motion.predictable_time(tolerance=-1)
+
+
+def test_nothing_is_predictable_beyond_a_flip_whose_side_is_open():
+    """Linear errors reach 3 rad after 10.1 s, but the side to which the body turns is open."""
+    body, omega = Body(moments=(10, 20, 26)), (1e-7, 15.0, 0.8e-7)
+    open_side = FreeRotation(body, spin_of(omega, {"angular_velocity": 1e-10}))
+    assert open_side.predictable_time(tolerance=3.0) == 0.5 * open_side.period_psi
+    firm = FreeRotation(body, spin_of(omega, {"angular_velocity": 1e-12}))
+    assert firm.predictable_time(tolerance=3.0) > 100.0 * firm.period_psi / 2
+
+
 def test_samples_repeat_and_keep_moments_of_bodies():
     motion = FreeRotation(Body(moments=(1, 2, 3)), spin_of((0.1, 0.2, 1), {"moments": 0.05}))
     one, two = motion.sample(20, seed=1), motion.sample(20, seed=1)

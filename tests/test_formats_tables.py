@@ -7,7 +7,7 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
 from attitude.attitude_table.table import AttitudeTable
-from attitude.formats import tables
+from attitude.formats import parquet, tables
 
 SPIN = Spin(epoch="2016-12-31T23:59:50.25", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
 MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
@@ -38,6 +38,51 @@ def test_there_and_back(tmp_path, ending, rates):
     else:
         assert np.array_equal(found.angular_velocity, HISTORY.angular_velocity)
     assert os.listdir(tmp_path) == [f"a.{ending}"]
+
+
+@pytest.mark.parametrize("ending", ["ecsv", "fits", "csv", "parquet"])
+@pytest.mark.parametrize("rates", [True, False])
+def test_standard_deviations_are_written(tmp_path, monkeypatch, ending, rates):
+    from attitude.formats import sources
+
+    skip_without_pyarrow(ending)
+    monkeypatch.setattr(sources, "PIECE", 25)
+    spin = SPIN.with_covariance({"attitude": "1 deg", "angular_velocity": 1e-4, "moments": 0.1})
+    history = FreeRotation(MOTION.body, spin).at(HISTORY.seconds)
+    path = tmp_path / f"a.{ending}"
+    tables.write(path, history, rates=rates, sigma=True)
+    assert np.array_equal(tables.read(path).wxyz, HISTORY.wxyz)
+    whole = ending in ("ecsv", "fits")
+    if whole:
+        from astropy.table import QTable
+
+        found = QTable.read(path, **({"astropy_native": True} if ending == "fits" else {}))
+        assert found["sigma"].unit == "deg"
+        sigma = found["sigma"].value
+    elif ending == "csv":
+        found = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding=None)
+        sigma = np.stack([found[f"sigma_{axis}"] for axis in "xyz"], axis=-1)
+    else:
+        found = parquet.read(path)
+        sigma = np.stack([found[f"sigma_{axis}"] for axis in "xyz"], axis=-1)
+    assert np.array_equal(sigma, np.degrees(history.sigma))
+    expected = history.sigma_angular_velocity if rates else None
+    names = found.colnames if ending != "csv" else found.dtype.names
+    if whole and rates:
+        assert np.array_equal(found["sigma_angular_velocity"].to_value("rad / s"), expected)
+    elif rates:
+        assert np.array_equal(found["sigma_omega_y"], expected[:, 1])
+    else:
+        assert not any("omega" in name or "velocity" in name for name in names)
+
+
+def test_no_standard_deviations_without_a_covariance(tmp_path):
+    for ending in ("ecsv", "csv"):
+        with pytest.raises(AttitudeError, match="the spin has no covariance"):
+            tables.write(tmp_path / f"a.{ending}", HISTORY, sigma=True)
+        with pytest.raises(AttitudeError, match="AttitudeTable has no derivatives"):
+            tables.write(tmp_path / f"a.{ending}", AttitudeTable.from_history(HISTORY), sigma=True)
+    assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.parametrize("ending", ["ecsv", "fits", "parquet"])

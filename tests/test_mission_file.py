@@ -52,6 +52,21 @@ def test_apophis_takes_its_spin_from_the_catalogue():
     assert "ASSUMED" in found.note
 
 
+def test_errors_of_the_spin(tmp_path):
+    errors = '\nerrors = { attitude = "2 deg", angular_velocity = "1 deg/day" }\n'
+    spin = 'spin = { catalog = "Apophis", epoch = "2012-12-23", phi0 = 0.0, psi0 = 0.0 }'
+    apophis = mission.parse(spin + errors + FIXED)
+    given = np.sqrt(np.diag(apophis.scene.motion.spin.covariance))
+    assert given[:3] == pytest.approx(np.radians([2.0] * 3), rel=1e-14)
+    (tmp_path / "a.toml").write_text(spin_file.text(apophis.scene.motion))
+    kept = mission.parse('spin = "a.toml"\n' + FIXED, folder=tmp_path).scene.motion.spin
+    assert np.array_equal(kept.covariance, apophis.scene.motion.spin.covariance)
+    other = mission.parse('spin = "a.toml"\nerrors.attitude = 0.1\n' + FIXED, folder=tmp_path)
+    assert np.array_equal(np.diag(other.scene.motion.spin.covariance), [0.1**2] * 3 + [0.0] * 6)
+    inline = mission.parse(FIXED + spin_file.text(apophis.scene.motion))
+    assert np.array_equal(inline.scene.motion.spin.covariance, kept.covariance)
+
+
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
@@ -109,6 +124,7 @@ def test_shape_and_options():
         (changed("times.epochs", "times.dates"), "a key 'dates'"),
         (changed("times.epochs = [", "other = ["), "a key 'other'"),
         (FIXED + 'times.step = "1 s"', "epochs and other keys"),
+        ("errors.attitude = 0.1\n" + FIXED, r"a section \[errors\], but no spin"),
         ("spin = 3\n" + FIXED, "spin is 3; give the name of a spin file"),
         ('spin = "none.toml"\n' + FIXED, "spin is 'none.toml', which is not a file"),
         ('spin = { catalog = "Apophis" }\n' + FIXED, "epoch"),

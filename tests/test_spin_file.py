@@ -27,13 +27,15 @@ GOOD = {
 }
 
 
-def toml(body=None, spin=None, top=""):
-    """A good file with some keys changed; None leaves a key out."""
+def toml(body=None, spin=None, top="", errors=None):
+    """A good file with some keys changed; None leaves a key out, and the section [errors]."""
     lines = [top]
     for name, changes in (("body", body), ("spin", spin)):
         lines.append(f"[{name}]")
         content = {**GOOD[name], **(changes or {})}
         lines += [f"{key} = {value}" for key, value in content.items() if value is not None]
+    if errors is not None:
+        lines += ["[errors]", *(f"{key} = {value}" for key, value in errors.items())]
     return "\n".join(lines)
 
 
@@ -50,6 +52,10 @@ def same(one, other):
     assert one.spin.frame == other.spin.frame
     assert bits(one.spin.wxyz) == bits(other.spin.wxyz)
     assert bits(one.spin.angular_velocity) == bits(other.spin.angular_velocity)
+    if one.spin.covariance is None:
+        assert other.spin.covariance is None
+    else:
+        assert bits(one.spin.covariance) == bits(other.spin.covariance)
 
 
 # What is written ----------------------------------------------------------------------------------
@@ -98,6 +104,50 @@ def test_writing_what_was_read_keeps_the_labels(tmp_path):
     spin_file.write(path, second, note="new")
     assert spin_file.read(path).note == "new"
     assert spin_file.read(path).name == 'A "b"'
+
+
+SIGMA = st.lists(st.floats(0.0, 10.0), min_size=3, max_size=3)
+
+
+@given(attitude=SIGMA, rates=SIGMA, moments=SIGMA)
+def test_every_bit_of_standard_deviations_comes_back(attitude, rates, moments):
+    sigma = {"attitude": attitude, "angular_velocity": rates, "moments": moments}
+    spin = Spin("2026-01-01", (0.1, 0.2, 0.3, 0.4), (0.1, 0.2, 0.3), "ecliptic", sigma)
+    text = spin_file.text(spin_file.SpinFile(Body(moments=(1, 2, 3)), spin))
+    assert "covariance" not in text
+    same(spin_file.parse(text), spin_file.SpinFile(Body(moments=(1, 2, 3)), spin))
+
+
+@pytest.mark.parametrize("size", [6, 9])
+@pytest.mark.parametrize("seed", range(5))
+def test_every_bit_of_a_covariance_comes_back(size, seed):
+    root = np.random.default_rng(seed).normal(size=(size, size)) / 3.0
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (0.1, 0.2, 0.3), covariance=root @ root.T)
+    given_file = spin_file.SpinFile(Body(moments=(1, 2, 3)), spin)
+    text = spin_file.text(given_file)
+    assert text.partition("covariance = [")[2].count("[") == size
+    same(spin_file.parse(text), given_file)
+
+
+def test_errors_in_units():
+    found = spin_file.parse(
+        toml(
+            errors={
+                "attitude": '"1 deg"',
+                "angular_velocity": '"1, 2, 3 deg/s"',
+                "moments": '"1e3 g m2"',
+            }
+        )
+    )
+    sigma = np.sqrt(np.diag(found.spin.covariance))
+    expected = [*np.radians([1, 1, 1, 1, 2, 3]), 1, 1, 1]
+    assert sigma == pytest.approx(expected, rel=1e-15)
+    assert np.count_nonzero(found.spin.covariance) == 9
+    assert found.motion.at(0.0).sigma == pytest.approx(np.radians([1, 1, 1]), rel=1e-12)
+    relative = spin_file.parse(
+        toml(body={"relative": "true"}, errors={"moments": "[0.1, 0.2, 0.3]"})
+    )
+    assert np.sqrt(np.diag(relative.spin.covariance))[6:] == pytest.approx([0.1, 0.2, 0.3])
 
 
 def test_an_epoch_in_utc_is_written_as_a_date():
@@ -251,6 +301,19 @@ BAD = [
     (toml(spin={"angular_velocity": '"1, 2, 3 dge/day"'}), "not a unit that astropy knows"),
     (toml(spin={"angular_velocity": '"1, 2, 3 m/s"'}), "give it in rad/s"),
     (toml(spin={"angular_velocity": '"fast"'}), "write numbers followed by one unit"),
+    (toml(errors={}), r"\[errors\] is empty; give standard deviations"),
+    ("errors = 3\n" + toml(), "errors is 3; give a section"),
+    (toml(errors={"atitude": 1}), r"\[errors\] has a key 'atitude'.*did you mean 'attitude'"),
+    (toml(errors={"attitude": '"1 m"'}), r"\[errors\] attitude is in m; give it in rad"),
+    (toml(errors={"attitude": -1}), r"\[errors\] attitude is .*; give one standard deviation"),
+    (toml(errors={"attitude": "[1, 2]"}), r"\[errors\] attitude is .*; give one standard dev"),
+    (toml(errors={"attitude": "nan"}), "every number in it must be finite"),
+    (toml(errors={"moments": '"1 kg"'}), "in kg; give it in kg m2"),
+    (toml(body={"relative": "true"}, errors={"moments": '"1 kg m2"'}), "must be a pure number"),
+    (toml(errors={"covariance": "[[1]]"}), r"\[errors\] covariance has shape \(1, 1\); give"),
+    (toml(errors={"covariance": "[]", "moments": 1}), "has both covariance and moments; give one"),
+    (toml(errors={"covariance": "'1, 2 deg'"}), "must be a pure number"),
+    (toml(errors={"covariance": np.diag([1, 1, 1, 1, 1, -1]).tolist()}), "variances are not neg"),
     ("[body]\nmoments = [1, 2, \n[spin]", "not valid TOML"),
     ("a = 1\na = = 2\nb = 3", r"text, line 2, column \d+: is not valid TOML: "),
     ("a = 1\na = 2", r"text, line 2.*: is not valid TOML: cannot overwrite a value\."),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from attitude.cli import output
+from attitude.errors import AttitudeError
 
 HELP: str = "write a table of attitudes at equally spaced epochs"
 EPILOG: str = """\
@@ -17,6 +18,10 @@ columns:
   tdb_seconds    TDB seconds since the epoch of the spin file
   w x y z        attitude from body axes to ICRF, a quaternion with its scalar first
   omega_x _y _z  with --rates: angular velocity over the body axes, rad/s
+  sigma_x _y _z  with --sigma: standard deviations of the attitude about the axes of ICRF, degrees;
+                 sigma_omega_x _y _z with --rates: of the angular velocity, rad/s
+
+--sigma needs the section [errors] of the spin file.
 
 A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). The step is in seconds of
 TDB if start and stop both count from the epoch, else in seconds of UTC.
@@ -45,6 +50,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rates", action="store_true", help="write the angular velocity over the body axes too"
     )
+    parser.add_argument(
+        "--sigma",
+        action="store_true",
+        help="write the standard deviations that follow from the [errors] of the spin file too",
+    )
     output.add_argument(parser)
 
 
@@ -54,7 +64,8 @@ def run(arguments: argparse.Namespace) -> None:
     Raises
     ------
     AttitudeError
-        For a spin file, times or an output that are not valid; nothing is written then.
+        For a spin file, times or an output that are not valid, and --sigma for a spin file without
+        errors; nothing is written then.
     """
     from attitude.cli import table
     from attitude.cli.grid import grid
@@ -63,8 +74,15 @@ def run(arguments: argparse.Namespace) -> None:
     kind = output.kind_of(arguments.output)
     motion = state.read(arguments.file).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
-    motion.at(epochs.block(epochs.count - 1, 1)[0])  # refused before a row is written
+    if arguments.sigma and motion.spin.covariance is None:
+        raise AttitudeError(
+            f"{arguments.file} has no section [errors], from which --sigma follows; give it, for "
+            'example with attitude = "1 deg".'
+        )
+    columns = {"rates": arguments.rates, "sigma": arguments.sigma}
+    # An epoch out of reach is refused before a row is written.
+    table.rows(epochs, motion, epochs.count - 1, 1, **columns)
     with output.opened(arguments.output) as file:
-        file.write(table.header(kind, motion, rates=arguments.rates))
+        file.write(table.header(kind, motion, **columns))
         for first in range(0, epochs.count, _BLOCK):
-            file.write(table.rows(epochs, motion, first, _BLOCK, rates=arguments.rates))
+            file.write(table.rows(epochs, motion, first, _BLOCK, **columns))

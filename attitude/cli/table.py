@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from attitude.free_rotation.free_rotation import FreeRotation
 
 
-def header(kind: str, motion: FreeRotation, *, rates: bool) -> str:
+def header(kind: str, motion: FreeRotation, *, rates: bool, sigma: bool = False) -> str:
     """The lines above the rows: names of the columns; in ECSV also units and descriptions.
 
     Parameters
@@ -25,9 +25,11 @@ def header(kind: str, motion: FreeRotation, *, rates: bool) -> str:
     motion : FreeRotation
     rates : bool
         Whether there are columns of the angular velocity.
+    sigma : bool
+        Whether there are columns of standard deviations.
     """
     if kind == "csv":
-        return ",".join(csv_rows.names(rates=rates)) + "\n"
+        return ",".join(csv_rows.names(rates=rates, sigma=sigma)) + "\n"
     from astropy.units import Quantity
 
     iso = motion.spin.epoch.utc_iso
@@ -39,6 +41,12 @@ def header(kind: str, motion: FreeRotation, *, rates: bool) -> str:
     for name in csv_rows.RATES if rates else ():
         table[name] = Quantity([0.0], "rad/s")
         table[name].info.description = "angular velocity over the body axes"
+    for name in csv_rows.SIGMA if sigma else ():
+        table[name] = Quantity([0.0], "deg")
+        table[name].info.description = "standard deviation of the attitude about an ICRF axis"
+    for name in csv_rows.SIGMA_RATES if sigma and rates else ():
+        table[name] = Quantity([0.0], "rad/s")
+        table[name].info.description = "standard deviation of the angular velocity, body axes"
     table.meta = {"frame": "ICRF", "epoch": f"{iso} UTC", "wxyz": "body to ICRF, scalar first"}
     return head(table)
 
@@ -61,7 +69,9 @@ def head(table: QTable) -> str:
     return "".join(text.getvalue().splitlines(keepends=True)[:-1])
 
 
-def rows(grid: Grid, motion: FreeRotation, first: int, count: int, *, rates: bool) -> str:
+def rows(
+    grid: Grid, motion: FreeRotation, first: int, count: int, *, rates: bool, sigma: bool = False
+) -> str:
     """The text of rows of a grid from `first` on: UTC, TDB seconds, attitude, angular velocity.
 
     Numbers are written so that reading gives the same doubles.
@@ -74,8 +84,10 @@ def rows(grid: Grid, motion: FreeRotation, first: int, count: int, *, rates: boo
         Number of the first row, and how many rows at most.
     rates : bool
         Whether the angular velocity is written.
+    sigma : bool
+        Whether standard deviations are written.
     """
     hi, lo = grid.block(first, count)
     history = motion.at(hi, low=lo)
     dates = ccsds_epochs.texts(grid.epoch, hi, lo, "utc", grid.digits)
-    return csv_rows.of_history(dates, hi, history, rates=rates)
+    return csv_rows.of_history(dates, hi, history, rates=rates, sigma=sigma)

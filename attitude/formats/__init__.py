@@ -7,7 +7,7 @@ aem, apm         CCSDS Attitude Ephemeris and Parameter Messages
 stk              STK attitude files
 ck               SPICE C-kernels
 damit            spin files and light curves of DAMIT
-tables           astropy QTable, ECSV, FITS, CSV, parquet; `csv_rows` and `parquet` are parts of it
+tables           astropy QTable, ECSV, FITS, CSV, parquet; with `csv_table`, `csv_rows`, `parquet`
 detect           any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
 ccsds            time codes, attitude types and axes of CCSDS messages

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -13,15 +15,44 @@ if TYPE_CHECKING:
 # Columns of the attitude (body to ICRF, scalar first) and of the angular velocity (rad/s, body).
 ATTITUDE: tuple[str, ...] = ("w", "x", "y", "z")
 RATES: tuple[str, ...] = ("omega_x", "omega_y", "omega_z")
+# Their standard deviations: deg about the ICRF axes, rad/s over the body axes.
+SIGMA: tuple[str, ...] = ("sigma_x", "sigma_y", "sigma_z")
+SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z")
 
 
-def names(*, rates: bool) -> list[str]:
-    """Names of the columns: UTC, TDB seconds, attitude and, if `rates`, angular velocity."""
-    return ["utc", "tdb_seconds", *ATTITUDE, *(RATES if rates else ())]
+def names(*, rates: bool, sigma: bool = False) -> list[str]:
+    """Names of the columns: UTC, TDB seconds, then those of `numbers`."""
+    return ["utc", "tdb_seconds", *names_of_numbers(rates=rates, sigma=sigma)]
+
+
+def names_of_numbers(*, rates: bool, sigma: bool = False) -> list[str]:
+    """Names of the columns of `numbers`."""
+    found = [*ATTITUDE, *(RATES if rates else ())]
+    if sigma:
+        found += [*SIGMA, *(SIGMA_RATES if rates else ())]
+    return found
+
+
+def numbers(history: AttitudeHistory, *, rates: bool, sigma: bool = False) -> list[FloatArray]:
+    """Columns (N,) of a history.
+
+    The attitude; with `rates` the angular velocity; with `sigma` their standard deviations.
+    """
+    columns = [*history.wxyz.T, *(history.angular_velocity.T if rates else ())]
+    if sigma:
+        # First the one from which the other one follows.
+        of_rates = history.sigma_angular_velocity.T if rates else ()
+        columns += [*np.degrees(history.sigma).T, *of_rates]
+    return columns
 
 
 def of_history(
-    dates: Iterable[str], seconds: FloatArray, history: AttitudeHistory, *, rates: bool
+    dates: Iterable[str],
+    seconds: FloatArray,
+    history: AttitudeHistory,
+    *,
+    rates: bool,
+    sigma: bool = False,
 ) -> str:
     """The text of N rows with the columns `names`.
 
@@ -34,8 +65,10 @@ def of_history(
     history : AttitudeHistory
     rates : bool
         Write the angular velocity too, rad/s over the body axes.
+    sigma : bool
+        Write the standard deviations too: deg about the ICRF axes, rad/s over the body axes.
     """
-    columns = [*history.wxyz.T, *(history.angular_velocity.T if rates else ())]
+    columns = numbers(history, rates=rates, sigma=sigma)
     return text(dates, seconds.tolist(), *(column.tolist() for column in columns))
 
 

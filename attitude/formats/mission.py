@@ -17,6 +17,7 @@
 spin            A spin file, APM or DAMIT spin file; or ``{ catalog = "Apophis", ... }`` with the
                 values that the entry lacks, as `catalog.load` takes them; or sections [body] and
                 [spin] as in a spin file.  Left out if no column needs a rotation.
+errors          Section [errors] as in a spin file; it replaces the errors of the spin file.
 center          The place of the centre of mass.
 observer, sun   Places; "earth" and "sun" by default.
 columns         Names of quantities (docs/scene.md), each with or without a unit for the output; by
@@ -51,7 +52,8 @@ from typing import TYPE_CHECKING, Any
 
 from attitude import paths, validation
 from attitude.errors import AttitudeError
-from attitude.formats import spin_file, state
+from attitude.formats import spin_file, spin_sections, state
+from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.paths.solar_system import SOURCES
 from attitude.scene import Scene, View
 from attitude.textfiles import quantities, toml
@@ -66,7 +68,7 @@ if TYPE_CHECKING:
 _TEXTS = ("name", "source", "note")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
-    *(*_TEXTS, "body", "spin", "center", "observer", "sun", "columns", "times"),
+    *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
     *("shape", "scattering", "magnitude"),
     *_OPTIONS,
 )
@@ -233,6 +235,18 @@ def _columns(content: dict[str, Any]) -> tuple[MissionColumn, ...]:
 
 
 def _motion(content: dict[str, Any], folder: str) -> Motion | None:
+    """The motion of the keys spin, [body] and [errors]; None without a spin."""
+    found = _without_errors(content, folder)
+    if "errors" not in content:
+        return found
+    if found is None:
+        raise AttitudeError(
+            "the file has a section [errors], but no spin whose errors they are; give a spin."
+        )
+    return FreeRotation(found.body, spin_sections.with_errors(content, found.body, found.spin))
+
+
+def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None:
     given = content.get("spin")
     is_state = isinstance(given, dict) and "catalog" not in given
     if "body" in content or is_state:

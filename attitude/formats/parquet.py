@@ -1,7 +1,7 @@
 """Parquet files of attitudes, by pyarrow.
 
-Columns are ``tdb_jd1, tdb_jd2, w, x, y, z`` and ``omega_x, omega_y, omega_z``; the meta data of
-`tables.qtable` stand as JSON under the key "attitude" of the schema.
+Columns are ``tdb_jd1, tdb_jd2, w, x, y, z``, ``omega_x, omega_y, omega_z`` and standard deviations,
+as in CSV; the meta data of `tables.qtable` stand as JSON under the key "attitude" of the schema.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from attitude import pairs
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats.csv_rows import ATTITUDE, RATES
+from attitude.formats import csv_rows
 from attitude.textfiles.atomic_write import written_whole
 
 if TYPE_CHECKING:
@@ -28,7 +28,12 @@ if TYPE_CHECKING:
 
 
 def write(
-    path: FilePath, parts: Sequence[Records], *, rates: bool, meta: Mapping[str, Any]
+    path: FilePath,
+    parts: Sequence[Records],
+    *,
+    rates: bool,
+    meta: Mapping[str, Any],
+    sigma: bool = False,
 ) -> None:
     """Write segments piece by piece.
 
@@ -41,14 +46,16 @@ def write(
         Write angular velocities too.
     meta : mapping
         Meta data, of types that JSON has.
+    sigma : bool
+        Write standard deviations too.
 
     Raises
     ------
     AttitudeError
-        If pyarrow is not installed or the file cannot be written.
+        If pyarrow is not installed, the file cannot be written, or a motion has no covariance.
     """
     pyarrow = _pyarrow()
-    names = ["tdb_jd1", "tdb_jd2", *ATTITUDE, *(RATES if rates else ())]
+    names = ["tdb_jd1", "tdb_jd2", *csv_rows.names_of_numbers(rates=rates, sigma=sigma)]
     schema = pyarrow.schema(
         [(name, pyarrow.float64()) for name in names],
         metadata={"attitude": json.dumps(meta), "wxyz": "body to ICRF, scalar first"},
@@ -61,9 +68,8 @@ def write(
             for history in part.pieces():
                 low = 0.0 if history.low is None else history.low
                 time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
-                columns = [*time_scales.jd_from_seconds(*time), *history.wxyz.T]
-                if rates:
-                    columns += [*history.angular_velocity.T]
+                found = csv_rows.numbers(history, rates=rates, sigma=sigma)
+                columns = [*time_scales.jd_from_seconds(*time), *found]
                 arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
                 writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 

@@ -17,6 +17,11 @@
     angles = "145.498, 65.865, 241.524 deg"
     angular_velocity = "14.51, 33.529, -98.709 deg/day"
 
+    [errors]
+    attitude = "3 deg"
+    angular_velocity = "0.1, 0.2, 0.5 deg/day"
+    moments = [0.02, 0.02, 0.0]
+
 =========  =========================================================================================
 [body]     ``moments`` (three), or ``tensor`` (three rows), or ``ellipsoid`` (three semi-axes), or
            ``masses`` with ``positions``; as in `Body`, `Body.from_ellipsoid`, `Body.from_points`.
@@ -24,6 +29,10 @@
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
            ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.
+[errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
+           ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
+           the unit of the body); or ``covariance``, nine or six rows as of `Spin`, in rad, rad/s
+           and the unit of the body.
 at the top ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================
 
@@ -48,6 +57,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import spin_sections
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.immutable import Immutable
+from attitude.sensitivities import covariance as covariances
 from attitude.spin import Spin
 from attitude.textfiles import toml
 from attitude.textfiles.atomic_write import written_whole
@@ -56,6 +66,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from attitude.annotations import FilePath
+
+_KEYS = ("name", "source", "note", "body", "spin", "errors")
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +130,7 @@ def parse(text: str, origin: str = "text") -> SpinFile:
     '''
     content = toml.parsed(text, origin)
     try:
-        toml.refuse_unknown(content, ("name", "source", "note", "body", "spin"), "the file")
+        toml.refuse_unknown(content, _KEYS, "the file")
         labels = {key: toml.text_of(content, key) for key in ("name", "source", "note")}
         return of_sections(content, **labels)
     except AttitudeError as err:
@@ -126,7 +138,7 @@ def parse(text: str, origin: str = "text") -> SpinFile:
 
 
 def of_sections(content: Mapping[str, Any], **labels: str | None) -> SpinFile:
-    """The `SpinFile` of the sections [body] and [spin] of a parsed text.
+    """The `SpinFile` of the sections [body], [spin] and [errors] of a parsed text.
 
     `labels` are its name, source and note.  AttitudeError as `read`.
     """
@@ -142,7 +154,7 @@ def write(
     source: str | None = None,
     note: str | None = None,
 ) -> None:
-    """Write the body and spin of a motion exactly: `read` gives the same bits.
+    """Write body, spin and errors of a motion exactly: `read` gives the same bits.
 
     Parameters
     ----------
@@ -196,6 +208,7 @@ def text(
         f"frame = {toml.quoted(spin.frame, 'frame')}",
         f"wxyz = {_listed(spin.wxyz)}  # body to frame",
         f"angular_velocity = {_listed(spin.angular_velocity)}  # rad/s, body axes",
+        *_error_lines(spin.covariance),
     ]
     return "\n".join(lines).lstrip("\n") + "\n"
 
@@ -217,6 +230,30 @@ def _body_lines(body):
     if body.relative:
         lines.append("relative = true")
     return lines
+
+
+def _error_lines(covariance):
+    """Standard deviations if they give the same bits, else the rows of the covariance."""
+    if covariance is None:
+        return []
+    sigma = covariances.components(covariance)
+    if sigma is not None:
+        rows = {key: each for key, each in sigma.items() if np.any(each)} or {
+            "attitude": np.zeros(3)
+        }
+        return ["", "[errors]", *(f"{key} = {_listed(row)}" for key, row in rows.items())]
+    part = covariance[:6, :6]
+    whole = np.zeros((9, 9))
+    whole[:6, :6] = part
+    kept = part if whole.tobytes() == covariance.tobytes() else covariance
+    unit = "rad, axes of the frame; rad/s, body axes" + ("; moments" if len(kept) == 9 else "")
+    return [
+        "",
+        "[errors]",
+        f"covariance = [  # {unit}",
+        *(f"    {_listed(row)}," for row in kept),
+        "]",
+    ]
 
 
 def _epoch_text(instant):

@@ -1,4 +1,4 @@
-"""The sections [body] and [spin] of spin files and mission files, as a Body and a Spin.
+"""The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin.
 
 See `spin_file` for the keys.
 """
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from attitude import epochs, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.sensitivities import covariance as covariances
 from attitude.spin import Spin
 from attitude.textfiles import quantities
 from attitude.textfiles.toml import listed, refuse_unknown
@@ -27,6 +28,7 @@ _BODIES = {
 }
 _ATTITUDES = {"wxyz": ((), ()), "matrix": ((), ()), "sequence": (("angles",), ())}
 _SPIN = ("epoch", "angular_velocity")
+_ERRORS = ("attitude", "angular_velocity", "moments")
 _FLOAT = r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?"
 _TWO_DOUBLES = re.compile(rf"({_FLOAT}) \+ ({_FLOAT}) s TDB since J2000")
 _EXAMPLES = {
@@ -40,7 +42,7 @@ _EXAMPLES = {
 
 
 def body_and_spin(content: Mapping[str, Any]) -> tuple[Body, Spin]:
-    """The Body and the Spin of the sections [body] and [spin] of a parsed text.
+    """The Body and the Spin of the sections [body], [spin] and [errors] of a parsed text.
 
     Raises
     ------
@@ -49,7 +51,36 @@ def body_and_spin(content: Mapping[str, Any]) -> tuple[Body, Spin]:
         and `Spin`.
     """
     body = _body(_section(content, "body"))
-    return body, _spin(_section(content, "spin"))
+    return body, with_errors(content, body, _spin(_section(content, "spin")))
+
+
+def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
+    """The Spin with the covariance of the section [errors], or itself without that section.
+
+    Raises
+    ------
+    AttitudeError
+        For unknown keys, a covariance beside standard deviations, values of a wrong type, shape,
+        unit or sign, and as `Spin`.
+    """
+    if "errors" not in content:
+        return spin
+    section = _section(content, "errors")
+    refuse_unknown(section, ("covariance", *_ERRORS), "[errors]")
+    if not section:
+        raise AttitudeError(
+            "[errors] is empty; give standard deviations (attitude, angular_velocity, moments) or "
+            "covariance, or leave the section out."
+        )
+    if "covariance" in section:
+        for key in _ERRORS:
+            if key in section:
+                raise AttitudeError(f"[errors] has both covariance and {key}; give one of them.")
+        rows = _numbers(section, "errors", "covariance", None, None)
+        return spin.with_covariance(covariances.known(rows, "[errors] covariance"))
+    units = {**covariances.UNITS, "moments": None if body.relative else "kg m2"}
+    given = {key: _numbers(section, "errors", key, None, units[key]) for key in section}
+    return spin.with_covariance(covariances.known(given, "[errors]"))
 
 
 def _body(section):

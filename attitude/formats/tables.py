@@ -4,7 +4,9 @@ A QTable, ECSV and FITS have the columns ``time`` (TDB, as two Julian dates: 5e-
 (body to ICRF, scalar first) and ``angular_velocity`` (rad/s over the body axes).
 CSV has ``utc`` (12 decimals), ``tdb_seconds`` since the first row, ``w, x, y, z`` and
 ``omega_x, omega_y, omega_z``; parquet has ``tdb_jd1, tdb_jd2`` instead of the first two.  Numbers
-are written such that reading gives the same doubles.
+are written such that reading gives the same doubles.  With ``sigma=True`` there are standard
+deviations too: ``sigma`` (deg about the ICRF axes) and ``sigma_angular_velocity``, in CSV and
+parquet ``sigma_x, sigma_y, sigma_z, sigma_omega_x, ...``; readers skip them.
 
 Similar tables are read too: with any Time column, ``jd1`` and ``jd2`` (TDB) or ``utc`` for the
 epochs, and either form of the other columns.
@@ -24,14 +26,11 @@ from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import csv_rows, parquet, sources
-from attitude.formats.ccsds import epochs as ccsds_epochs
-from attitude.formats.ccsds.attitude_types import Convention
-from attitude.formats.ccsds.axes import named
+from attitude.formats import csv_table, parquet, sources
 from attitude.formats.csv_rows import ATTITUDE, RATES
-from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
+from attitude.formats.rows import TOLERANCE, known_tolerance
 from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import NoNumber, numbers, opened, whole
+from attitude.textfiles.lines import whole
 
 if TYPE_CHECKING:
     from astropy.table import QTable, Table
@@ -46,10 +45,11 @@ KINDS: dict[str, str] = {
     ".csv": "csv",
     ".parquet": "parquet",
 }
-_BATCH = 16384
 
 
-def qtable(source: AttitudeSource, *, t: Epochs | None = None, rates: bool = True) -> QTable:
+def qtable(
+    source: AttitudeSource, *, t: Epochs | None = None, rates: bool = True, sigma: bool = False
+) -> QTable:
     """An astropy QTable of a history, a table or a motion with epochs.
 
     Segments follow each other; ``segment`` in the meta data holds the numbers of their first rows.
@@ -60,11 +60,13 @@ def qtable(source: AttitudeSource, *, t: Epochs | None = None, rates: bool = Tru
         As of `aem.write`.
     rates : bool
         False leaves angular velocities out.
+    sigma : bool
+        Add standard deviations, which follow from the covariance of the motion's spin.
 
     Raises
     ------
     AttitudeError
-        As `sources.segments`.
+        As `sources.segments`, and for standard deviations of a motion without a covariance.
     """
     from astropy.table import vstack
 
@@ -74,7 +76,7 @@ def qtable(source: AttitudeSource, *, t: Epochs | None = None, rates: bool = Tru
     first: list[int] = []
     for part in parts:
         first.append(sum(map(len, tables)))
-        tables.extend(piece.table(rates=with_rates) for piece in part.pieces())
+        tables.extend(piece.table(rates=with_rates, sigma=sigma) for piece in part.pieces())
     table = tables[0] if len(tables) == 1 else vstack(tables, metadata_conflicts="silent")
     table.meta = {
         "frame": "ICRF",
@@ -139,7 +141,7 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     kind = kind_of(path)
     known_tolerance(tolerance)
     if kind == "csv":
-        return _read_csv(path, tolerance)
+        return csv_table.read(path, tolerance=tolerance)
     if kind == "parquet":
         return from_table(parquet.read(path), os.fspath(path), tolerance=tolerance)
     origin = os.fspath(path)
@@ -174,7 +176,12 @@ def _of_fits(path):
 
 
 def write(
-    path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, rates: bool = True
+    path: FilePath,
+    source: AttitudeSource,
+    *,
+    t: Epochs | None = None,
+    rates: bool = True,
+    sigma: bool = False,
 ) -> None:
     """Write attitudes as ECSV, FITS, CSV or parquet, by the ending of the file.
 
@@ -188,24 +195,27 @@ def write(
         As of `aem.write`; CSV holds one segment.
     rates : bool
         False leaves angular velocities out.
+    sigma : bool
+        Add standard deviations, as in `qtable`.
 
     Raises
     ------
     AttitudeError
         For an unknown ending, several segments in CSV, a file that cannot be written, and as
-        `sources.segments`.
+        `qtable`.
     """
     kind = kind_of(path)
     if kind == "csv":
-        _write_csv(path, source, t, rates)
+        part = sources.only_segment(source, t, "CSV")
+        csv_table.write(path, part, rates=rates and part.has_rates, sigma=sigma)
     elif kind == "parquet":
         parts = sources.segments(source, t)
         starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
         meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
         rates = rates and all(part.has_rates for part in parts)
-        parquet.write(path, parts, rates=rates, meta=meta)
+        parquet.write(path, parts, rates=rates, meta=meta, sigma=sigma)
     else:
-        table = qtable(source, t=t, rates=rates)
+        table = qtable(source, t=t, rates=rates, sigma=sigma)
         # astropy does not notice a full disk, so it writes into memory.
         content: Any
         if kind == "ecsv":
@@ -322,78 +332,3 @@ def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError, IndexError, AttributeError) as err:
         raise AttitudeError(f"{origin}: its epochs or its meta data are broken ({err}).") from err
-
-
-# CSV ----------------------------------------------------------------------------------------------
-
-
-def _write_csv(path, source, t, rates):
-    part = sources.only_segment(source, t, "CSV")
-    rates = rates and part.has_rates
-    ends, rest = part.first_and_last()
-    with written_whole(path, "the table") as file:
-        file.write(",".join(csv_rows.names(rates=rates)) + "\n")
-        for history in part.pieces():
-            dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
-            low = 0.0 if history.low is None else history.low
-            since = (history.seconds - ends[0]) + (low - rest[0])
-            file.write(csv_rows.of_history(dates, since, history, rates=rates))
-
-
-def _read_csv(path, tolerance):
-    with opened(path) as lines:
-        names = _csv_names(lines)
-        kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
-        columns = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
-        places = [names.index(name) for name in columns]
-        where = names.index("utc")
-        rows = Rows("utc", len(columns))
-        batch, at = [], []
-        for line in lines:
-            if not line.strip():
-                continue
-            parts = line.split(b",")
-            if len(parts) != len(names):
-                raise lines.fault(
-                    f"it has {len(parts)} columns; the first line names {len(names)}."
-                )
-            batch.extend(parts)
-            at.append(lines.number)
-            if len(at) == _BATCH:
-                _take_csv(rows, batch, at, where, places, columns, lines)
-                batch, at = [], []
-        _take_csv(rows, batch, at, where, places, columns, lines)
-        if not rows.count:
-            raise lines.fault("the file has no rows.")
-        how = Convention(scalar_first=True, in_radians=True)
-        meta = {"format": "CSV"}
-        return rows.table(kind, how, named("ICRF"), lines.fault, tolerance=tolerance, meta=meta)
-
-
-def _csv_names(lines):
-    for line in lines:
-        text = lines.text(line).strip()
-        if text and not text.startswith("#"):
-            names = [name.strip().strip('"') for name in text.split(",")]
-            lacking = [name for name in ("utc", *ATTITUDE) if name not in names]
-            some = [name for name in RATES if name in names]
-            if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
-                raise lines.fault(
-                    f"the first line names {', '.join(names)[:200]}; it must name utc, "
-                    f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
-                )
-            return names
-    raise lines.fault("the file is empty.")
-
-
-def _take_csv(rows, batch, at, where, places, columns, lines):
-    if not at:
-        return
-    step = len(batch) // len(at)
-    try:
-        values = numbers(batch, step, places)
-    except NoNumber as err:
-        raise lines.fault(
-            f"{columns[err.column]} is {err.shown}, which is no number.", at[err.line]
-        ) from err
-    rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)

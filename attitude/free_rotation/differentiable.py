@@ -184,6 +184,12 @@ class Differentiable(Motion):
         hi, lo = epochs.plain_seconds(seconds, low)
         return self._sensitivity.covariance_at(hi, lo, rates)
 
+    @property
+    def momentum_covariance(self) -> FloatArray:
+        """(3, 3) covariance of the momentum over ICRF axes; see `Motion.momentum_covariance`."""
+        changes = sensitivity.of_momentum(self.body, self.spin) @ covariances.factor(self._errors())
+        return changes @ changes.T
+
     def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Second over first order (S,) of the attitude's errors of one standard deviation.
 

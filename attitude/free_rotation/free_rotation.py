@@ -231,11 +231,14 @@ class FreeRotation(Differentiable):
     def predictable_time(
         self,
         *,
-        moments_error: Reals = 0.0,
-        rates_error: Reals = 0.0,
+        moments_error: Reals | None = None,
+        rates_error: Reals | None = None,
         tolerance: Real = 0.1,
     ) -> float:
         """Seconds until errors of the input reach a tolerance of the attitude.
+
+        Without `moments_error` and `rates_error` the errors are those of the spin's covariance:
+        the result is when the largest standard deviation of the attitude reaches the tolerance.
 
         Parameters
         ----------
@@ -250,13 +253,16 @@ class FreeRotation(Differentiable):
         Returns
         -------
         float
-            s; see `attitude.free_rotation.predictability.predictable_time`.
+            s, inf without errors; see `predictable_time` and `time_of_covariance` of
+            attitude.free_rotation.predictability.
         """
+        if moments_error is None and rates_error is None and self.spin.covariance is not None:
+            return predictability.time_of_covariance(self, tolerance)
         return predictability.predictable_time(
             self.body.moments_as_pairs,
             self.body.rates_about_principal_axes(self.spin.angular_velocity),
-            moments_error=moments_error,
-            rates_error=rates_error,
+            moments_error=0.0 if moments_error is None else moments_error,
+            rates_error=0.0 if rates_error is None else rates_error,
             tolerance=tolerance,
         )
 

@@ -2,12 +2,14 @@
 
 The errors that grow with time are those of two phases, whose rates are known to 31 digits: the
 differences of these rates between inputs changed by their errors give the drift of the attitude,
-without derivatives and without loss of digits by cancellation.
+without derivatives and without loss of digits by cancellation.  The errors of a covariance, which
+may be correlated, are followed by the derivatives instead (`time_of_covariance`).
 """
 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,13 +17,23 @@ import numpy as np
 from attitude import evaluation, validation
 from attitude.errors import AttitudeError
 from attitude.regime import Mode, regime_of
+from attitude.sensitivities import covariance as covariances
 from attitude.solution import codes
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude.annotations import FloatArray, Real, Reals
+    from attitude.free_rotation.differentiable import Differentiable
     from attitude.regime import Regime
 
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
+# Periods beyond which attitudes are not computed to their last digits.
+_MOST_PERIODS = 1e15
+# Share of independent errors below which the sum of correlated ones is a rounding error.
+_CANCELLED = 1e-12
+_SAMPLES = 256  # in the interval in which the tolerance is reached
+_PHASES = 64  # of one period, over which the largest error is taken
 
 
 def predictable_time(
@@ -78,6 +90,102 @@ def predictable_time(
         _drift_time(constants, middle, angle),
         *(_flip(middle, other) for other in changed),
     )
+
+
+def time_of_covariance(motion: Differentiable, tolerance: Real) -> float:
+    """Seconds until the largest standard deviation of the attitude reaches a tolerance.
+
+    Parameters
+    ----------
+    motion : Differentiable
+        Its spin has a covariance.
+    tolerance : float or Quantity
+        rad.
+
+    Returns
+    -------
+    float
+        s; 0 if the error at the epoch is larger, inf if the tolerance is never reached.  The
+        standard deviation is that about the axis about which it is largest; the errors of the
+        initial attitude are included.  Errors that reach across the separatrix limit the result to
+        half of P_psi, as in `predictable_time`.
+    """
+    angle = validation.positive(tolerance, "tolerance", unit="rad")
+
+    def largest(seconds: FloatArray) -> FloatArray:
+        found = np.linalg.eigvalsh(motion.covariance_at(seconds, rates=False))[..., -1]
+        return np.sqrt(np.maximum(found, 0.0))
+
+    if largest(np.zeros(1))[0] >= angle:
+        return 0.0
+    found = _first_time(largest, _time_scale(motion, angle), angle)
+    if math.isfinite(found) and _is_rounding(motion, found, angle):
+        return math.inf
+    return min(found, _flip_within_errors(motion))
+
+
+def _time_scale(motion: Differentiable, angle: float) -> float:
+    """The period of the errors, s; at rest the time in which a rate error turns by the angle."""
+    speed = float(np.linalg.norm(motion.spin.angular_velocity))
+    if speed == 0.0:
+        rate = float(np.sqrt(np.trace(motion.spin.covariance[3:6, 3:6])))
+        return angle / rate if rate > 0.0 else 1.0
+    period = motion.regime.P_psi
+    return float(period) if np.isfinite(period) else 2.0 * math.pi / speed
+
+
+def _first_time(largest: Callable[[FloatArray], FloatArray], period: float, angle: float) -> float:
+    """The first time at which errors that grow in the mean over a period reach an angle, or inf."""
+    start = period * np.linspace(0.0, 1.0, _SAMPLES + 1)
+    phases = period * np.linspace(0.0, 1.0, _PHASES + 1)
+
+    def is_reached(begin: float) -> bool:
+        return bool(np.max(largest(begin + phases)) >= angle)
+
+    # Beyond the epochs that the motion refuses, nothing is known to grow.
+    with suppress(AttitudeError):
+        if np.max(largest(start)) >= angle:
+            return _crossing(largest, start, angle)
+        low, high = 0.0, period
+        while not is_reached(high):
+            low, high = high, 2.0 * high
+            if high > _MOST_PERIODS * period:
+                return math.inf
+        while high - low > period:
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if is_reached(middle) else (middle, high)
+        return _crossing(largest, np.linspace(low, high + period, _SAMPLES + 1), angle)
+    return math.inf
+
+
+def _crossing(
+    largest: Callable[[FloatArray], FloatArray], seconds: FloatArray, angle: float
+) -> float:
+    """The first of increasing times at which the angle is reached, by bisection between them."""
+    k = int(np.argmax(largest(seconds) >= angle))
+    low, high = float(seconds[max(k - 1, 0)]), float(seconds[k])
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if largest(np.array([middle]))[0] >= angle else (middle, high)
+    return high
+
+
+def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
+    """Whether errors cancel so far that the angle is a rounding error of their sum."""
+    sigma = np.sqrt(np.diag(motion.spin.covariance_icrf))
+    alone = motion.sensitivity_at(seconds) * sigma
+    return bool(angle < _CANCELLED * np.linalg.norm(alone))
+
+
+def _flip_within_errors(motion: Differentiable) -> float:
+    """The time to the next turn-over if a motion one standard deviation away is in another mode."""
+    found = math.inf
+    for column in covariances.factor(motion.spin.covariance_icrf).T:
+        for sign in (1.0, -1.0):
+            # Moments that are no body's have no turn-over.
+            with suppress(AttitudeError):
+                found = min(found, _flip(motion.regime, motion.changed(sign * column).regime))
+    return found
 
 
 def _drift_time(constants: Any, regime: Regime, tolerance: float) -> float:

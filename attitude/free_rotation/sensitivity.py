@@ -74,6 +74,15 @@ class Sensitivity:
         return found
 
 
+def of_momentum(body: Body, spin: Spin) -> FloatArray:
+    """Changes (3, 9) of the angular momentum, ICRF axes, for unit changes of the parameters."""
+    to_icrf, axes = quaternion.matrix(spin.wxyz_icrf), body.principal_axes
+    momentum = to_icrf @ body.tensor @ spin.angular_velocity
+    by_turn = np.cross(np.eye(3), momentum).T
+    by_moment = axes * (spin.angular_velocity @ axes)
+    return np.concatenate([by_turn, to_icrf @ body.tensor, to_icrf @ by_moment], axis=1)
+
+
 def to_body_axes(wxyz: FloatArray, start: FloatArray, attitude: FloatArray) -> FloatArray:
     """Changes of attitude (S, 3, 9) over inertial axes, over the body axes then and at first."""
     turned: FloatArray = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude

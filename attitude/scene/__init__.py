@@ -9,6 +9,7 @@ geometry         those of lines of sight alone; `shadow` of other bodies
 pointing         those that need the attitude
 sky              those that the observer measures
 photometry       those that need a shape
+errors           standard deviations of those that depend on the attitude
 lines_of_sight   directions and distances at many epochs; `light_time`, their correction
 angles, loops    formulas on arrays; compiled loops
 """

@@ -20,8 +20,6 @@ class Brightness(Pointing):
     @quantity("m2 / sr")
     def brightness(self) -> FloatArray:
         """Intensity towards the observer over the Sun's irradiance on the body, in sunlight."""
-        from attitude import light_curve
-
         scene = self.scene
         if scene.shape is None:
             raise AttitudeError(
@@ -33,13 +31,21 @@ class Brightness(Pointing):
         is_whole = known.size == self.seconds.size
         if not is_whole:
             sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
-        found = light_curve.brightness(
-            scene.shape, scene.law, sun.T, observer.T, shadows=scene.shadows, threads=scene.threads
-        )
+        found = self._brightness_of(sun.T, observer.T)
         if not is_whole:
             found, some = np.full(self.seconds.size, np.nan), found
             found[known] = some
         return self._numbers(found)
+
+    def _brightness_of(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
+        """The brightness (K,) of the shape for directions (K, 3) in body axes."""
+        from attitude import light_curve
+
+        scene = self.scene
+        assert scene.shape is not None  # `brightness` refuses a scene without one
+        return light_curve.brightness(
+            scene.shape, scene.law, sun, observer, shadows=scene.shadows, threads=scene.threads
+        )
 
     @quantity("mag")
     def reduced_magnitude(self) -> FloatArray:

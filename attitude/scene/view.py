@@ -8,9 +8,8 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen
+from attitude.scene.errors import Errors
 from attitude.scene.lazy import LazyProperty
-from attitude.scene.photometry import Brightness
-from attitude.scene.sky import Sky
 
 if TYPE_CHECKING:
     from astropy.table import QTable
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from attitude.scene.scene import Scene
 
 
-class View(Brightness, Sky):
+class View(Errors):
     """What is seen at some epochs of reception.  Made by ``scene.at(times)``.
 
     S is the shape of the times.  Vectors are (S, 3), views of component-major memory; all arrays

@@ -7,7 +7,7 @@ velocity at the epoch (3, rad/s, body axes) and the principal moments (3, kg m2 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -19,7 +19,14 @@ if TYPE_CHECKING:
 
 # Asymmetry, and a negative eigenvalue of the correlations, that count as rounding.
 _ROUNDING = 1e-9
-_UNITS = {"attitude": "rad", "angular_velocity": "rad/s", "moments": None}
+# An eigenvalue of correlations that may be rounding: 9 rows of up to 9 products of doubles.
+_NO_EIGENVALUE = 81.0 * float(np.finfo(float).eps)
+# Names of standard deviations, and their units; the moments have that of the body.
+UNITS: Final[Mapping[str, str | None]] = {
+    "attitude": "rad",
+    "angular_velocity": "rad/s",
+    "moments": None,
+}
 
 
 def known(given: Any, name: str = "covariance") -> FloatArray:
@@ -73,11 +80,27 @@ def known(given: Any, name: str = "covariance") -> FloatArray:
     return full
 
 
+def components(covariance: FloatArray) -> dict[str, FloatArray] | None:
+    """Standard deviations (3,) by name that `known` makes into the same bits, or None.
+
+    None for correlated errors, and for variances that are no squares of doubles.
+    """
+    sigma = np.sqrt(np.diag(covariance))
+    if np.diag(sigma**2).tobytes() != covariance.tobytes():
+        return None
+    return {key: sigma[3 * k : 3 * k + 3] for k, key in enumerate(UNITS)}
+
+
 def factor(covariance: FloatArray) -> FloatArray:
-    """W (9, 9) of a covariance W W^T; columns of zeros where its rank is lower."""
+    """W (9, 9) of a covariance W W^T; columns of zeros where its rank is lower.
+
+    Eigenvalues of the correlations that are rounding errors count as zero: their square roots,
+    1e-8, would be errors in directions in which the covariance has none.
+    """
     correlations, size = _correlations(covariance)
     values, vectors = np.linalg.eigh(correlations)
-    product: FloatArray = size[:, None] * (vectors * np.sqrt(np.maximum(values, 0.0)))
+    values = np.where(values > _NO_EIGENVALUE, values, 0.0)
+    product: FloatArray = size[:, None] * (vectors * np.sqrt(values))
     return product
 
 
@@ -89,19 +112,19 @@ def _correlations(covariance):
 
 
 def _of_components(given: Mapping[str, Any], name: str) -> FloatArray:
-    unknown = [key for key in given if key not in _UNITS]
+    unknown = [key for key in given if key not in UNITS]
     if unknown:
         raise AttitudeError(
             f'{name} has "{unknown[0]}"; its names are attitude, angular_velocity and moments.'
         )
     sigma = np.zeros(9)
-    for k, (key, unit) in enumerate(_UNITS.items()):
+    for k, (key, unit) in enumerate(UNITS.items()):
         if key in given:
-            value = validation.real(given[key], f"{name}[{key!r}]", unit=unit)
+            value = validation.real(given[key], f"{name} {key}", unit=unit)
             if value.shape not in ((), (3,)) or np.any(value < 0.0):
                 raise AttitudeError(
-                    f"{name}[{key!r}] is {validation.shown(given[key])}; give one standard "
-                    "deviation, or three, not negative."
+                    f"{name} {key} is {validation.shown(given[key])}; give one standard deviation, "
+                    "or three, not negative."
                 )
             sigma[3 * k : 3 * k + 3] = value
     return np.diag(sigma**2)
