@@ -140,7 +140,8 @@ def light(mesh: Mesh, center: Array, sun: Array) -> Array:
     lit = -FLUX / LIGHT * mesh.areas * cosine
     arm = mesh.centroids - center
     along_normal = lit @ np.cross(arm, mesh.normals) * (2.0 / 3.0)
-    return np.cross(lit @ arm, sun) + along_normal
+    torque: Array = np.cross(lit @ arm, sun) + along_normal
+    return torque
 
 
 # Evolution ----------------------------------------------------------------------------------------

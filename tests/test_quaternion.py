@@ -19,7 +19,9 @@ def _unit(row):
 
 
 units = st.lists(_number, min_size=4, max_size=4).map(_unit)
-vectors = st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=3).map(np.array)
+# Not so small that a product of a component is subnormal, with fewer digits.
+_component = st.floats(-1e3, 1e3).map(lambda x: x if abs(x) > 1e-200 else 0.0)
+vectors = st.lists(_component, min_size=3, max_size=3).map(np.array)
 
 
 def _scipy(q):

@@ -92,8 +92,8 @@ def brightness(
 
     >>> from attitude.shape import Ellipsoid
     >>> sphere = Ellipsoid((1, 1, 1)).facets(5000)
-    >>> brightness(sphere, "lambert", [0, 0, 1], [0, 0, 1]).round(3)
-    np.float64(0.667)
+    >>> print(brightness(sphere, "lambert", [0, 0, 1], [0, 0, 1]).round(3))
+    0.667
     """
     law = known_law(law)
     suns, observers, shape_out = paired(sun, observer)

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 _TINY, _ZEROS = (1e-100,) * SIZE, (0.0,) * SIZE
 _DARK = 1e-90
 
-# Unsigned indices: for signed ones numba adds a test for negative values to every access.
+# Unsigned indices: for signed ones numba adds a test for negative values to every access.  Counters
+# of loops are made such too: Python counts in its own integers, whose sums numpy 1 makes doubles.
 _0, _1, _EYE = np.uint64(0), np.uint64(1), np.uint64(8)
 _BLOCK = np.uint64(ROWS * SIZE)
 _PLACES = np.uint64(SIZE)
@@ -106,7 +107,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
             while word != _0:
-                n = lowest_bit(word) + w * _WORD
+                n = lowest_bit(word) + np.uint64(w) * _WORD
                 word &= word - _1
                 i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
@@ -181,7 +182,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
             for w in range(np.uint64(sky.shape[1])):
                 word = sky[lit, w] & sky[seen, w]
                 while word != _0:
-                    n = lowest_bit(word) + w * _WORD
+                    n = lowest_bit(word) + np.uint64(w) * _WORD
                     word &= word - _1
                     i, way, own, k = n * _BLOCK, axes[n, 0], axes[n, 1], n * _PLACES
                     a, b, c = ways[way], ways[way + _1], ways[own]
@@ -189,7 +190,8 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
                     d, e, f = ways[way], ways[way + _1], ways[own]
                     if masks is not None:
                         free = masks[free_sun, n] & masks[free_eye, n]
-                    for j in range(_PLACES):
+                    for place in range(_PLACES):
+                        j = np.uint64(place)
                         x, y = blocks[i + j], blocks[i + _ROW_1 + j]
                         p, q = x * a + y * b + c, x * d + y * e + f
                         # A branch saves time here: a law takes much longer than the test.
