@@ -1,8 +1,10 @@
 """Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
 
-arcs       `Arcs`
-changes    `Impulse`, `InertiaChange`
-triggers   changes at an event instead of an epoch: `AxisCrossesDirection`, `PointMeetsPlane`
+arcs         `Arcs`
+changes      `Impulse`, `InertiaChange`
+triggers     changes at an event instead of an epoch: `AxisCrossesDirection`, `PointMeetsPlane`
+joint_times  the given times of changes, in order
+sensitivity  derivatives of a chain by the state and the moments at its epoch
 """
 
 from attitude.arcs.arcs import Arcs

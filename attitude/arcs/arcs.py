@@ -16,21 +16,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import epochs, evaluation, frames, pairs, validation
+from attitude.arcs import joint_times
 from attitude.arcs.changes import Change, Impulse, InertiaChange
+from attitude.arcs.sensitivity import ChainedSensitivity
 from attitude.arcs.triggers import Trigger, first
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.evaluation import EPOCHS
 from attitude.free_rotation import rate_bounds
+from attitude.free_rotation.differentiable import Differentiable
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.immutable import frozen, read_only
-from attitude.motion import Motion
 from attitude.solution.record import CONSTANTS
 from attitude.spin import Spin
 
@@ -50,7 +52,7 @@ _NO_LOW = frozen(np.zeros(1))
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class Arcs(Motion):
+class Arcs(Differentiable):
     """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
 
     Parameters
@@ -116,6 +118,16 @@ class Arcs(Motion):
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
         self._build()
+
+    @cached_property
+    def _sensitivity(self) -> ChainedSensitivity:
+        later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
+        wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
+        parts = self._constants, self._starts, self._bodies, wxyz, self.changes, self.epoch
+        return ChainedSensitivity(*parts)
+
+    def _with(self, body: Body, spin: Spin) -> Arcs:
+        return Arcs(body, spin, self.changes)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Arcs, (self.body, self.spin, self.changes)
@@ -240,10 +252,7 @@ class Arcs(Motion):
     # How the arcs are joined ---------------------------------------------------------------------
 
     def _build(self) -> None:
-        times = [
-            self._epoch(change.at, f"changes[{k}].at") for k, change in enumerate(self.changes)
-        ]
-        self._check_order(times)
+        times = joint_times.given(self.changes, self.spin.epoch)
         body, spin = self.body, self.spin
         q = spin.wxyz_icrf_as_pairs.copy()
         w = body.rates_about_principal_axes(spin.angular_velocity)
@@ -276,33 +285,6 @@ class Arcs(Motion):
         self._set("_constants", frozen(records))
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
-
-    def _epoch(self, at: Any, name: str) -> Pair | None:
-        """(high, low) seconds since the epoch of the spin, or None for an event."""
-        if isinstance(at, Trigger):
-            return None
-        seconds, low = epochs.seconds_since(self.spin.epoch, at, name=name)
-        if np.ndim(seconds):
-            raise AttitudeError(f"{name} holds {np.size(seconds)} epochs; give one.")
-        pair = float(seconds), 0.0 if low is None else float(low)
-        if not np.isfinite(sum(pair)):
-            raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
-        return pair
-
-    def _check_order(self, times: list[Pair | None]) -> None:
-        before, whose = (0.0, 0.0), "the epoch of the spin"
-        for k, time in enumerate(times):
-            if time is None:
-                continue
-            if time <= before:
-                early = (before[0] - time[0]) + (before[1] - time[1])
-                how = f"{early:.2g} s earlier than" if time < before else "the same as"
-                raise AttitudeError(
-                    f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
-                    "changes in order of time, after the epoch of the spin, and one change where "
-                    "several have the same epoch."
-                )
-            before, whose = time, f"changes[{k}]"
 
     def _check_reach(self, time: Pair, name: str) -> None:
         try:

@@ -1,7 +1,8 @@
 """Torque-free rotation in closed form.
 
 free_rotation    `FreeRotation`
-differentiable   its derivatives, covariances and samples
+normal_form      its elements, and the motion that has given ones
+differentiable   derivatives, covariances and samples of a motion from a body and a spin
 sensitivity      derivatives and covariances of one motion as arrays
 polhode          Poinsot's curves of the angular velocity in the body and in space
 predictability   time until errors of the input reach a tolerance of the attitude

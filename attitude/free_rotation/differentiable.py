@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Self, overload
+from typing import TYPE_CHECKING, Literal, Self, overload
 
 import numpy as np
 
 from attitude import epochs, quaternion, validation
 from attitude import representations as forms
-from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import sensitivity
-from attitude.free_rotation.sensitivity import Sensitivity
 from attitude.motion import Motion
 from attitude.sensitivities import covariance as covariances
-from attitude.sensitivities.elements import Elements, elements_of, state_of
-from attitude.spin import Spin
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epoch, Epochs, FloatArray, Real, Reals
+    from attitude.annotations import Epochs, FloatArray
+    from attitude.body import Body
+    from attitude.free_rotation.sensitivity import Derivatives
+    from attitude.spin import Spin
 
 
 # Squares of turns, rad2, that are rounding errors of attitudes.
@@ -34,19 +30,20 @@ _ROUNDING = 1e-28
 class Differentiable(Motion):
     """A motion whose attitudes have derivatives by its initial state and its moments.
 
-    A class of this kind is made from a Body and a Spin.
+    A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity`` (an object with
+    the methods of `attitude.free_rotation.sensitivity.Sensitivity`) and ``_with(body, spin)``, the
+    same motion from another state.
     """
 
     if TYPE_CHECKING:
         body: Body
         spin: Spin
-        _constants: Any
 
-        def __init__(self, body: Body, spin: Spin) -> None: ...
+        @property
+        def _sensitivity(self) -> Derivatives: ...
 
-    @cached_property
-    def _sensitivity(self) -> Sensitivity:
-        return Sensitivity(self._constants, self.body, self.spin)
+    def _with(self, body: Body, spin: Spin) -> Self:
+        raise NotImplementedError(f"{type(self).__name__} defines no _with")
 
     @overload
     def sensitivity_at(
@@ -129,60 +126,12 @@ class Differentiable(Motion):
             omega = None if omega is None else _combined(omega, change)
         return attitude if omega is None else (attitude, omega)
 
-    @cached_property
-    def elements(self) -> Elements:
-        """The normal form: rates, phase, amplitude and ellipticity of the motion.
-
-        Raises
-        ------
-        AttitudeError
-            Where no nutation is defined: at rest, spheres, the middle axis, and the equator of a
-            symmetric body.
-        """
-        return elements_of(self._constants[0])
-
-    @classmethod
-    def from_elements(
-        cls,
-        elements: Elements | Sequence[float],
-        *,
-        epoch: Epoch,
-        wxyz: Reals,
-        frame: str = "icrf",
-        largest_moment: Real | None = None,
-    ) -> Self:
-        """The motion with given elements.
-
-        Parameters
-        ----------
-        elements : Elements or five numbers
-            precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
-            `attitude.sensitivities.elements`.
-        epoch, wxyz, frame
-            As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
-            (the momentum circulates about the third, the second is the middle one).
-        largest_moment : float or Quantity, optional
-            kg m2.  Without it the moments are relative, the largest being 1.
-
-        Raises
-        ------
-        AttitudeError
-            For elements outside their range, and elements that no body has.
-        """
-        numbers = validation.real(elements, "elements", shape=(5,), finite=False)
-        given = Elements(*numbers.tolist())
-        moments, omega = state_of(given)
-        if largest_moment is not None:
-            moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
-        body = Body(moments=moments, relative=largest_moment is None)
-        return cls(body, Spin(epoch, wxyz, omega, frame))
-
     def covariance_at(
         self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
     ) -> FloatArray:
         """Covariance (S, 6, 6), or (S, 3, 3) without rates; see `Motion.covariance_at`."""
         hi, lo = epochs.plain_seconds(seconds, low)
-        return self._sensitivity.covariance_at(hi, lo, rates)
+        return self._sensitivity.covariance_at(self._errors(), hi, lo, rates)
 
     @property
     def momentum_covariance(self) -> FloatArray:
@@ -278,7 +227,7 @@ class Differentiable(Motion):
             If the moments are then not those of a body.
         """
         given = validation.real(changes, "changes", shape=(9,))
-        return type(self)(*sensitivity.changed(self.body, self.spin, given))
+        return self._with(*sensitivity.changed(self.body, self.spin, given))
 
 
 def _combined(columns: FloatArray, change: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ from attitude import evaluation, frames, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
-from attitude.free_rotation.differentiable import Differentiable
+from attitude.free_rotation.normal_form import NormalForm
 from attitude.immutable import frozen
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
@@ -33,7 +33,7 @@ _ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeRotation(Differentiable):
+class FreeRotation(NormalForm):
     """Torque-free motion of a rigid body, in closed form.
 
     Parameters

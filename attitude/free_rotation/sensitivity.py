@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.body import Body
-from attitude.errors import AttitudeError
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
 from attitude.sensitivities.elements import inputs_by_elements
@@ -21,7 +21,31 @@ if TYPE_CHECKING:
     from attitude.spin import Spin
 
 
-class Sensitivity:
+class Derivatives(ABC):
+    """The derivatives of a motion at any epoch, and the covariances that follow from them."""
+
+    @abstractmethod
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+
+    @abstractmethod
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
+
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
+        attitude, omega = self.at(seconds, low, rates)
+        both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
+        factored = both @ covariances.factor(given)
+        found: FloatArray = factored @ np.swapaxes(factored, -1, -2)
+        return found
+
+
+class Sensitivity(Derivatives):
     """The derivatives of one motion at any epoch.
 
     Parameters
@@ -33,7 +57,6 @@ class Sensitivity:
 
     def __init__(self, constants: NDArray[Any], body: Body, spin: Spin) -> None:
         self._constants = constants
-        self._body, self._spin = body, spin
         self._tangents = columns.tangents_of(
             body.moments_as_pairs[None],
             spin.wxyz_icrf[None],
@@ -57,14 +80,10 @@ class Sensitivity:
         """Changes (6, 5) of angular velocity and moments with the elements."""
         return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
 
-    def covariance_at(self, seconds: FloatArray, low: FloatArray | None, rates: bool) -> FloatArray:
-        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6) with the angular velocity."""
-        given = self._spin.covariance_icrf
-        if given is None:
-            raise AttitudeError(
-                "the spin has no covariance; make it with Spin(..., covariance=...), or take "
-                "spin.with_covariance(...)."
-            )
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """As `Derivatives.covariance_at`, in one loop over the epochs."""
         t, t_low = _row(seconds), None if low is None else _row(low)
         size = 6 if rates else 3
         out = np.empty((1, size, size, t.size))
