@@ -142,7 +142,7 @@ class ChainedSensitivity(Derivatives):
             # R^T dL turns with the attitude
             momentum[:, :3] += matrix.T @ _cross_matrix(inertial)
             added = matrix.T @ inertial
-        after: FloatArray = np.linalg.solve(new.tensor, old.tensor @ before + added)
+        after = np.asarray(np.linalg.solve(new.tensor, old.tensor @ before + added), np.float64)
         joint = np.zeros((9, 9))
         joint[:3, :3] = np.eye(3)
         if not isinstance(change, InertiaChange):

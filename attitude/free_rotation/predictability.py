@@ -172,7 +172,9 @@ def _crossing(
 
 def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
     """Whether errors cancel so far that the angle is a rounding error of their sum."""
-    sigma = np.sqrt(np.diag(motion.spin.covariance_icrf))
+    given = motion.spin.covariance_icrf
+    assert given is not None  # as the caller has found
+    sigma = np.sqrt(np.diag(given))
     alone = motion.sensitivity_at(seconds) * sigma
     return bool(angle < _CANCELLED * np.linalg.norm(alone))
 
@@ -180,7 +182,9 @@ def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
 def _flip_within_errors(motion: Differentiable) -> float:
     """The time to the next turn-over if a motion one standard deviation away is in another mode."""
     found = math.inf
-    for column in covariances.factor(motion.spin.covariance_icrf).T:
+    given = motion.spin.covariance_icrf
+    assert given is not None  # as the caller has found
+    for column in covariances.factor(given).T:
         for sign in (1.0, -1.0):
             # Moments that are no body's have no turn-over.
             with suppress(AttitudeError):

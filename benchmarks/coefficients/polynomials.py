@@ -145,16 +145,6 @@ def _series():
             ideal=lambda: logarithm.best[1],
         ),
         CoefficientTable(
-            "scene/shadow.py",
-            ("_segment",),
-            "(x - sin x)/2 = x^3/12 (1 - x^2/20 (1 - x^2/42 (1 - x^2/72))), x <= 0.1; relative "
-            "error",
-            lambda: [x for x in sources.literals("scene/shadow.py", "_segment") if x > 2],
-            lambda: [4 * 5, 6 * 7, 8 * 9, 2 * 6],
-            error=_error_of_segment,
-            claims=(Claim(1.6e-15, "the first omitted term is below 1.6e-15 of the sum at 0.1"),),
-        ),
-        CoefficientTable(
             "paths/conic.py",
             ("_stumpff",),
             "the number of terms of Stumpff's c2 and c3, |z| <= 1; relative error",
@@ -177,13 +167,6 @@ def _series():
 
 def _long(file, function):
     return [x for x in sources.literals(file, function) if sources.is_long(x)]
-
-
-def _error_of_segment(numbers):
-    one, two, three, first = numbers
-    x = mpf(1) / 10
-    series = 1 - x * x / one * (1 - x * x / two * (1 - x * x / three))
-    return abs(x**3 / first * series / ((x - mp.sin(x)) / 2) - 1)
 
 
 def _error_of_stumpff(numbers):
