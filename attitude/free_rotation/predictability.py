@@ -128,7 +128,9 @@ def _time_scale(motion: Differentiable, angle: float) -> float:
     """The period of the errors, s; at rest the time in which a rate error turns by the angle."""
     speed = float(np.linalg.norm(motion.spin.angular_velocity))
     if speed == 0.0:
-        rate = float(np.sqrt(np.trace(motion.spin.covariance[3:6, 3:6])))
+        given = motion.spin.covariance
+        assert given is not None  # as the caller has found
+        rate = float(np.sqrt(np.trace(given[3:6, 3:6])))
         return angle / rate if rate > 0.0 else 1.0
     period = motion.regime.P_psi
     return float(period) if np.isfinite(period) else 2.0 * math.pi / speed
