@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude import Arcs, AttitudeError, Body, FreeRotation, Impulse, Spin, TorquedRotation
 from attitude import representations as forms
 from attitude.quaternion import conjugate, multiply
+from attitude.torques import ConstantTorque
 
 BODIES = {
     "tumbling": ((10, 20, 26), (9.0, 2.0, 1.0)),
@@ -204,6 +205,35 @@ def test_samples_repeat_and_keep_moments_of_bodies():
 def test_what_is_refused(given, words):
     with pytest.raises(AttitudeError, match=words):
         spin_of((1, 2, 3), given)
+
+
+def test_moments_of_a_relative_body_have_errors_in_its_unit():
+    """The common scale of the moments and of their errors changes nothing."""
+    errors = {"attitude": 1e-3, "angular_velocity": 1e-4, "moments": [0.01, 0.02, 0.03]}
+    body = Body(moments=(1.0, 2.0, 2.6), relative=True)
+    relative = FreeRotation(body, spin_of((0.1, 1.5, 0.1), errors))
+    errors["moments"] = [10.0, 20.0, 30.0]
+    heavy = FreeRotation(Body(moments=(1e3, 2e3, 2.6e3)), spin_of((0.1, 1.5, 0.1), errors))
+    t = np.array([0.0, 10.0, 100.0])
+    assert np.allclose(relative.at(t).covariance, heavy.at(t).covariance, rtol=1e-11)
+    assert relative.sigma_points()[0].body.relative
+    time = relative.predictable_time(tolerance=0.2)
+    assert time == pytest.approx(heavy.predictable_time(tolerance=0.2), rel=1e-9)
+
+
+def test_chains_and_torqued_motions_say_that_they_have_no_covariance():
+    body, spin = Body(moments=(1, 2, 2.6)), spin_of((0.1, 1.5, 0.1), {"attitude": 0.1})
+    kick = Impulse(10.0, (0.0, 0.0, 0.1))
+    torqued = TorquedRotation(body, spin, ConstantTorque((0, 0, 1e-3)), step=0.1)
+    for motion in (Arcs(body, spin, [kick]), torqued):
+        history, kind = motion.at([0.0, 20.0]), type(motion).__name__
+        for name in ("covariance", "attitude_covariance", "sigma", "nonlinearity"):
+            with pytest.raises(AttitudeError, match=f"{kind} has no derivatives"):
+                getattr(history, name)
+        with pytest.raises(AttitudeError, match=f"{kind} has no derivatives"):
+            history.body_to_inertial_sigma((0, 0, 1))
+        with pytest.raises(AttitudeError, match=f"{kind} has no derivatives"):
+            motion.momentum_covariance  # noqa: B018
 
 
 def test_without_a_covariance():

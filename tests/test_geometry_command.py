@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -108,10 +109,28 @@ def test_sentences(geometry, tmp_path, text, message):
     assert not (tmp_path / "x.csv").exists()
 
 
+def test_standard_deviations_are_columns(geometry, tmp_path):
+    file = tmp_path / "m.toml"
+    file.write_text(
+        'spin = { catalog = "Apophis", epoch = "2012-12-23", phi0 = 0.0, psi0 = 0.0 }\n'
+        'errors.attitude = "2 deg"\nobserver.direction = [1, 0, 0]\nsun.direction = [0, 1, 0]\n'
+        'columns = ["sun_axis_angles_sigma deg", "phase_angle_sigma"]\n'
+        'times.epochs = ["2012-12-23", "2012-12-24"]\n'
+    )
+    code, out, err = geometry(file)
+    assert (code, err) == (0, "")
+    for row in csv.DictReader(io.StringIO(out)):
+        for axis in ("least", "middle", "greatest"):
+            # Errors of the attitude alone stay as they are, alike about all axes.
+            assert float(row[f"sun_axis_angles_sigma_{axis} [deg]"]) == pytest.approx(2, rel=1e-9)
+        assert float(row["phase_angle_sigma [rad]"]) == 0.0
+
+
 def test_without_a_file_and_list(geometry):
     code, _, err = geometry()
     assert code == 2 and "give a mission file" in err
     code, out, _ = geometry("--list")
+    assert re.search("^observer_axis_angles_sigma +rad  ", out, re.MULTILINE)
     assert code == 0 and "phase_angle_bisector" in out and "V(1, 1, alpha)" in out
 
 

@@ -12,6 +12,8 @@ EPILOG: str = """\
 example:
   attitude describe toutatis.toml
   attitude describe "1P/Halley"
+
+With a section [errors] in the spin file each number has its error of one standard deviation.
 """
 
 
@@ -40,4 +42,4 @@ def run(arguments: argparse.Namespace) -> None:
             print(textwrap.fill(" ".join(label.split()), 98))
     if found.name or found.source or found.note:
         print()
-    print(description(found.motion))
+    print(description(found.motion, predictable=True))

@@ -67,10 +67,12 @@ def _list() -> None:
     """Print the columns that a mission file may name."""
     from attitude.scene import View
 
-    for name, each in View.columns().items():
+    columns = View.columns()
+    width = max(map(len, columns)) + 1
+    for name, each in columns.items():
         unit = each.unit or "-"
         parts = f" ({', '.join(each.parts)})" if each.parts else ""
-        print(f"{name:26}{unit:8}{each.about}{parts}")
+        print(f"{name:{width}}{unit:8}{each.about}{parts}")
 
 
 def _blocks(mission: Mission, arguments: argparse.Namespace) -> Iterator[list[Any]]:

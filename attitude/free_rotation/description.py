@@ -8,16 +8,22 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from attitude import frames
+from attitude.free_rotation import predictability
 from attitude.regime import Mode
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
-    from attitude.body import Body
     from attitude.free_rotation.free_rotation import FreeRotation
+    from attitude.published.uncertainty import Uncertain
 
     Rows: TypeAlias = list[tuple[str, str]]
 
 _DAY = 86400.0
+_DEGREE = math.degrees(1.0)
+# Errors upward and downward that differ by less, relative to their sum, are printed as one.
+_ASYMMETRY = 0.05
+# Error of the attitude, rad, up to which a motion is called predictable.
+_TOLERANCE = 0.1
 # 1 - m below which the times near the middle axis and of turning over are printed.
 _NEAR_SEPARATRIX = 1e-2
 _TUMBLING = (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC)
@@ -30,81 +36,152 @@ _NEARLY = {
 }
 
 
-def description(motion: FreeRotation) -> str:
+class _Errors:
+    """Errors of one standard deviation as text, by name; empty text without a covariance."""
+
+    def __init__(self, motion: FreeRotation) -> None:
+        given = motion.spin.covariance is not None
+        self._found: dict[str, Uncertain] = motion.deviations() if given else {}
+
+    def of(self, name: str, factor: float = 1.0) -> str:
+        """The error in units of 1 / factor: " +- 0.12", or " +0.1 -0.2" if the two differ."""
+        if name not in self._found:
+            return ""
+        _, minus, plus = (factor * each for each in self._found[name])
+        if not 0.0 < plus + minus < math.inf:
+            return ""
+        if abs(plus - minus) <= _ASYMMETRY * (plus + minus):
+            return f" +- {0.5 * (plus + minus):.2g}"
+        return f" +{plus:.2g} -{minus:.2g}"
+
+    def of_period(self, name: str, seconds: float) -> str:
+        """The error of a period in the last unit of its text."""
+        size, unit = _period_units(seconds)[-1]
+        text = self.of(name, size / seconds) if math.isfinite(seconds) else ""
+        return f"{text} {unit}" if text else ""
+
+
+def description(motion: FreeRotation, *, predictable: bool = False) -> str:
     """The properties of a motion as text of several lines.
 
     Parameters
     ----------
     motion : FreeRotation
+    predictable : bool
+        Whether the time until the errors of the spin reach 0.1 rad is among them.
 
     Returns
     -------
     str
         Mode, periods, momentum (in ICRF and ecliptic coordinates of J2000), energy, distance to
-        the separatrix; quantities in the unit of the body's moments.
+        the separatrix; quantities in the unit of the body's moments.  With a covariance of the
+        spin each has its standard deviation.
     """
-    phrase = motion.mode.phrase
-    rows = [("epoch", f"{motion.spin.epoch.utc_iso} UTC"), ("body", _body(motion.body))]
-    rows += _rates(motion)
-    rows += _momentum(motion)
+    phrase, errors = motion.mode.phrase, _Errors(motion)
+    rows = [("epoch", f"{motion.spin.epoch.utc_iso} UTC"), ("body", _body(motion))]
+    rows += _rates(motion, errors)
+    rows += _momentum(motion, errors)
     if motion.mode in (*_TUMBLING, Mode.SEPARATRIX):
-        rows.append(("1 - 2 E I2 / L^2", _separatrix(motion)))
+        rows.append(("1 - 2 E I2 / L^2", _separatrix(motion, errors)))
+    if motion.spin.covariance is not None:
+        rows += _of_errors(motion, predictable)
     rows += [("within rounding", _NEARLY[mode]) for mode in _near(motion)]
     width = max(len(label) for label, _ in rows)
     lines = [f"  {label:<{width}}  {value}" for label, value in rows]
     return "\n".join([phrase[0].upper() + phrase[1:], *lines])
 
 
-def _body(body: Body) -> str:
+def _body(motion: FreeRotation) -> str:
+    body, covariance = motion.body, motion.spin.covariance
     unit = "(relative)" if body.relative else "kg m2"
-    return "principal moments " + ", ".join(f"{each:.9g}" for each in body.moments) + f" {unit}"
+    sigma = np.zeros(3) if covariance is None else np.sqrt(np.diag(covariance)[6:])
+    texts = [
+        f"{moment:.9g}" + (f" +- {error:.2g}" if error > 0.0 else "")
+        for moment, error in zip(body.moments, sigma, strict=True)
+    ]
+    return f"principal moments {', '.join(texts)} {unit}"
 
 
-def _rates(motion: FreeRotation) -> Rows:
+def _of_errors(motion: FreeRotation, predictable: bool) -> Rows:
+    """What the errors of the spin mean for the motion."""
+    size = np.degrees(np.sqrt(np.diag(motion.spin.covariance)[:3]))
+    frame = motion.spin.frame
+    frame = "the ecliptic of J2000" if frame == "ecliptic" else frame.upper()
+    rows = [
+        ("errors", "+- is one standard deviation"),
+        ("  attitude", "{:.3g}, {:.3g}, {:.3g} deg about the axes of {}".format(*size, frame)),
+    ]
+    if math.isfinite(predictability.flip_within_errors(motion)):
+        rows.append(("  separatrix", "within the errors: the mode is uncertain"))
+    if predictable and np.all(motion.body.moments > 0.0):
+        seconds = motion.predictable_time(tolerance=_TOLERANCE)
+        when = "always" if math.isinf(seconds) else f"for {period(seconds)}"
+        limit = f"{math.degrees(_TOLERANCE):.3g} deg"
+        rows.append(("  predictable", f"{when}, to {limit} of attitude"))
+    return rows
+
+
+def _rates(motion: FreeRotation, errors: _Errors) -> Rows:
     rate = np.degrees(np.linalg.norm(motion.spin.angular_velocity))
     if motion.mode is Mode.AT_REST:
         return []
-    slow = f" = {rate * _DAY:.9g} deg/d" if rate < 0.1 else ""
-    rows = [("angular velocity", f"{rate:.9g} deg/s{slow} at the epoch")]
+    text = f"{rate:.9g}{errors.of('spin_rate', _DEGREE)} deg/s"
+    if rate < 0.1:
+        text += f" = {rate * _DAY:.9g}{errors.of('spin_rate', _DEGREE * _DAY)} deg/d"
+    rows = [("angular velocity", f"{text} at the epoch")]
     if motion.mode in (Mode.SPHERICAL, Mode.PRINCIPAL_AXIS):
-        rows.append(("period", period(360.0 / rate)))
+        rows.append(("period", period(360.0 / rate) + errors.of_period("period", 360.0 / rate)))
         if _about_middle(motion):
             rows.append(("stability", "about the middle axis: any disturbance turns the body over"))
         return rows
     if motion.mode is Mode.SEPARATRIX:
         return [*rows, ("period psi", period(motion.period_psi))]
-    return [*rows, *_periods(motion), *_ranges(motion)]
+    return [*rows, *_periods(motion, errors), *_ranges(motion, errors)]
 
 
-def _periods(motion: FreeRotation) -> Rows:
+def _periods(motion: FreeRotation, errors: _Errors) -> Rows:
     axis = motion.circulates_about
     other = "short" if axis == "long" else "long"
     name = "axis of symmetry" if motion.mode is Mode.SYMMETRIC else f"{axis} axis"
+    psi = period(motion.period_psi) + errors.of_period("period_psi", motion.period_psi)
+    phi = period(motion.period_phi) + errors.of_period("period_phi", motion.period_phi)
     rows = [
-        ("period psi", f"{period(motion.period_psi)}: rotation about the {name}"),
-        ("period phi", f"{period(motion.period_phi)}: {name} about the momentum"),
+        ("period psi", f"{psi}: rotation about the {name}"),
+        ("period phi", f"{phi}: {name} about the momentum"),
     ]
     if motion.mode is not Mode.SYMMETRIC:
         letter = other[0].upper()
         seconds = float(motion.regime.P_phi(letter))
-        rows.append(("", f"{period(seconds)}: {other} axis, convention {letter}"))
+        text = period(seconds) + errors.of_period(f"P_phi_{letter}", seconds)
+        rows.append(("", f"{text}: {other} axis, convention {letter}"))
     return rows
 
 
-def _ranges(motion: FreeRotation) -> Rows:
+def _ranges(motion: FreeRotation, errors: _Errors) -> Rows:
     regime, axis = motion.regime, motion.circulates_about
     low, high = np.degrees(regime.nutation("L" if axis == "long" else "S"))
+    least = f"{low:.6g}{errors.of('nutation_least', _DEGREE)}"
     if motion.mode is Mode.SYMMETRIC:
-        angle = f"{low:.6g} deg between axis of symmetry and momentum"
+        angle = f"{least} deg between axis of symmetry and momentum"
     else:
-        angle = f"{low:.6g} to {high:.6g} deg between {axis} axis and momentum"
-    slow, fast = np.degrees(regime.spin_rate_range)
-    mean = np.degrees(float(regime.mean_spin_rate))
+        greatest = f"{high:.6g}{errors.of('nutation_greatest', _DEGREE)}"
+        angle = f"{least} to {greatest} deg between {axis} axis and momentum"
+    slow, fast = (float(each) for each in regime.spin_rate_range)
+    rates = [
+        _rate(math.degrees(rate), errors, f"spin_rate_{name}")
+        for rate, name in (
+            (slow, "least"),
+            (fast, "greatest"),
+            (float(regime.mean_spin_rate), "mean"),
+        )
+    ]
+    ratio = f"{float(regime.energy_ratio):.9g}{errors.of('energy_ratio')}"
+    rest = f"{float(regime.one_minus_m):.6g}{errors.of('one_minus_m')}"
     rows = [
         ("nutation", angle),
-        ("spin rate", f"{_rate(slow)} to {_rate(fast)}, {_rate(mean)} in the mean"),
-        ("2 E C / L^2", f"{float(regime.energy_ratio):.9g} (E/E0)"),
-        ("1 - m", f"{float(regime.one_minus_m):.6g} (0 on the separatrix)"),
+        ("spin rate", "{} to {}, {} in the mean".format(*rates)),
+        ("2 E C / L^2", f"{ratio} (E/E0)"),
+        ("1 - m", f"{rest} (0 on the separatrix)"),
     ]
     if motion.mode is not Mode.SYMMETRIC and float(regime.one_minus_m) < _NEAR_SEPARATRIX:
         flip, dwell = period(float(regime.flip_time)), period(float(regime.dwell_time))
@@ -112,9 +189,10 @@ def _ranges(motion: FreeRotation) -> Rows:
     return rows
 
 
-def _rate(degrees: float) -> str:
-    """A rate in deg/s, or in deg/d if it is below 0.1 deg/s."""
-    return f"{degrees:.6g} deg/s" if degrees >= 0.1 else f"{degrees * _DAY:.6g} deg/d"
+def _rate(degrees: float, errors: _Errors, name: str) -> str:
+    """A rate in deg/s, or in deg/d if it is below 0.1 deg/s, with the error of a name."""
+    factor, unit = (1.0, "deg/s") if degrees >= 0.1 else (_DAY, "deg/d")
+    return f"{degrees * factor:.6g}{errors.of(name, _DEGREE * factor)} {unit}"
 
 
 def period(seconds: float) -> str:
@@ -125,8 +203,13 @@ def period(seconds: float) -> str:
     """
     if math.isinf(seconds):
         return "infinite"
+    return " = ".join(f"{size:.9g} {unit}" for size, unit in _period_units(seconds))
+
+
+def _period_units(seconds: float) -> list[tuple[float, str]]:
+    """A period in seconds, and in hours and days if it is at least 0.1 of them."""
     units = [(seconds, "s"), (seconds / 3600.0, "h"), (seconds / _DAY, "d")]
-    return " = ".join(f"{x:.9g} {unit}" for x, unit in units if unit == "s" or x >= 0.1)
+    return [(size, unit) for size, unit in units if unit == "s" or size >= 0.1]
 
 
 def _about_middle(motion: FreeRotation) -> bool:
@@ -145,7 +228,7 @@ def _near(motion: FreeRotation) -> list[Mode]:
     return [mode for mode in motion.within_rounding if mode not in implied.get(motion.mode, ())]
 
 
-def _momentum(motion: FreeRotation) -> Rows:
+def _momentum(motion: FreeRotation, errors: _Errors) -> Rows:
     relative = motion.body.relative
     momentum = motion.momentum
     largest = np.max(np.abs(momentum))
@@ -154,15 +237,22 @@ def _momentum(motion: FreeRotation) -> Rows:
     size = largest * np.linalg.norm(momentum / largest)
     ecliptic = frames.matrix_to_icrf("ecliptic").T @ momentum
     unit = "rad/s times the unit of the moments" if relative else "kg m2/s"
+    unit_of_energy = "rad2/s2 times the unit of the moments" if relative else "J"
+    across, up = _angles(momentum)
+    along, north = _angles(ecliptic)
+    equator = (
+        f"RA {across:.6f}{errors.of('right_ascension', _DEGREE)} deg, "
+        f"Dec {up:+.6f}{errors.of('declination', _DEGREE)} deg"
+    )
+    plane = (
+        f"longitude {along:.6f}{errors.of('longitude', _DEGREE)} deg, "
+        f"latitude {north:+.6f}{errors.of('latitude', _DEGREE)} deg"
+    )
     return [
-        ("momentum", f"{size:.9g} {unit}"),
-        ("  towards ICRF", "RA {:.6f} deg, Dec {:+.6f} deg".format(*_angles(momentum))),
-        ("  ecliptic", "longitude {:.6f} deg, latitude {:+.6f} deg".format(*_angles(ecliptic))),
-        (
-            "energy",
-            f"{motion.energy:.9g} "
-            + ("rad2/s2 times the unit of the moments" if relative else "J"),
-        ),
+        ("momentum", f"{size:.9g}{errors.of('momentum')} {unit}"),
+        ("  towards ICRF", equator),
+        ("  ecliptic", plane),
+        ("energy", f"{motion.energy:.9g}{errors.of('energy')} {unit_of_energy}"),
     ]
 
 
@@ -175,9 +265,10 @@ def _angles(vector: FloatArray) -> tuple[float, float]:
     return longitude, math.degrees(math.atan2(z, math.hypot(x, y)))
 
 
-def _separatrix(motion: FreeRotation) -> str:
+def _separatrix(motion: FreeRotation, errors: _Errors) -> str:
     distance = motion.separatrix_distance
     if distance == 0.0:
         return "0: on the separatrix"
     side = "short-axis" if distance > 0.0 else "long-axis"
-    return f"{distance:.6g}: on the {side} side of the separatrix, which is at 0"
+    error = errors.of("separatrix_distance")
+    return f"{distance:.6g}{error}: on the {side} side of the separatrix, which is at 0"

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from attitude.epochs.instants import Instant
     from attitude.motion import RateBounds
     from attitude.published.published import Published
+    from attitude.published.uncertainty import Uncertain
     from attitude.regime import Regime
 
 # Relative change that counts as rounding of the input: 16 units in the last place.
@@ -265,6 +266,20 @@ class FreeRotation(NormalForm):
             rates_error=0.0 if rates_error is None else rates_error,
             tolerance=tolerance,
         )
+
+    def deviations(self) -> dict[str, Uncertain]:
+        """Periods, angles, momentum and energy with their errors of one standard deviation.
+
+        See attitude.free_rotation.deviations for the names; ``deviations()["period_psi"].plus``.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance.
+        """
+        from attitude.free_rotation.deviations import deviations
+
+        return deviations(self, self._errors())
 
     smooth = True
 

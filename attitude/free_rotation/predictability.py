@@ -121,7 +121,7 @@ def time_of_covariance(motion: Differentiable, tolerance: Real) -> float:
     found = _first_time(largest, _time_scale(motion, angle), angle)
     if math.isfinite(found) and _is_rounding(motion, found, angle):
         return math.inf
-    return min(found, _flip_within_errors(motion))
+    return min(found, flip_within_errors(motion))
 
 
 def _time_scale(motion: Differentiable, angle: float) -> float:
@@ -181,8 +181,11 @@ def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
     return bool(angle < _CANCELLED * np.linalg.norm(alone))
 
 
-def _flip_within_errors(motion: Differentiable) -> float:
-    """The time to the next turn-over if a motion one standard deviation away is in another mode."""
+def flip_within_errors(motion: Differentiable) -> float:
+    """The time to the next turn-over if errors of the spin reach across the separatrix, else inf.
+
+    One standard deviation along each principal axis of its covariance.
+    """
     found = math.inf
     given = motion.spin.covariance_icrf
     assert given is not None  # as the caller has found

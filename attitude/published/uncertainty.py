@@ -1,4 +1,8 @@
-"""Propagate errors of published numbers to periods, angles and energy."""
+"""Propagate errors of published numbers to periods, angles and energy.
+
+One input at a time is moved to either end of its error, and the changes of a result are added in
+quadrature (`in_quadrature`); ends that do not exist are replaced (`possible_end`).
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,9 @@ from attitude.published.dynamic_inertia import (
 from attitude.regime import known_convention, regimes
 
 if TYPE_CHECKING:
-    from attitude.annotations import Reals
+    from collections.abc import Callable
+
+    from attitude.annotations import FloatArray, Reals
     from attitude.regime import Mode
 
 _RESULTS = (
@@ -93,33 +99,47 @@ def spread(
     values = inputs[:, 0]
     moments = moments_from_ratios(*values[:2])
     refuse_missing_mode(moments, known)
+
+    def exists(inputs: FloatArray) -> bool:
+        return not np.isnan(_results(inputs[None], known, convention)).any()
+
     ends = [values]
     for k in range(4):
         for sign, error in ((-1.0, inputs[k, 1]), (1.0, inputs[k, 2])):
             step = np.zeros(4)
             step[k] = sign * error
-            ends.append(_possible_end(values, step, known, convention))
+            ends.append(possible_end(values, step, exists))
     found = _results(np.array(ends), known, convention)
     if np.isnan(found[0]).any():
         from_periods(moments, known, convention, *values[2:])  # raises the error with its text
-    change = found[1:] - found[0]
-    minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
-    plus = np.sqrt(np.sum(np.maximum(change, 0.0) ** 2, axis=0))
-    return {
-        name: Uncertain(float(value), float(less), float(more))
-        for name, value, less, more in zip(_RESULTS, found[0], minus, plus, strict=True)
-    }
+    return dict(zip(_RESULTS, in_quadrature(found), strict=True))
 
 
-def _possible_end(values, step, mode, convention):
-    """values + step, or the farthest point in that direction that has a motion, by bisection."""
-    if not np.any(step) or not np.isnan(_results((values + step)[None], mode, convention)).any():
+def in_quadrature(found: FloatArray) -> list[Uncertain]:
+    """The values (K,) in the first row of (1 + N, K), with their errors downward and upward.
+
+    The other rows are the values at either end of the error of each input.
+    """
+    with np.errstate(invalid="ignore"):
+        change = found[1:] - found[0]
+        minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
+        plus = np.sqrt(np.sum(np.maximum(change, 0.0) ** 2, axis=0))
+    return [
+        Uncertain(float(value), float(less), float(more))
+        for value, less, more in zip(found[0], minus, plus, strict=True)
+    ]
+
+
+def possible_end(
+    values: FloatArray, step: FloatArray, exists: Callable[[FloatArray], bool]
+) -> FloatArray:
+    """values + step, or the farthest point in that direction that exists, by bisection."""
+    if not np.any(step) or exists(values + step):
         return values + step
     low, high = 0.0, 1.0
     for _ in range(30):
         middle = 0.5 * (low + high)
-        inside = not np.isnan(_results((values + middle * step)[None], mode, convention)).any()
-        low, high = (middle, high) if inside else (low, middle)
+        low, high = (middle, high) if exists(values + middle * step) else (low, middle)
     return values + low * step
 
 
