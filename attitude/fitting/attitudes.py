@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from attitude.free_rotation.free_rotation import FreeRotation
 
 # Records of the first stage, at least; more where some of them are outliers.
-_FEWEST, _FEWEST_ROBUST = 6, 30
+FEWEST, FEWEST_ROBUST = 6, 30
 
 
 def fit(
@@ -92,7 +92,7 @@ def fit(
         raise AttitudeError(_too_few(len(observed)))
     given = velocities(observed)
     speed = float(np.mean(np.linalg.norm(given[2], axis=1)))
-    first = first_stage(observed.t, speed, _FEWEST_ROBUST if how.robust else _FEWEST)
+    first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
     if start is not None:
         point = first_guess.point_of(model, observed, start)
     else:
@@ -120,7 +120,7 @@ def guess(
     if model.body is None:
         tensor = first_guess.inertia_of_attitudes(*given[1:], model.axes, robust=loss.robust)
         shape = model.shape_of(tensor)
-    return first_guess.best_state(model, early, loss, shape, given)
+    return first_guess.best_state(model, early, loss, shape, given, choose=loss.robust)
 
 
 def first_stage(t: FloatArray, speed: float, fewest: int) -> int:

@@ -30,6 +30,8 @@ _SPHERE = 1e-12
 _REWEIGHTED = 15
 # Records from whose states one is chosen, at most.
 _CANDIDATES = 16
+# Records to either side of which medians are taken, and median deviations from which an outlier is.
+_NEIGHBOURS, _SPIKE = 2, 6.0
 # Angle between records, rad, up to which angular velocities are integrated.
 _FARTHEST = 1.0
 
@@ -70,6 +72,9 @@ def inertia_of_rates(t: FloatArray, omega: FloatArray, axes: str, *, robust: boo
         For records that are more than `_FARTHEST` apart.
     """
     t, omega = t[:_ENOUGH], omega[:_ENOUGH]
+    if robust:
+        # An outlier would remain in all later integrals.
+        omega = _without_spikes(omega)
     basis = _basis(axes)
     step = np.diff(t)
     speed = np.linalg.norm(omega, axis=1)
@@ -124,8 +129,10 @@ def best_state(
     loss: Loss,
     shape: FloatArray,
     states: tuple[FloatArray, FloatArray, FloatArray],
+    *,
+    choose: bool,
 ) -> Point:
-    """The first of some states, or with a robust loss that which fits the records best.
+    """The first of some states, or that which fits the records best.
 
     Parameters
     ----------
@@ -134,9 +141,11 @@ def best_state(
     shape : (k,) array
     states : arrays (K,), (K, 4), (K, 3)
         Seconds since the first record, attitudes and angular velocities (body axes).
+    choose : bool
+        Whether the best one is chosen: some may be wrong.
     """
     t, wxyz, omega = (each[:_CANDIDATES] for each in states)
-    if not loss.robust:
+    if not choose:
         t, wxyz, omega = t[:1], wxyz[:1], omega[:1]
     best, least = None, np.inf
     moments, axes = model.principal(shape)
@@ -162,6 +171,15 @@ def best_state(
             best, least = point, cost
     assert best is not None
     return best
+
+
+def _without_spikes(omega: FloatArray) -> FloatArray:
+    """The rates (K, 3), with the medians of their neighbours in place of outliers."""
+    padded = np.pad(omega, ((_NEIGHBOURS, _NEIGHBOURS), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=0)
+    medians = np.median(windows, axis=-1)
+    away = np.linalg.norm(omega - medians, axis=1)
+    return np.where((away > _SPIKE * np.median(away))[:, None], medians, omega)
 
 
 def _least_varying(

@@ -196,11 +196,11 @@ def covariance(normal: Decomposed, variance: float) -> FloatArray:
     return inverse
 
 
-def bounded_covariance(normal: Decomposed, variance: float, speed: float) -> FloatArray:
-    """Covariance of the parameters, in undetermined directions `UNKNOWN`.
+def bounded_factor(normal: Decomposed, variance: float, speed: float) -> FloatArray:
+    """W of a covariance W W^T of the parameters; in undetermined directions it is `UNKNOWN`.
 
-    That is in units of rad of the attitude, of the speed (rad/s) of the angular velocity and of
-    the logarithms of the shape.
+    That variance is in units of rad of the attitude, of the speed (rad/s) of the angular velocity
+    and of the logarithms of the shape.
     """
     unit = np.ones(len(normal.scale))
     unit[3:6] = speed
@@ -209,8 +209,8 @@ def bounded_covariance(normal: Decomposed, variance: float, speed: float) -> Flo
     known = np.where(normal.values > _LOST, normal.values, np.nan)
     spread = np.fmin(variance * length**2 / known, UNKNOWN)
     directions *= unit[:, None] / length
-    product: FloatArray = (directions * spread) @ directions.T
-    return product
+    factor: FloatArray = directions * np.sqrt(spread)
+    return factor
 
 
 def _step(now: Linearised, damping: float) -> tuple[FloatArray, float, float]:
@@ -244,10 +244,10 @@ def _reach(model: Model, observed: Observations, stage: Linearised, count: int) 
     except AttitudeError:
         return count
     speed = float(np.linalg.norm(stage.point.omega)) or 1.0
-    errors = bounded_covariance(stage.normal, stage.variance, speed)
+    factor = bounded_factor(stage.normal, stage.variance, speed)
     square = np.zeros(len(ahead))
     for kind in part.kinds:
-        slopes = kind.compare(predicted)[1] / kind.scale()
-        square = np.maximum(square, np.einsum("cpn,pq,cqn->n", slopes, errors, slopes))
+        errors = factor.T @ (kind.compare(predicted)[1] / kind.scale())
+        square = np.maximum(square, np.sum(errors**2, axis=(0, 1)))
     beyond = np.flatnonzero(square > _REACH**2)
     return int(ahead[beyond[0]]) if len(beyond) else len(observed)

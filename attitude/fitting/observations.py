@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from attitude import quaternion, validation
+from attitude import epochs, quaternion, validation
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from typing import Any, Self
 
-    from attitude.annotations import FloatArray, Reals
+    from attitude.annotations import Epoch, Epochs, FloatArray, Reals
     from attitude.epochs.instants import Instant
     from attitude.fitting.model import Prediction
 
@@ -130,13 +130,15 @@ class Directions:
 
     def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
         """Residuals over ICRF axes, and derivatives without the turn about the direction."""
-        placed, turn = self._turns(predicted)
-        along = np.einsum("cn,cpn->pn", placed, predicted.attitude)
-        return turn, predicted.attitude - placed[:, None] * along
+        # Across the known direction and not the measured one, so that noise does not count as
+        # information on the turn about a direction that all records share.
+        known = np.ascontiguousarray(self.known.T)[:, None]
+        along = (known * predicted.attitude).sum(axis=0)
+        return self._turns(predicted), predicted.attitude - known * along
 
     def residuals(self, predicted: Prediction) -> FloatArray:
         """The least turns, body axes."""
-        turn = self._turns(predicted)[1].T
+        turn = self._turns(predicted).T
         turned = quaternion.rotate(quaternion.conjugate(predicted.wxyz), turn)
         return turned @ predicted.axes.T
 
@@ -144,14 +146,14 @@ class Directions:
         """1 rad."""
         return 1.0
 
-    def _turns(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
-        """The measured directions (3, N) in inertial space, and the turns (3, N) to the known."""
+    def _turns(self, predicted: Prediction) -> FloatArray:
+        """The turns (3, N) from the measured directions in inertial space to the known ones."""
         placed = quaternion.rotate(predicted.wxyz, self.measured @ predicted.axes)
         normal = np.cross(placed, self.known)
         sine = np.linalg.norm(normal, axis=1)
         angle = np.arctan2(sine, np.sum(placed * self.known, axis=1))
         ratio = np.divide(angle, sine, out=np.ones_like(angle), where=sine > 0.0)
-        return placed.T, (normal * ratio[:, None]).T
+        return (normal * ratio[:, None]).T
 
 
 @dataclass(frozen=True)
@@ -184,6 +186,51 @@ class Observations:
     def with_rates(self) -> bool:
         """Whether angular velocities are among the records."""
         return any(isinstance(kind, Rates) for kind in self.kinds)
+
+
+def epochs_of(
+    t: Epochs, epoch: Epoch | None, *, repeated: bool = False
+) -> tuple[Instant, FloatArray]:
+    """The first epoch of records, and the TDB seconds (N,) of all of them since then.
+
+    Parameters
+    ----------
+    t : (N,) array_like
+        Epochs, or plain seconds since `epoch`.
+    epoch : Epoch or None
+    repeated : bool
+        Whether an epoch may occur several times in succession.
+
+    Raises
+    ------
+    AttitudeError
+        For plain seconds without an epoch, another shape, and epochs that do not increase.
+    """
+    origin = epochs.instant(epoch, "epoch") if epoch is not None else _first(t)
+    hi, lo = epochs.seconds_since(origin, t)
+    if hi.ndim != 1 or not len(hi):
+        raise AttitudeError(f"t has shape {hi.shape}; give one row of epochs, (N,).")
+    low = np.zeros(len(hi)) if lo is None else lo
+    since = (hi - hi[0]) + (low - low[0])
+    step = np.diff(since)
+    if not np.all(np.isfinite(since)) or np.any(step < 0.0 if repeated else step <= 0.0):
+        raise AttitudeError(
+            "t holds epochs that are not finite or do not increase; give the records in the order "
+            "of time."
+        )
+    return origin.after(hi[0], low[0]), since
+
+
+def _first(t: Epochs) -> Instant:
+    """The first of epochs; AttitudeError for plain seconds."""
+    given: Any = t
+    try:
+        return epochs.instant(given[0], "t")
+    except (AttitudeError, TypeError, IndexError, KeyError) as err:
+        raise AttitudeError(
+            f"t is {validation.shown(t)}; give one row of epochs, (N,), or plain seconds since an "
+            "epoch, with epoch=."
+        ) from err
 
 
 def weights(sigma: Reals | None, count: int, name: str, unit: str) -> FloatArray:

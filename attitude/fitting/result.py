@@ -77,8 +77,12 @@ def result(model: Model, observed: Observations, best: Linearised) -> Fit:
     """The Fit of the point of least loss."""
     point = best.point
     body = model.body_of(point.shape)
-    errors = _spin_covariance(model, body, best)
-    spin = Spin(observed.epoch, point.wxyz, point.omega, covariance=errors)
+    spin = Spin(
+        observed.epoch,
+        point.wxyz,
+        point.omega,
+        covariance=_spin_covariance(model, body, best),
+    )
     turns, rates = np.zeros((0, 3)), None
     for kind in observed.kinds:
         residuals = np.ascontiguousarray(kind.residuals(best.predicted))
@@ -94,22 +98,22 @@ def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
     """The covariance (9, 9) of the spin."""
     point = best.point
     speed = float(np.linalg.norm(point.omega)) or 1.0
-    errors = minimum.bounded_covariance(best.normal, best.variance, speed)
+    factor = minimum.bounded_factor(best.normal, best.variance, speed)
     axes = body.principal_axes
     chain = model.chain(point, _logarithms(model, point.shape, axes), axes)
     state, turns = chain.state.copy(), chain.turns.copy()
     # Directions that are uncertain by more than 1 rad are those of a symmetric body: its motion
     # does not depend on them.
     with np.errstate(over="ignore", invalid="ignore"):
-        spread = np.einsum("kp,pq,kq->k", turns, errors, turns)
+        spread = np.sum((turns @ factor) ** 2, axis=1)
     turns[~(spread < 1.0)] = 0.0
     omega = axes.T @ point.omega
     state[:3, 6:] = (quaternion.matrix(point.wxyz) @ axes @ turns)[:, 6:]
     state[3:6, 6:] = np.cross(omega, turns.T).T[:, 6:]
     state[3:6] = axes @ state[3:6]
-    found = state @ errors @ state.T
-    product: FloatArray = 0.5 * (found + found.T)
-    return product
+    errors = state @ factor
+    product: FloatArray = errors @ errors.T
+    return 0.5 * (product + product.T)
 
 
 def _logarithms(model: Model, shape: FloatArray, axes: FloatArray) -> FloatArray:
