@@ -18,7 +18,7 @@ from attitude.history import AttitudeHistory
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Real, Reals
     from attitude.body import Body
-    from attitude.fitting.losses import Loss
+    from attitude.fitting.minimum import Problem
     from attitude.fitting.model import Point
     from attitude.free_rotation.free_rotation import FreeRotation
 
@@ -96,31 +96,26 @@ def fit(
     if start is not None:
         point = first_guess.point_of(model, observed, start)
     else:
-        point = guess(model, observed.at(slice(first)), how, given)
+        point = guess(minimum.Problem(model, observed.at(slice(first)), how), given)
     return result(model, observed, minimum.found(model, observed, how, point, first))
 
 
-def guess(
-    model: Model,
-    early: Observations,
-    loss: Loss,
-    given: tuple[FloatArray, FloatArray, FloatArray],
-) -> Point:
+def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
     """The first guess from attitudes.
 
     Parameters
     ----------
-    model, loss : Model, Loss
-    early : Observations
-        Of the first stage.
+    problem : Problem
+        Of the records of the first stage.
     given : arrays (K,), (K, 4), (K, 3)
         Seconds, attitudes and the angular velocities there.
     """
-    shape = np.zeros(0)
+    model, shape = problem.model, np.zeros(0)
     if model.body is None:
-        tensor = first_guess.inertia_of_attitudes(*given[1:], model.axes, robust=loss.robust)
+        robust = problem.loss.robust
+        tensor = first_guess.inertia_of_attitudes(*given[1:], model.axes, robust=robust)
         shape = model.shape_of(tensor)
-    return first_guess.best_state(model, early, loss, shape, given, choose=loss.robust)
+    return first_guess.best_state(problem, shape, given)
 
 
 def first_stage(t: FloatArray, speed: float, fewest: int) -> int:

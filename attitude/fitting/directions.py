@@ -80,7 +80,9 @@ def fit_directions(
     -----
     The first guess is made from attitudes where at least half of the epochs have two directions or
     more that are not parallel.  Else it follows from short spans in which the angular velocity
-    counts as constant; directions that are more than 1 rad of rotation apart need `start`.
+    counts as constant: successive directions may be 1 rad of rotation apart; others need `start`.
+    A guess from one direction for all records can fail, most easily where it is near the axis of
+    rotation at first: `rms` is then far above the errors of the records; give `start`.
 
     The turn about one fixed direction, such as the Sun alone in a short span, stays undetermined:
     the three variances of the attitude in `covariance` are then infinite, the angular velocity and
@@ -133,17 +135,22 @@ def _guess(
         given = 0.5 * (times[1:] + times[:-1]), middle, omega
         speed = float(np.median(np.linalg.norm(omega, axis=1)))
         first = first_stage(observed.t, speed, fewest)
-        return guess(model, observed.at(slice(first)), loss, given)
+        return guess(minimum.Problem(model, observed.at(slice(first)), loss), given)
     times, wxyz, omega = sightings.spans(observed, loss)
-    shape = np.zeros(0)
+    shapes = [np.zeros(model.count - 6)]
     if model.body is None:
         # A span in which the direction is near the axis of rotation may give a wrong one.
         tensor = first_guess.inertia_of_rates(times, omega, model.axes, robust=True)
-        shape = model.shape_of(tensor)
-    first = first_stage(observed.t, float(np.linalg.norm(omega[0])), fewest)
-    states = times, wxyz, omega
-    early = observed.at(slice(first))
-    return first_guess.best_state(model, early, loss, shape, states, choose=True)
+        shapes.append(model.shape_of(tensor))
+    first = first_stage(observed.t, float(np.median(np.linalg.norm(omega, axis=1))), fewest)
+    problem = minimum.Problem(model, observed.at(minimum.thinned(first)), loss)
+    chosen = slice(None, first_guess.CANDIDATES)
+    states = times[chosen], wxyz[chosen], omega[chosen]
+    points = [
+        point for shape in shapes for point in first_guess.states_at_first(model, shape, states)
+    ]
+    found = (problem.minimum(point, last=False) for point in points)
+    return min(found, key=lambda each: each.cost).point
 
 
 def _unit(value: Reals, name: str, count: int) -> FloatArray:

@@ -18,7 +18,7 @@ from attitude.fitting.model import Point
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
-    from attitude.fitting.losses import Loss
+    from attitude.fitting.minimum import Problem
     from attitude.fitting.model import Model
     from attitude.fitting.observations import Observations
 
@@ -29,7 +29,7 @@ _SPHERE = 1e-12
 # Repetitions of the weighting that removes outliers.
 _REWEIGHTED = 15
 # Records from whose states one is chosen, at most.
-_CANDIDATES = 16
+CANDIDATES = 16
 # Records to either side of which medians are taken, and median deviations from which an outlier is.
 _NEIGHBOURS, _SPIKE = 2, 6.0
 # Angle between records, rad, up to which angular velocities are integrated.
@@ -123,54 +123,52 @@ def point_of(model: Model, observed: Observations, start: object) -> Point:
     return Point(np.array(state.wxyz), np.array(state.angular_velocity), model.shape_of(tensor))
 
 
-def best_state(
-    model: Model,
-    observed: Observations,
-    loss: Loss,
-    shape: FloatArray,
-    states: tuple[FloatArray, FloatArray, FloatArray],
-    *,
-    choose: bool,
-) -> Point:
-    """The first of some states, or that which fits the records best.
+def states_at_first(
+    model: Model, shape: FloatArray, states: tuple[FloatArray, FloatArray, FloatArray]
+) -> list[Point]:
+    """Points (K) at the first record of states at other epochs.
 
     Parameters
     ----------
-    model, observed, loss : Model, Observations, Loss
-        The records of the first stage.
+    model : Model
     shape : (k,) array
     states : arrays (K,), (K, 4), (K, 3)
         Seconds since the first record, attitudes and angular velocities (body axes).
-    choose : bool
-        Whether the best one is chosen: some may be wrong.
     """
-    t, wxyz, omega = (each[:_CANDIDATES] for each in states)
-    if not choose:
-        t, wxyz, omega = t[:1], wxyz[:1], omega[:1]
-    best, least = None, np.inf
+    t, wxyz, omega = states
     moments, axes = model.principal(shape)
     to_body = forms.from_matrix(axes)
-    back = propagation.propagate(
+    wxyz, omega = propagation.propagate(
         moments,
         quaternion.multiply(wxyz, to_body),
         omega @ axes,
         -t[:, None],
         angular_velocity=True,
     )
-    for attitude, rate in zip(back[0][:, 0], back[1][:, 0], strict=True):
-        first = quaternion.multiply(attitude, quaternion.conjugate(to_body))
-        point = Point(first, axes @ rate, shape)
-        if len(t) == 1:
-            return point
-        predicted = model.predict(point, observed.t, rates=observed.with_rates)
-        cost = 0.0
-        for kind in observed.kinds:
-            squares = np.sum((kind.compare(predicted)[0] * kind.weight) ** 2, axis=0)
-            cost += float(np.sum(loss.values(squares)[0]))
-        if best is None or cost < least:
-            best, least = point, cost
-    assert best is not None
-    return best
+    first = quaternion.multiply(wxyz[:, 0], quaternion.conjugate(to_body))
+    return [Point(q, axes @ w, shape) for q, w in zip(first, omega[:, 0], strict=True)]
+
+
+def best_state(
+    problem: Problem,
+    shape: FloatArray,
+    states: tuple[FloatArray, FloatArray, FloatArray],
+) -> Point:
+    """The first of some states, or with a robust loss, as some are outliers, the best one.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records of the first stage.
+    shape, states
+        As for `states_at_first`.
+    """
+    many = CANDIDATES if problem.loss.robust else 1
+    t, wxyz, omega = states
+    points = states_at_first(problem.model, shape, (t[:many], wxyz[:many], omega[:many]))
+    if many == 1:
+        return points[0]
+    return min(points, key=lambda point: problem.linearised(point).cost)
 
 
 def _without_spikes(omega: FloatArray) -> FloatArray:

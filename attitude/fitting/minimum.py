@@ -173,7 +173,7 @@ def found(model: Model, observed: Observations, loss: Loss, point: Point, first:
     """
     total, count = len(observed), min(first, len(observed))
     while True:
-        part = observed.at(_thinned(0, count, _MOST_RECORDS))
+        part = observed.at(thinned(count))
         if len(part) == total:
             return Problem(model, observed, loss).minimum(point)
         stage = Problem(model, part, loss).minimum(point, last=False)
@@ -227,6 +227,11 @@ def _step(now: Linearised, damping: float) -> tuple[FloatArray, float, float]:
         if damping > _STUCK or np.all(np.abs(step) <= longest):
             return step, float(slope @ along - 0.5 * along**2 @ values), damping
         damping = max(3.0 * damping, 1e-6)
+
+
+def thinned(count: int) -> IntArray:
+    """Numbers of the records of a stage among the first `count`."""
+    return _thinned(0, count, _MOST_RECORDS)
 
 
 def _thinned(first: int, end: int, most: int) -> IntArray:

@@ -105,8 +105,8 @@ def fit_rates(
             tensor = first_guess.inertia_of_rates(seconds, omega, axes, robust=how.robust)
             shape = model.shape_of(tensor)
         attitudes = np.broadcast_to(_IDENTITY, (count, 4))
-        early, states = observed.at(slice(first)), (seconds, attitudes, omega)
-        point = first_guess.best_state(model, early, how, shape, states, choose=how.robust)
+        problem = minimum.Problem(model, observed.at(slice(first)), how)
+        point = first_guess.best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
     return result(model, observed, minimum.found(model, observed, how, point, first))

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from attitude.fitting.minimum import Linearised
     from attitude.fitting.model import Model
 
+# Errors of the directions of principal axes, rad, from which they count as those of a symmetric
+# body, whose motion does not depend on them.
+_UNCERTAIN = 0.05
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Immutable):
@@ -48,7 +52,8 @@ class Fit(Immutable):
     angular velocity in units of its size; the logarithms of the second moments).  A given body
     counts as exact.  With axes="free" the errors of attitude and angular velocity are those of the
     principal axes: the nine parameters of a spin hold no errors of their directions in the body,
-    which do not grow with time; these are in `covariance`.
+    which do not grow with time; these are in `covariance`.  Errors of more than 0.05 rad are those
+    of equal axes of a nearly symmetric body, and are left out of the covariance of the spin.
     """
 
     motion: FreeRotation
@@ -102,11 +107,9 @@ def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
     axes = body.principal_axes
     chain = model.chain(point, _logarithms(model, point.shape, axes), axes)
     state, turns = chain.state.copy(), chain.turns.copy()
-    # Directions that are uncertain by more than 1 rad are those of a symmetric body: its motion
-    # does not depend on them.
     with np.errstate(over="ignore", invalid="ignore"):
         spread = np.sum((turns @ factor) ** 2, axis=1)
-    turns[~(spread < 1.0)] = 0.0
+    turns[~(spread < _UNCERTAIN**2)] = 0.0
     omega = axes.T @ point.omega
     state[:3, 6:] = (quaternion.matrix(point.wxyz) @ axes @ turns)[:, 6:]
     state[3:6, 6:] = np.cross(omega, turns.T).T[:, 6:]
