@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from attitude.attitude_table.table import AttitudeTable as AttitudeTable
     from attitude.body import Body as Body
     from attitude.fitting import fit as fit
+    from attitude.fitting import fit_directions as fit_directions
+    from attitude.fitting import fit_rates as fit_rates
     from attitude.free_rotation.free_rotation import FreeRotation as FreeRotation
     from attitude.history import AttitudeHistory as AttitudeHistory
     from attitude.propagation import propagate as propagate
@@ -47,6 +49,8 @@ _WHERE = {
     "TorquedRotation": "attitude.splitting.torqued_rotation",
     "compare": "attitude.referee.referee",
     "fit": "attitude.fitting",
+    "fit_directions": "attitude.fitting",
+    "fit_rates": "attitude.fitting",
     "propagate": "attitude.propagation",
 }
 
