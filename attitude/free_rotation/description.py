@@ -104,12 +104,14 @@ def _body(motion: FreeRotation) -> str:
 
 def _of_errors(motion: FreeRotation, predictable: bool) -> Rows:
     """What the errors of the spin mean for the motion."""
-    size = np.degrees(np.sqrt(np.diag(motion.spin.covariance)[:3]))
+    covariance = motion.spin.covariance
+    assert covariance is not None  # as the caller has found
+    x, y, z = np.degrees(np.sqrt(np.diag(covariance)[:3]))
     frame = motion.spin.frame
     frame = "the ecliptic of J2000" if frame == "ecliptic" else frame.upper()
     rows = [
         ("errors", "+- is one standard deviation"),
-        ("  attitude", "{:.3g}, {:.3g}, {:.3g} deg about the axes of {}".format(*size, frame)),
+        ("  attitude", f"{x:.3g}, {y:.3g}, {z:.3g} deg about the axes of {frame}"),
     ]
     if math.isfinite(predictability.flip_within_errors(motion)):
         rows.append(("  separatrix", "within the errors: the mode is uncertain"))
