@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import Arcs, AttitudeError, Body, FreeRotation, Scene, Spin, shape
+from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, shape
 from attitude.attitude_table.table import AttitudeTable
 from attitude.scene import View
 
@@ -155,7 +155,6 @@ class Foreign:
     [
         (FreeRotation(BODY, SPIN.with_covariance(None)), "the spin has no covariance; make it"),
         (AttitudeTable.from_history(MOTION.at(np.arange(20.0))), "AttitudeTable has no derivat"),
-        (Arcs(BODY, SPIN, []), "Arcs has no derivatives; standard deviations and covariances"),
         (Foreign(), "Foreign has no derivatives"),
     ],
 )

@@ -108,7 +108,7 @@ def _correlations(covariance):
     """Correlations, 0 where a variance is 0, and standard deviations."""
     size = np.sqrt(np.diag(covariance))
     over = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
-    return covariance * np.outer(over, over), size
+    return covariance * over[:, None] * over, size
 
 
 def _of_components(given: Mapping[str, Any], name: str) -> FloatArray:
