@@ -113,6 +113,71 @@ def test_the_radar_attitudes_of_toutatis():
     assert np.degrees(found.rms) < 15.0
 
 
+@pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
+@pytest.mark.parametrize("axes", ["principal", "free"])
+def test_a_tenth_of_outliers(loss, axes):
+    """Attitudes anywhere, from the first record on, where the squares of least squares fail."""
+    given = motion((10, 20, 26), (0.1, 0.15, 1.0))
+    random = np.random.default_rng(6)
+    history = given.at(np.arange(0.0, 200.0, 0.4))
+    noise = random.normal(scale=1e-3, size=(len(history), 3))
+    wrong = np.concatenate([[0, 3], random.choice(np.arange(5, len(history)), 48, replace=False)])
+    noise[wrong] = random.normal(size=(50, 3))
+    wxyz = quaternion.multiply(history.wxyz, forms.from_rotation_vector(noise))
+    table = AttitudeTable(history.epoch, history.seconds, wxyz)
+    found = fit(table, sigma=1e-3, loss=loss, axes=axes)
+    angles = np.linalg.norm(found.residuals, axis=1)
+    # Three components of 1e-3 rad: the median angle is 1.54e-3.
+    assert abs(np.median(np.delete(angles, wrong)) / 1.54e-3 - 1.0) < 0.15
+    off = found.motion.spin.angular_velocity - given.spin.angular_velocity
+    errors = np.sqrt(np.diag(found.covariance)[3:6])
+    assert np.all(np.abs(off) < 5.0 * errors) and np.all(errors < 3e-4)
+    assert apart(found.motion.at(100.0).wxyz, given.at(100.0).wxyz) < 2e-3
+
+
+def test_least_squares_are_a_robust_loss_of_large_scale():
+    given = motion((10, 20, 26), (0.1, 0.15, 1.0))
+    random = np.random.default_rng(7)
+    history = given.at(np.arange(0.0, 100.0, 0.5))
+    noise = forms.from_rotation_vector(random.normal(scale=1e-3, size=(len(history), 3)))
+    wxyz = quaternion.multiply(history.wxyz, noise)
+    table = AttitudeTable(history.epoch, history.seconds, wxyz)
+    plain = fit(table, sigma=1e-3)
+    for loss in ("soft_l1", "huber", "cauchy"):
+        found = fit(table, sigma=1e-3, loss=loss, f_scale=1e4)
+        # Iterations end within 1e-3 standard errors.
+        errors = np.sqrt(np.diag(plain.covariance)[3:6])
+        off = found.motion.spin.angular_velocity - plain.motion.spin.angular_velocity
+        assert np.all(np.abs(off) < 3e-3 * errors)
+        assert np.allclose(found.covariance, plain.covariance, rtol=1e-3, atol=1e-12)
+
+
+@pytest.mark.parametrize("moments", [(10, 10, 10), (10, 10, 16), (16, 10, 10)])
+@pytest.mark.parametrize("axes", ["principal", "free"])
+def test_symmetric_and_spherical_bodies(moments, axes):
+    given = motion(moments, (0.3, 0.2, 1.0))
+    found = fit(AttitudeTable.from_history(given.at(np.arange(0.0, 100.0, 0.4))), axes=axes)
+    assert found.rms < 1e-11
+    assert np.all(np.isfinite(found.motion.spin.covariance))
+    assert apart(found.motion.at(200.0).wxyz, given.at(200.0).wxyz) < 1e-9
+    if len({*moments}) == 1 and axes == "free":
+        # A sphere turns steadily, as does any body about a principal axis, here of any direction.
+        assert np.any(np.isinf(found.covariance.diagonal()[6:]))
+        return
+    tensor = found.motion.body.tensor / np.trace(found.motion.body.tensor)
+    assert np.max(np.abs(tensor - given.body.tensor / np.trace(given.body.tensor))) < 1e-9
+
+
+def test_a_start_in_place_of_the_first_guess():
+    """Records 1.6 turns apart, without rates."""
+    given = motion((10, 20, 26), (0.1, 0.15, 1.0))
+    table = AttitudeTable.from_history(given.at(np.arange(0.0, 400.0, 9.7)), rates=False)
+    near = motion((10, 20.001, 26), (0.1, 0.15, 1.0001))
+    found = fit(table, start=near)
+    assert found.rms < 1e-10
+    assert apart(found.motion.at(1000.0).wxyz, given.at(1000.0).wxyz) < 1e-7
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -121,6 +186,10 @@ def test_the_radar_attitudes_of_toutatis():
         (lambda table: fit(table, body=3), "Body"),
         (lambda table: fit(table, sigma=0.0), "give one number greater than zero"),
         (lambda table: fit(table.history[:2]), "2 records"),
+        (lambda table: fit(table, loss="huber"), "give sigma=, or f_scale="),
+        (lambda table: fit(table, loss="l1", sigma=1.0), "must be one of"),
+        (lambda table: fit(table, sigma=1.0, loss="huber", f_scale=-1.0), "greater than zero"),
+        (lambda table: fit(table, start=table), "give a FreeRotation"),
     ],
 )
 def test_what_is_refused(call, sentence):

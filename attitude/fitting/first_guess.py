@@ -59,7 +59,7 @@ def inertia_of_attitudes(
     """
     wxyz, omega = wxyz[:_ENOUGH], omega[:_ENOUGH]
     basis = _basis(axes)
-    vectors = np.stack([quaternion.rotate(wxyz, omega @ each) for each in basis], axis=-1)
+    vectors = quaternion.matrix(wxyz) @ np.tensordot(omega, basis, axes=(1, 2)).transpose(0, 2, 1)
     return _least_varying(vectors, np.zeros(len(omega), np.int64), omega, basis, robust)
 
 

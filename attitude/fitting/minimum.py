@@ -30,13 +30,13 @@ _LEAST_BEND = 1e-3
 _LONGEST = (0.5, 0.3, 1.0)
 # Iterations of the last stage and of those before, at most.
 _MOST, _MOST_EARLY = 100, 12
-# Gain of a step, in variances of a record, below which it is the last one: 1e-4 standard errors of
-# the parameters in the last stage, 0.1 before.
-_LAST, _LAST_EARLY = 1e-8, 1e-2
+# Gain of a step, in variances of a record, below which the iteration ends: 1e-3 standard errors of
+# the parameters in the last stage, 0.3 before.
+_LAST, _LAST_EARLY = 1e-6, 0.1
 # Records of a stage before the last one: as many as determine a span well enough for the next.
-_MOST_RECORDS = 120
+_MOST_RECORDS = 100
 # Predicted error of attitudes, rad, up to which the next stage extends, and epochs of prediction.
-_REACH, _PREDICTED = 0.1, 64
+_REACH, _PREDICTED = 0.05, 64
 # Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
 # a third of pi^2/3 + 2, the mean square of the angle of uniformly random rotations.
 UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0

@@ -164,7 +164,8 @@ class Model:
         rate_columns = chain.state.T @ found[3].transpose(1, 2, 0) if rates else None
         if np.any(chain.turns):
             # The attitude of the body is that of the principal axes, turned back by their turn.
-            columns -= (quaternion.matrix(wxyz) @ chain.turns).transpose(1, 2, 0)
+            matrix = np.ascontiguousarray(quaternion.matrix(wxyz).transpose(1, 2, 0))
+            columns -= chain.turns.T @ matrix
             if rate_columns is not None and omega is not None:
                 rate_columns += np.cross(chain.turns.T[:, None], omega).transpose(2, 0, 1)
         if apart is not values:

@@ -32,6 +32,8 @@ from attitude import (
     epochs,
     events,
     fit,
+    fit_directions,
+    fit_rates,
     light_curve,
     paths,
     propagate,
@@ -194,7 +196,11 @@ def files(history: AttitudeHistory, folder: Path) -> AttitudeTable:
     aem.write(folder / "a.aem", history, object_name="X", object_id="2026-001A")
     tables.write(os.path.join(folder, "a.ecsv"), history)
     table = aem.read(folder / "a.aem")
-    result = fit(table)
+    result = fit(table, sigma="0.1 deg", loss="huber", start=None)
+    gyros = fit_rates(history.time, history.angular_velocity, sigma="0.01 deg/s")
+    stars = np.resize([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], (len(history), 3))
+    seen = fit_directions(history.time, history.inertial_to_body(stars), stars, frame="icrf")
+    print(gyros.rate_rms, seen.rms, seen.covariance.shape, seen.motion.at(0.0).sigma)
     print(result.rms, result.motion.body.moments.round(3), table.span[0].utc_iso)
     spin_file.write(folder / "x.toml", result.motion, name="X")
     return table
