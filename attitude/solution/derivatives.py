@@ -294,7 +294,8 @@ def _hyperbolic(state, one, action, c):
     turned *= y3 / i3 - y1 / i1 + g12 / d12 - g23 / d23
     turned -= by_parameter(math.sqrt(minus_n * top), math.sqrt(top), rest * top) * change
     by_k = -math.inf if mc == 0.0 else 0.0
-    nome = 0.0625 if mc == 0.0 else c.nome / mc
+    # on the exact separatrix Q'^2 = mc/16 is the element: Q' has no derivative there
+    nome = 0.125 if mc == 0.0 else c.nome / mc
     if mc > 0.0:
         quarter, other = integrals(m, mc)
         by_k = (quarter - other) / (2.0 * mc)

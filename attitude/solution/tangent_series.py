@@ -65,6 +65,8 @@ def fill_hyperbolic(c, series):
         over = 0.0
         if n > 0:  # Q'^(n^2 - 1) for Q'^(n^2)
             over = n * (n + 1.0) * c.nome ** (n * n - 1)
+            if c.winds == 0.0:  # by Q'^2 at Q' = 0
+                over = 1.0 if n == 1 else 0.0
         angle = (2 * n + 1) * 0.25 * math.pi * c.fraction
         for row in range(2):
             series[0, row, n] = (2.0 * n + 1.0) * c.alpha[row, n]

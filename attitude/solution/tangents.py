@@ -188,6 +188,7 @@ def hyperbolic_block(c, d, t, t_low, block):
     by_nome = four(d.series[1, 0]), four(d.series[1, 1])
     frame, invariant = frame_of(c), _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
+    unit = nome if winds != 0.0 else 1.0
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
@@ -195,7 +196,9 @@ def hyperbolic_block(c, d, t, t_low, block):
         arguments = hyperbolic_arguments(dx, decay, nome)
         pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
         change = _by_y(by_y, ratio, dx, half_turns, arguments)
-        other = hyperbolic_pair(by_nome, ratio, dx, half_turns, arguments)
+        other = hyperbolic_pair(
+            by_nome, ratio, dx, half_turns, hyperbolic_arguments(dx, decay, unit)
+        )
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)

@@ -66,7 +66,7 @@ class BoundedSteps:
 
     def _reach(self, distance: float) -> None:
         """Integrate to a distance from the epoch, s, with steps short enough for it."""
-        # A motion that was planned for less is planned for more than is asked, so that epochs one
+        # A motion that was planned for less is planned for more than is needed, so that epochs one
         # by one do not have it planned anew for each.
         ahead = _AHEAD if self._steps.steps else 1.0
         aim = _AIM
