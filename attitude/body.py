@@ -253,7 +253,9 @@ class Body(Immutable):
         (3, 2), each the sum of its two doubles, rad/s.
         """
         if self._found is None:
-            return np.stack([omega, np.zeros(3)], axis=-1)
+            rates = np.zeros((3, 2))
+            rates[:, 0] = omega
+            return rates
         return self._found.rates(omega)
 
     def differences(self, omega: FloatArray) -> FloatArray | None:

@@ -122,7 +122,7 @@ def evaluate(
     constants : (B,) array
         Of `constants_of`.
     t, t_low : (1 or B, T) arrays
-        The epochs t + t_low, s; t_low may be None.
+        The epochs t + t_low, s; t_low may be None.  Read-only arrays save a view of each.
     wxyz : (B, 4, T) array
         Filled: body to inertial.
     rates : (B, 3, T) array or None
@@ -134,12 +134,15 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases.
     """
     _, evaluate_all = _compiled()
-    given = read_only(t), None if t_low is None else read_only(t_low)
+    if t.flags.writeable:
+        t = read_only(t)
+    if t_low is not None and t_low.flags.writeable:
+        t_low = read_only(t_low)
     count = t.shape[1]
-    block = max(EPOCHS // max(len(constants), 1), 1)
+    block = max(EPOCHS // len(constants), 1) if len(constants) > 1 else EPOCHS
     for first in range(0, count, block):
-        end = min(first + block, count)
-        body = evaluate_all(constants, *given, wxyz, rates, first, end)
+        end = first + block if first + block < count else count
+        body = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
         if body >= 0:
             row = body if len(t) > 1 else 0
             refuse_epoch(

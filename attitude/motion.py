@@ -166,7 +166,8 @@ class Motion(Immutable):
         found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
         kept = None if lo is None else copied(lo)
-        history = AttitudeHistory(self, self.epoch, copied(hi), kept, found[0])
+        hi = hi if type(t) is float else copied(hi)
+        history = AttitudeHistory(self, self.epoch, hi, kept, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history

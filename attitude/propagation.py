@@ -150,8 +150,10 @@ def propagate(
     >>> wxyz[1].round(6)
     array([ 0.006059,  0.14546 , -0.019617,  0.989151])
     """
-    angular_velocity = validation.flag(angular_velocity, "angular_velocity")
-    sensitivity = validation.flag(sensitivity, "sensitivity")
+    if angular_velocity is not False:
+        angular_velocity = validation.flag(angular_velocity, "angular_velocity")
+    if sensitivity is not False:
+        sensitivity = validation.flag(sensitivity, "sensitivity")
     moments = validation.rows(moments, "moments", 3)
     wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
     omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")
@@ -198,26 +200,39 @@ def _bodies(memory, leading, count):
 def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity):
     """Fill the results of B bodies, _BLOCK bodies at a time."""
     count = len(moments)
-    pairs = np.zeros((2, min(count, _BLOCK), 3, 2))
+    if count <= _BLOCK:
+        _propagate_block(moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity, 0, count)
+        return
     for start in range(0, count, _BLOCK):
-        part = slice(start, min(start + _BLOCK, count))
-        size = part.stop - part.start
-        pairs[0, :size, :, 0], pairs[1, :size, :, 0] = moments[part], omega0[part]
-        constants = constants_of(
-            pairs[0, :size],
-            wxyz0[part],
-            pairs[1, :size],
-            _IDENTITY,
-            rates=rates is not None,
-            first=start,
-            count=count,
-        )
+        part = slice(start, start + _BLOCK)
         here = part if len(t) > 1 else slice(None)
-        times = t[here], None if t_low is None else t_low[here]
-        evaluate(constants, *times, wxyz[part], None if rates is None else rates[part])
-        if sensitivity:
-            tangents = columns.tangents_of(pairs[0, :size], wxyz0[part], _IDENTITY, constants)
-            columns.evaluate(constants, tangents, *times, *(each[part] for each in sensitivity))
+        _propagate_block(
+            moments[part],
+            wxyz0[part],
+            omega0[part],
+            t[here],
+            None if t_low is None else t_low[here],
+            wxyz[part],
+            None if rates is None else rates[part],
+            [each[part] for each in sensitivity],
+            start,
+            count,
+        )
+
+
+def _propagate_block(
+    moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity, first, count
+):  # the number of the first body, and of all bodies, is for error messages
+    """Fill the results of the bodies of one block."""
+    pairs = np.zeros((2, len(moments), 3, 2))
+    pairs[0, :, :, 0], pairs[1, :, :, 0] = moments, omega0
+    constants = constants_of(
+        pairs[0], wxyz0, pairs[1], _IDENTITY, rates=rates is not None, first=first, count=count
+    )
+    evaluate(constants, t, t_low, wxyz, rates)
+    if sensitivity:
+        tangents = columns.tangents_of(pairs[0], wxyz0, _IDENTITY, constants)
+        columns.evaluate(constants, tangents, t, t_low, *sensitivity)
 
 
 def _low_parts(t_low, t):
@@ -261,7 +276,7 @@ def _flat(array, lead, count):
 def _epochs(t, lead, count):
     """(1, T) if all bodies share the epochs, else (B, T)."""
     if t.size == t.shape[-1]:
-        return _flat(t.reshape(t.shape[-1]), (), 1)
+        return np.ascontiguousarray(t).reshape(1, t.size)
     return _flat(t, lead, count)
 
 

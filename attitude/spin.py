@@ -297,7 +297,7 @@ class Spin(Immutable):
             return frozen(self.wxyz_icrf_as_pairs[:, 0].copy())
         return frozen(quaternion.multiply(frames.wxyz_to_icrf(self.frame), self.wxyz))
 
-    @property
+    @cached_property
     def is_rounded(self) -> bool:
         """Whether `wxyz` is rounded: the quaternion given was divided by its length."""
         return bool(self.wxyz_as_pairs[:, 1].any())

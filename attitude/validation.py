@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 Choice = TypeVar("Choice")
 
+# Types of entries that need no conversion of unit and no check.
+_NUMBERS = {int, float}
+
 
 def real(
     value: Reals,
@@ -152,7 +155,7 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
 
 
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
-    if type(value) is tuple and all(type(item) in (int, float) for item in value):
+    if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
         return np.array(value, dtype=np.float64)
     mask = _mask_of(value)
     if mask is not None and np.any(mask):

@@ -126,20 +126,27 @@ class Compilable:
 
 
 class EntryPoint(Compilable):
-    """A `Compilable` that Python calls too: compiled at the first call for each set of types."""
+    """A `Compilable` that Python calls too: compiled at the first call for each set of types.
+
+    Attributes
+    ----------
+    run : callable
+        What a call of the entry point calls: for loops in which 0.1 us counts.  Read it at each
+        call; it is replaced at the first.
+    """
 
     def __init__(
         self, python: Callable[..., Any], options: Mapping[str, Any], kept: bool = True
     ) -> None:
         super().__init__(python, options, kept)
-        self._run: Callable[..., Any] = self._in_python if UNCOMPILED else self._first
+        self.run: Callable[..., Any] = self._in_python if UNCOMPILED else self._first
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._run(*arguments)
+        return self.run(*arguments)
 
     def _first(self, *arguments: Any) -> Any:
-        self._run = self.dispatcher
-        return self._run(*arguments)
+        self.run = self.dispatcher
+        return self.run(*arguments)
 
     def _in_python(self, *arguments: Any) -> Any:
         # Compiled code neither raises nor warns at a division by zero or an overflow.

@@ -364,8 +364,9 @@ class FreeRotation(NormalForm):
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
         shape = seconds.shape
-        t = np.ascontiguousarray(seconds).reshape(1, -1)
-        t_low = None if low is None else np.ascontiguousarray(low).reshape(1, -1)
+        # frozen: a new view each, also of the caller's array
+        t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
+        t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
         wxyz = np.empty((1, 4, t.size))
         omega = np.empty((1, 3, t.size)) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)

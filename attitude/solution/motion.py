@@ -2,7 +2,8 @@
 
 All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
 compiled separately and only when a state needs it: nested in one function, they would be optimised
-again at every level, for seconds.
+again at every level, for seconds.  ``entry_point.run(...)`` saves the 0.1 us of one more call of a
+Python function.
 """
 
 from __future__ import annotations
@@ -24,11 +25,10 @@ from attitude.solution.given_axes import attach_all
 from attitude.solution.uniform import uniform_all
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray
+    from attitude.compilation.decorators import EntryPoint
 
 # Writable, as in all calls: to numba a read-only array is another type.
 _NO_LOW = np.zeros((1, 4))
@@ -62,25 +62,25 @@ def prepare_all(
         how many have a fault
     """
     low = _NO_LOW if wxyz_low is None else wxyz_low
-    faults, uniform, cancelled = classify_all(moments, wxyz, omega, constants)
+    faults, uniform, cancelled = classify_all.run(moments, wxyz, omega, constants)
     if uniform:
-        uniform_all(wxyz, low, principal, constants)
+        uniform_all.run(wxyz, low, principal, constants)
     tumbling = len(constants) - faults - uniform
     if tumbling:
         if differences is not None:
             constants["gaps"], constants["d2"] = differences[:2], differences[2]
         elif cancelled:
             refine_all(constants)
-        hyperbolic = solve_all(constants)
+        hyperbolic = solve_all.run(constants)
         if hyperbolic < tumbling:
-            trigonometric_all(constants)
+            trigonometric_all.run(constants)
             if rates:
-                trigonometric_rates_all(constants)
+                trigonometric_rates_all.run(constants)
         if hyperbolic:
-            hyperbolic_all(constants)
+            hyperbolic_all.run(constants)
             if rates:
-                hyperbolic_rates_all(constants)
-        attach_all(wxyz, low, principal, constants)
+                hyperbolic_rates_all.run(constants)
+        attach_all.run(wxyz, low, principal, constants)
     return faults
 
 
@@ -99,13 +99,13 @@ def evaluate_all(
         -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
     for form in set(constants["form"].tolist()):
-        body = OF_FORM[form](constants, t, t_low, wxyz, rates, first, end, first)
+        body = OF_FORM[form].run(constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:
             return body
     return -1
 
 
-OF_FORM: dict[int, Callable[..., int]] = {
+OF_FORM: dict[int, EntryPoint] = {
     codes.UNIFORM: kernel.uniform,
     codes.TRIGONOMETRIC: kernel.trigonometric,
     codes.HYPERBOLIC: kernel.hyperbolic,
