@@ -43,6 +43,6 @@ __all__ = [
     "parameter",
 ]
 
-# Defining a law registers its name: import every module, so that a new file needs no entry here.
+# Defining a law registers its name: every module is imported, that of a new law too.
 for _each in iter_modules(__path__, f"{__name__}."):
     import_module(_each.name)
