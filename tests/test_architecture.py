@@ -31,8 +31,8 @@ HOUSE = (
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd"),
-        *("simd_lowering", "pointers", "lowering", "decorators", "callbacks"),
+        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions"),
+        *("simd", "error_free", "simd_lowering", "pointers", "lowering", "decorators", "callbacks"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),

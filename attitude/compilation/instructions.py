@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _DOUBLE, _INTEGER = struct.Struct("<d"), struct.Struct("<q")
 _WORD = (1 << 64) - 1
 # Within these bounds the products and sums of `_fma` neither overflow nor lose bits by underflow.
-_SMALL, _LARGE = 1e-130, 1e130
+FMA_RANGE = _SMALL, _LARGE = 1e-130, 1e130
 _SPLITTER = 134217729.0  # 2^27 + 1
 
 
@@ -29,6 +29,21 @@ def fma(a: Any, b: Any, c: Any) -> Any:
         if hasattr(each, "lanes"):
             return each.fused(a, b, c)
     return _fma(float(a), float(b), float(c))
+
+
+def loop_fma(a: float, b: float, c: float) -> float:
+    """As `fma`, for loops over epochs: vectorised also for processors without the instruction.
+
+    There it is computed by error-free transforms, with the same bits but for one case in 1e15 and
+    for products below 1e-290, whose rounding errors underflow; |b| is at most 1e300.  A `b` that
+    several calls share is split once.
+    """
+    return _fma(a, b, c)
+
+
+def descending_fma(a: float, b: float, c: float) -> float:
+    """As `loop_fma`, for |c| >= |a b|: three operations less."""
+    return _fma(a, b, c)
 
 
 if hasattr(math, "fma"):

@@ -14,8 +14,9 @@ from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
 from numba.extending import lower_builtin, overload, type_callable
 
-from attitude.compilation import instructions, pointers, simd_lowering
+from attitude.compilation import error_free, instructions, pointers, simd_lowering
 from attitude.compilation.disk_cache import is_stamped, kept_on_disk
+from attitude.compilation.error_free import is_instruction
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -95,13 +96,31 @@ def _fma_type(context):
 @lower_builtin(instructions.fma, types.VarArg(types.Any))
 def _fma(context, builder, signature, arguments):
     if signature.return_type == _F8:
-        return _llvm(builder, "llvm.fma", arguments)
+        if is_instruction("llvm.fma", 3):
+            return _llvm(builder, "llvm.fma", arguments)
+        return error_free.fma_of_any(builder, *arguments)
     return simd_lowering.fused(builder, signature.return_type, arguments)
+
+
+@_instruction(instructions.loop_fma, _F8(_F8, _F8, _F8))
+def _loop_fma(context, builder, signature, arguments):
+    if is_instruction("llvm.fma", 3):
+        return _llvm(builder, "llvm.fma", arguments)
+    return error_free.fma(builder, *arguments)
+
+
+@_instruction(instructions.descending_fma, _F8(_F8, _F8, _F8))
+def _descending_fma(context, builder, signature, arguments):
+    if is_instruction("llvm.fma", 3):
+        return _llvm(builder, "llvm.fma", arguments)
+    return error_free.descending_fma(builder, *arguments)
 
 
 @_instruction(instructions.rint, _F8(_F8))
 def _rint(context, builder, signature, arguments):
-    return _llvm(builder, "llvm.rint", arguments)
+    if is_instruction("llvm.rint", 1):
+        return _llvm(builder, "llvm.rint", arguments)
+    return error_free.rint(builder, *arguments)
 
 
 @_instruction(instructions.as_bits, _I8(_F8))

@@ -10,7 +10,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import lower_builtin, models, register_model, type_callable
 
-from attitude.compilation import simd
+from attitude.compilation import error_free, simd
+from attitude.compilation.error_free import is_instruction
 
 _DOUBLE = ir.DoubleType()
 _INDEX = ir.IntType(32)
@@ -187,6 +188,8 @@ def _above_zero(builder, x):
 def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
     """The instruction for a b + c with one rounding, of vectors and doubles."""
     arguments = [_spread(builder, kind, each) for each in arguments]
+    if not is_instruction("llvm.fma", 3):
+        return error_free.fma(builder, *arguments)
     function = _function(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
     return builder.call(function, arguments)
 

@@ -18,8 +18,8 @@ four times the arithmetic) and writes component by component into rows, so that 
 
 import math
 
-from attitude.compilation.decorators import inlined_entry_point, subroutine
-from attitude.compilation.instructions import fma, larger
+from attitude.compilation.decorators import force_inlined, inlined_entry_point
+from attitude.compilation.instructions import larger, loop_fma
 from attitude.solution import codes
 from attitude.solution.phases import LONGEST, phase, sincos
 from attitude.solution.series import (
@@ -38,14 +38,14 @@ _FARTHEST = 1.7976931348623157e308
 _SLOWEST = LONGEST / _FARTHEST
 
 
-@subroutine
+@force_inlined
 def reach(c):
     """The largest |t|, s, at which two doubles resolve the phases; always finite."""
     fastest = larger(abs(c.precession[0]), abs(c.nutation[0]))
     return LONGEST / fastest if fastest > _SLOWEST else _FARTHEST
 
 
-@subroutine
+@force_inlined
 def any_beyond(t, low, most):
     """Whether any |t + low| exceeds `most`; low may be None."""
     # No early exit: this reduction is vectorised and costs less than reading t once more.
@@ -55,7 +55,7 @@ def any_beyond(t, low, most):
     return found != 0
 
 
-@subroutine
+@force_inlined
 def epoch_pair(times, lows, i):
     """The epoch i as a pair; lows may be None.  Any two summands make such a pair."""
     if lows is None:
@@ -63,27 +63,27 @@ def epoch_pair(times, lows, i):
     return two_sum(times[i], lows[i])
 
 
-@subroutine
+@force_inlined
 def _five(row):
     """The first five entries of a row as a tuple."""
     return row[0], row[1], row[2], row[3], row[4]
 
 
-@subroutine
+@force_inlined
 def frame_of(c):
     """The matrix from internal pair to attitude, as rows."""
     f = c.frame
     return four(f[0]), four(f[1]), four(f[2]), four(f[3])
 
 
-@subroutine
+@force_inlined
 def rate_series_of(c):
     """The four series of the angular velocity."""
     r = c.rates
     return _five(r[0]), _five(r[1]), _five(r[2]), _five(r[3])
 
 
-@subroutine
+@force_inlined
 def axes_of(c):
     """The matrix from internal to given body axes, as rows."""
     a = c.axes
@@ -94,13 +94,13 @@ def axes_of(c):
     )
 
 
-@subroutine
+@force_inlined
 def _three_rows(array, b, first, end):
     """The part from `first` to `end` of the three rows of a body, each an array."""
     return array[b, 0, first:end], array[b, 1, first:end], array[b, 2, first:end]
 
 
-@subroutine
+@force_inlined
 def _four_rows(array, b, first, end):
     """The part from `first` to `end` of the four rows of a body, each an array."""
     return (
@@ -111,22 +111,24 @@ def _four_rows(array, b, first, end):
     )
 
 
-@subroutine
+@force_inlined
 def _store_attitude(frame, pair, rows, i):
     """The unit quaternion of an internal pair, over the given axes, into entry i of four rows."""
     ar, ai, br, bi = pair
-    norm = fma(ar, ar, ai * ai) + fma(br, br, bi * bi)
+    norm = loop_fma(ar, ar, ai * ai) + loop_fma(br, br, bi * bi)
     scale = 1.0 / math.sqrt(norm)
     w, x, y, z = ar * scale, br * scale, bi * scale, ai * scale
     for k in range(4):
-        rows[k][i] = fma(frame[k][0], w, frame[k][1] * x) + fma(frame[k][2], y, frame[k][3] * z)
+        rows[k][i] = loop_fma(frame[k][0], w, frame[k][1] * x) + loop_fma(
+            frame[k][2], y, frame[k][3] * z
+        )
 
 
-@subroutine
+@force_inlined
 def _store_rates(axes, w, rows, i):
     """Rates over the internal axes, turned to the given axes, into entry i of three rows."""
     for k in range(3):
-        rows[k][i] = fma(axes[k][0], w[0], fma(axes[k][1], w[1], axes[k][2] * w[2]))
+        rows[k][i] = loop_fma(axes[k][0], w[0], loop_fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
 @inlined_entry_point
@@ -151,11 +153,11 @@ def uniform(constants, t, t_low, wxyz, rates, first, end, column):
             s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
             sine, cosine = sincos(s, lo)
             for j in range(4):
-                rows[j][i] = fma(start[j], cosine, turn[j] * sine)
+                rows[j][i] = loop_fma(start[j], cosine, turn[j] * sine)
             if rates is not None:
                 # The sine is NaN if the epoch is: then so is the rate.
                 for j in range(3):
-                    omega[j][i] = fma(0.0, sine, constant[j])
+                    omega[j][i] = loop_fma(0.0, sine, constant[j])
     return -1
 
 

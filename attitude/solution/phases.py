@@ -6,8 +6,8 @@ in two doubles, its fraction has an error of 1e-16 of a turn up to 1e15 turns, a
 
 from typing import Final
 
-from attitude.compilation.decorators import subroutine
-from attitude.compilation.instructions import as_bits, fma, from_bits, rint
+from attitude.compilation.decorators import force_inlined
+from attitude.compilation.instructions import as_bits, descending_fma, from_bits, loop_fma, rint
 from attitude.solution.twofloat import two_sum
 
 # In turns.  Later epochs are refused: two doubles leave too few digits of the fraction.
@@ -47,47 +47,47 @@ _EXP_11 = -4.457385122408378e-10
 _TO_LOW_BITS = 6755399441055744.0
 
 
-@subroutine
+@force_inlined
 def phase(rate_hi, rate_lo, start_hi, start_lo, t, t_low, winds):
     """rate (t + t_low) + start less its whole turns, as (hi, lo), and a number of their parity.
 
     With winds = 0 no turns are removed: the phase of the exact separatrix does not return.
     """
     p = rate_hi * t
-    e = fma(rate_hi, t, -p)
+    e = loop_fma(rate_hi, t, -p)
     turns = winds * rint(p)
     s, se = two_sum(p - turns, start_hi)
     more = winds * rint(s)
     # e reaches half an ulp of p, so it is renormalised before lo is treated as small.
-    s, lo = two_sum(s - more, e + fma(rate_lo, t, rate_hi * t_low))
+    s, lo = two_sum(s - more, e + loop_fma(rate_lo, t, rate_hi * t_low))
     last = winds * rint(s)
     # The count can be too large for a double; its difference from an even number is not.
-    parity = fma(-2.0, rint(0.5 * turns), turns) + (more + last)
+    parity = (turns - 2.0 * rint(0.5 * turns)) + (more + last)
     return s - last, lo + (se + start_lo), parity
 
 
-@subroutine
+@force_inlined
 def sincos(s, lo):
     """Sine and cosine of 2 pi (s + lo), |lo| small, s a few turns at the most."""
     quarters = rint(4.0 * s)
-    r = fma(-0.25, quarters, s)
+    r = s - 0.25 * quarters
     z = r * r
-    a = fma(_SIN_13, z, _SIN_11)
-    a = fma(a, z, _SIN_9)
-    a = fma(a, z, _SIN_7)
-    a = fma(a, z, _SIN_5)
-    a = fma(a, z, _SIN_3)
-    b = fma(_COS_14, z, _COS_12)
-    b = fma(b, z, _COS_10)
-    b = fma(b, z, _COS_8)
-    b = fma(b, z, _COS_6)
-    b = fma(b, z, _COS_4)
-    b = fma(b, z, _COS_2)
-    sine = fma(r, _SIN_1, r * fma(a, z, _SIN_1_LOW))
-    cosine = fma(b, z, 1.0)
+    a = descending_fma(_SIN_13, z, _SIN_11)
+    a = descending_fma(a, z, _SIN_9)
+    a = descending_fma(a, z, _SIN_7)
+    a = descending_fma(a, z, _SIN_5)
+    a = descending_fma(a, z, _SIN_3)
+    b = descending_fma(_COS_14, z, _COS_12)
+    b = descending_fma(b, z, _COS_10)
+    b = descending_fma(b, z, _COS_8)
+    b = descending_fma(b, z, _COS_6)
+    b = descending_fma(b, z, _COS_4)
+    b = descending_fma(b, z, _COS_2)
+    sine = loop_fma(r, _SIN_1, r * loop_fma(a, z, _SIN_1_LOW))
+    cosine = descending_fma(b, z, 1.0)
     # first order in lo
     small = _SIN_1 * lo
-    sine, cosine = fma(cosine, small, sine), fma(-sine, small, cosine)
+    sine, cosine = loop_fma(cosine, small, sine), loop_fma(-sine, small, cosine)
     # Odd quarter turns swap the two, and bit 1 of the count is the sign.  Without branches a loop
     # over epochs is vectorised.
     count = as_bits(quarters + _TO_LOW_BITS)
@@ -99,27 +99,27 @@ def sincos(s, lo):
     return x, y
 
 
-@subroutine
+@force_inlined
 def negated_if_odd(x, n):
     """x for an even whole number n, -x for an odd one (n is a float, less than 2**51)."""
     return from_bits(as_bits(x) ^ (as_bits(n + _TO_LOW_BITS) << 63))
 
 
-@subroutine
+@force_inlined
 def exp2_of_minus(a):
     """2**-a for a >= 0, to 1e-16 relative; NaN for NaN."""
     a = 1000.0 if a > 1000.0 else a
     n = rint(a)
     f = a - n
-    p = fma(_EXP_11, f, _EXP_10)
-    p = fma(p, f, _EXP_9)
-    p = fma(p, f, _EXP_8)
-    p = fma(p, f, _EXP_7)
-    p = fma(p, f, _EXP_6)
-    p = fma(p, f, _EXP_5)
-    p = fma(p, f, _EXP_4)
-    p = fma(p, f, _EXP_3)
-    p = fma(p, f, _EXP_2)
-    p = fma(p, f, _EXP_1)
-    p = fma(p, f, 1.0)
+    p = descending_fma(_EXP_11, f, _EXP_10)
+    p = descending_fma(p, f, _EXP_9)
+    p = descending_fma(p, f, _EXP_8)
+    p = descending_fma(p, f, _EXP_7)
+    p = descending_fma(p, f, _EXP_6)
+    p = descending_fma(p, f, _EXP_5)
+    p = descending_fma(p, f, _EXP_4)
+    p = descending_fma(p, f, _EXP_3)
+    p = descending_fma(p, f, _EXP_2)
+    p = descending_fma(p, f, _EXP_1)
+    p = descending_fma(p, f, 1.0)
     return p * from_bits((1023 - as_bits(n + _TO_LOW_BITS)) << 52)
