@@ -29,11 +29,12 @@ def is_instruction(name: str, count: int) -> bool:
     builder = ir.IRBuilder(function.append_basic_block())
     intrinsic = module.declare_intrinsic(name, [_DOUBLE], function.function_type)
     builder.ret(builder.call(intrinsic, function.args))
-    features = numba.config.CPU_FEATURES
+    config: Any = numba.config  # its names are made at import
+    features = config.CPU_FEATURES
     if features is None:
         features = binding.get_host_cpu_features().flatten()
     machine = binding.Target.from_default_triple().create_target_machine(
-        cpu=numba.config.CPU_NAME or binding.get_host_cpu_name(), features=features, opt=2
+        cpu=config.CPU_NAME or binding.get_host_cpu_name(), features=features, opt=2
     )
     called = name.removeprefix("llvm.")
     assembly = machine.emit_assembly(binding.parse_assembly(str(module)))
