@@ -107,7 +107,8 @@ class Differentiable(Motion):
         Notes
         -----
         Errors are 4e-15 of the largest entry of a column, near the separatrix 1e-15/mc: closed
-        forms (docs/derivation.md), not differences.
+        forms (docs/derivation.md), not differences.  For motions under torques see
+        `attitude.splitting.TorquedRotation`.
         """
         seconds, lo = epochs.seconds_since(self.epoch, t, low)
         if axes not in ("inertial", "body"):

@@ -10,6 +10,7 @@ from attitude.solution.step import gains, loaded, stored
 from attitude.solution.torqued_step import (
     accelerations_of,
     body_of,
+    kick,
     set_input,
     torque_at,
     torqued_step,
@@ -134,4 +135,38 @@ def accelerations(c, models, states, times, given, out):
         out[i, 0] = k1 * w2 * w3 + a
         out[i, 1] = k2 * w3 * w1 + b
         out[i, 2] = k3 * w1 * w2 + d
+    return layout.FINE, 0.0, 0.0
+
+
+@entry_point
+def kicks(c, models, states, times, lengths, cubes, given, out):
+    """Apply the torques to some states, as in a step.
+
+    Given
+        c, models, given   as in `march`, a row of `given` for each state
+        states   (T, 14), times (T,) s
+        lengths  (T,) s for which the torques act, at a fixed attitude
+        cubes    (T,) s3, coefficient of the force gradient times the cube of the step
+    Filled
+        out      (T, 14) the states after
+    Returned
+        as `march`
+    """
+    body, torques = body_of(c), torques_of(models)
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    for i in range(len(times)):
+        state, fine = kick(
+            body,
+            torques,
+            loaded(states[i]),
+            times[i],
+            lengths[i],
+            cubes[i],
+            samples + i * row,
+            work,
+            False,
+        )
+        if not fine:
+            return layout.BAD_TORQUE, times[i], 0.0
+        stored(state, out[i])
     return layout.FINE, 0.0, 0.0

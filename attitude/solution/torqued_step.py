@@ -82,7 +82,7 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
         gradient = _coefficient(plan, layout.GRADIENTS, j)
         when = end if j == last else t + done * h
         if part != 0.0 or gradient != 0.0:
-            state, fine = _kick(
+            state, fine = kick(
                 body,
                 torques,
                 state,
@@ -114,7 +114,7 @@ def _coefficient(plan, row, j):
 
 
 @force_inlined
-def _kick(body, torques, state, t, h, cubed, samples, work, held):
+def kick(body, torques, state, t, h, cubed, samples, work, held):
     """The state after h seconds of torques at a fixed attitude, and whether they are finite."""
     _, _, rates, slips = torques
     fine = True

@@ -11,6 +11,7 @@ from attitude.splitting.varying_steps import VaryingSteps
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+    from attitude.splitting.mesh import Mesh
     from attitude.splitting.system import System
 
 # The error of a step allowed at first, as a share of the tolerance; the least, which is rounding.
@@ -58,6 +59,11 @@ class BoundedSteps:
         if self._horizon > 0.0:
             self._reach(self._horizon)
         return self._steps.error
+
+    def mesh(self, until: float) -> Mesh:
+        """The steps that reach `until`, s."""
+        self._reach(max(abs(until), self._horizon))
+        return self._steps.mesh(until)
 
     def states(self, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """(T, 7) at seconds + low of this direction."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude import pairs
 from attitude.solution.march_layout import STATE_ENTRIES
+from attitude.splitting.mesh import Mesh
 from attitude.splitting.pace import Pace
 
 if TYPE_CHECKING:
@@ -80,6 +81,13 @@ class FixedSteps:
                 out[here] = self._revisited(segment[begin:end], number[here], parts[here])
             begin = end
         return out
+
+    def mesh(self, until: float) -> Mesh:
+        """The steps that reach `until`, s."""
+        self.system.check_span(until, self.h)
+        count = int(np.floor(abs(until / self.h)))
+        times = np.array(pairs.product(np.arange(count + 1.0), self.h))
+        return Mesh(times, 1)
 
     def estimate(self) -> float:
         """Estimate of the largest error of the attitudes that were asked, rad.

@@ -18,18 +18,19 @@ import threading
 import weakref
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from attitude import epochs, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.motion import Motion
+from attitude.free_rotation.differentiable import Differentiable
 from attitude.spin import Spin
 from attitude.splitting import schemes
 from attitude.splitting.bounded_steps import BoundedSteps
+from attitude.splitting.sensitivity import TorquedSensitivity
 from attitude.splitting.steps import FixedSteps
 from attitude.splitting.system import System
 from attitude.splitting.varying_steps import VaryingSteps
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epoch, FloatArray, Real
     from attitude.epochs import Instant
+    from attitude.splitting.mesh import Mesh
     from attitude.splitting.schemes import Scheme
 
     TorqueFunction = Callable[[float, FloatArray, FloatArray], ArrayLike]
@@ -54,7 +56,7 @@ _TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class TorquedRotation(Motion):
+class TorquedRotation(Differentiable):
     """Rotation of a rigid body under torques, by a splitting scheme around exact free motion.
 
     Parameters
@@ -111,6 +113,10 @@ class TorquedRotation(Motion):
     steps planned anew if the estimate exceeds the tolerance there; the last digits of earlier
     epochs then change within the tolerance.  A torque that acts for less than a step may be missed:
     give a fixed step that resolves it.
+
+    Derivatives (`sensitivity_at`, and with them covariances) are those of the scheme with its
+    steps: of free motions in closed form, of torques by differences of fourth order, 1e-12 of the
+    torque where it is smooth.  They take some 40 times as long as the motion.
 
     "force-gradient" takes any number of `GravityGradient`, `ConstantTorque`, and `CustomTorque`
     with a slope; other torques are refused by name.
@@ -211,6 +217,21 @@ class TorquedRotation(Motion):
         given = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
         how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **given}
         return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
+
+    @cached_property
+    def _sensitivity(self) -> TorquedSensitivity:
+        given = self._system, self.body, self.spin
+        return TorquedSensitivity(*given, self._mesh, self._states)
+
+    def _mesh(self, side: int, until: float) -> Mesh:
+        """The steps after the epoch (0) or before it (1) that reach `until`, s."""
+        with self._lock:
+            return self._grids[side].mesh(until)
+
+    def _with(self, body: Body, spin: Spin) -> Self:
+        made, (_, _, torques) = self.__reduce__()
+        other: Self = made(body, spin, torques)
+        return other
 
     def __repr__(self) -> str:
         if self.step is not None:
