@@ -17,7 +17,7 @@ HOUSE = (
     ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
-    ("evaluation", "sensitivities", "propagation", "regime"),
+    ("evaluation", "sensitivities", "propagation", "regime", "jax", "torch"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation"),
