@@ -24,7 +24,7 @@ from attitude.propagation import propagate as _compiled
 try:
     import torch
 except ImportError as err:
-    raise AttitudeError(
+    raise ImportError(
         'attitude.torch needs torch: pip install "attitude-propagation[torch]".'
     ) from err
 
