@@ -247,6 +247,11 @@ class Body(Immutable):
         self._set("_axes", axes)
         self._set("_found", found)
 
+    @property
+    def has_given_axes(self) -> bool:
+        """Whether the body axes are principal: moments were given, or a diagonal tensor."""
+        return self._found is None
+
     def rates_about_principal_axes(self, omega: FloatArray) -> FloatArray:
         """Components over the principal axes of an angular velocity (3,) over the body axes.
 
