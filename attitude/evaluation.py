@@ -17,8 +17,6 @@ from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray, IntArray
@@ -124,7 +122,7 @@ def prepared(
     faults : int
         Number of such states.
     """
-    prepare_all, _ = compiled()
+    prepare_all, _ = _compiled()
     # zeros, two microseconds faster than np.zeros of a record with so many fields
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
@@ -135,7 +133,7 @@ def prepared(
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
     """Numbers (K,) of the states (B,), given as to `constants_of`, that are not physical."""
-    compiled()
+    _compiled()
     from attitude.solution.classify import classify_all
 
     constants: NDArray[Any] = np.ndarray(
@@ -179,7 +177,7 @@ def evaluate(
     AttitudeError
         For epochs so far away that two doubles of time do not resolve the phases.
     """
-    _, evaluate_all = compiled()
+    _, evaluate_all = _compiled()
     given = read_only(t), None if t_low is None else read_only(t_low)
     count = t.shape[1]
     block = max(EPOCHS // max(len(constants), 1), 1)
@@ -191,6 +189,27 @@ def evaluate(
             refuse_epoch(
                 constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
             )
+
+
+def evaluated(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    first: int,
+    end: int,
+) -> int:
+    """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code.
+
+    Returns
+    -------
+    int
+        -1, or the number of a motion with an epoch beyond its reach; then not all are filled.
+    """
+    _, evaluate_all = _compiled()
+    found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
+    return found
 
 
 def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
@@ -205,8 +224,7 @@ def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> Non
 
 
 @cache
-def compiled() -> tuple[Callable[..., int], Callable[..., int]]:
-    """The functions `prepare_all` and `evaluate_all` of `solution.motion`."""
+def _compiled():
     with uncollected():
         from attitude.solution.motion import evaluate_all, prepare_all
 

@@ -67,7 +67,7 @@ def interrupting(function, calls):
 def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
     """Of five blocks or more, at most one is evaluated after the signal."""
     calls = []
-    prepare, evaluate = evaluation.compiled()
+    prepare, evaluate = evaluation._compiled()
     monkeypatch.setattr(evaluation, "_compiled", lambda: (prepare, interrupting(evaluate, calls)))
     chain = interrupting(arcs._compiled(), calls)
     monkeypatch.setattr(arcs, "_compiled", lambda: chain)

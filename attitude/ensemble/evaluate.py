@@ -68,7 +68,6 @@ def grid(
     count, length = wxyz.shape[0], t.shape[1]
     if not count or not length:
         return
-    _, evaluate_all = evaluation.compiled()
     span = min(length, evaluation.EPOCHS)
     pieces = -(-length // span)
     size = max(1, min(BLOCK, evaluation.EPOCHS // span))
@@ -83,14 +82,16 @@ def grid(
             here = part if len(t) > 1 else slice(None)
             times = given[0][here], None if given[1] is None else given[1][here]
             out = wxyz[part], None if rates is None else rates[part]
-            failed = evaluate_all(constants, *times, *out, *epochs)
+            failed = evaluation.evaluated(constants, *times, *out, *epochs)
             if failed < 0:
                 return
             if raises:
                 few = failed if len(t) > 1 else 0, slice(*epochs)
                 lows = None if times[1] is None else times[1][few]
                 refuse(constants[failed], times[0][few], lows, label(part.start + failed))
-            evaluate_all(constants, *_near(*times, reaches(constants)[:, None]), *out, *epochs)
+            evaluation.evaluated(
+                constants, *_near(*times, reaches(constants)[:, None]), *out, *epochs
+            )
 
     in_blocks(work, pieces * -(-count // size), 1, threads)
 
