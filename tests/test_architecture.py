@@ -38,7 +38,7 @@ ORDERS = {
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "torqued_step", "march", "adaptive", "regimes", "place_of_d"),
-        *("principal", "vectors", "second_kind", "derivatives", "tangent_record"),
+        *("labelled_axes", "principal", "vectors", "second_kind", "derivatives", "tangent_record"),
         *("tangent_series", "tangents", "columns", "uniform_tangents", "tangent_setup"),
         *("short_times", "sensitivity", "warm_up"),
     ),
