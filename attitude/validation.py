@@ -6,6 +6,7 @@ except by converting it to the unit of the result.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -82,6 +83,8 @@ def seconds(value: Reals, name: str) -> FloatArray:
 
 def number(value: Real, name: str, *, unit: str | None = None) -> float:
     """One finite number as a float in `unit`; see `real`."""
+    if type(value) is float and -math.inf < value < math.inf:
+        return value
     return float(real(value, name, shape=(), unit=unit))
 
 

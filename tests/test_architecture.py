@@ -38,19 +38,10 @@ ORDERS = {
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *(
-            "chain",
-            "rows",
-            "march_layout",
-            "torqued_step",
-            "march",
-            "adaptive",
-            "regimes",
-            "place_of_d",
-        ),
-        *("principal", "vectors", "second_kind", "derivatives", "tangent_record"),
+        *("chain", "march_layout", "torqued_step", "march", "adaptive", "regimes", "place_of_d"),
+        *("labelled_axes", "principal", "vectors", "second_kind", "derivatives", "tangent_record"),
         *("tangent_series", "tangents", "columns", "uniform_tangents", "tangent_setup"),
-        *("short_times", "sensitivity", "warm_up"),
+        *("short_times", "sensitivity", "rows", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }
