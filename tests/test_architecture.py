@@ -23,10 +23,10 @@ HOUSE = (
     ("attitude_table", "free_rotation"),
     ("paths",),
     ("scattering", "light_curve", "scene"),
-    ("ensemble",),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
+    ("ensemble",),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.

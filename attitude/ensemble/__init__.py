@@ -3,7 +3,10 @@
 ensemble      `Ensemble`: the states of N members, attitudes at epochs
 collection    construction, members, parts and joined ensembles
 described     modes, periods, ranges and invariants
+sources       published periods, tables and files, random draws
+tables, draws columns of tables; draws from covariances and distributions
 answer        `EnsembleHistory`, the attitudes
+arguments     rows, names and numbers of members that agree
 rows          the epochs of a call: a grid, or ragged rows
 epoch         epochs of members, and seconds since them
 inertia       moments and tensors of the members

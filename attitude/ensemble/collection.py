@@ -10,8 +10,8 @@ import numpy as np
 
 from attitude import epochs, frames, validation
 from attitude.body import Body
+from attitude.ensemble import arguments, inertia, members
 from attitude.ensemble import epoch as instants
-from attitude.ensemble import inertia, members
 from attitude.ensemble.inertia import Inertia
 from attitude.ensemble.members import Members
 from attitude.errors import AttitudeError
@@ -62,8 +62,8 @@ class Collection(Immutable):
             missing = "wxyz" if wxyz is None else "angular_velocity"
             raise AttitudeError(f"{missing} is missing; give one row, or one for each member.")
         relative = validation.flag(relative, "relative")
-        rates = _rows(angular_velocity, "angular_velocity", 3, "rad/s")
-        attitudes = _rows(wxyz, "wxyz", 4, None)
+        rates = arguments.rows(angular_velocity, "angular_velocity", 3, "rad/s")
+        attitudes = arguments.rows(wxyz, "wxyz", 4, None)
         start = instants.of_members(epoch)
         given = [each for each in (body, moments, tensors) if each is not None]
         if len(given) != 1:
@@ -73,7 +73,9 @@ class Collection(Immutable):
         if moments is not None:
             found = inertia.of_moments(moments, relative)
         elif body is not None:
-            found = inertia.of_bodies([body] if isinstance(body, Body) else list(_listed(body)))
+            found = inertia.of_bodies(
+                [body] if isinstance(body, Body) else list(arguments.listed(body))
+            )
         else:
             assert tensors is not None
             found = inertia.of_tensors(tensors, relative)
@@ -83,7 +85,7 @@ class Collection(Immutable):
             "angular_velocity": len(rates),
             "epoch": start.shape[1],
         }
-        count = _count(sizes, names)
+        count = arguments.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
         self._fill(found, attitudes, None, rates, start, frame, names, tensors is None)
@@ -104,7 +106,7 @@ class Collection(Immutable):
         self._set("frame", frames.known(frame))
         self._set("_start", frozen(start))
         self._set("_low", low)
-        self._set("names", _known_names(names, len(wxyz)))
+        self._set("names", arguments.known_names(names, len(wxyz)))
         attitude = members.to_icrf(self.frame, wxyz, low)
         resolved = found.resolved(rates)
         self._set("_inertia", found if keeps_bodies else replace(found, bodies=None))
@@ -145,7 +147,7 @@ class Collection(Immutable):
         AttitudeError
             For other objects, and for no motions.
         """
-        given = list(_listed(motions))
+        given = list(arguments.listed(motions))
         for k, motion in enumerate(given):
             if not isinstance(motion, FreeRotation):
                 raise AttitudeError(
@@ -171,6 +173,15 @@ class Collection(Immutable):
         made._check("raise")
         return made
 
+    def _with_low(self, low: FloatArray) -> Self:
+        """The same members, whose attitudes of unit length have second doubles (N, 4)."""
+        if not low.any():
+            return self
+        made, attitude = self[:], members.to_icrf(self.frame, self.wxyz, low)
+        made._set("_low", frozen(low))
+        made._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
+        return made
+
     @classmethod
     def concatenated(cls, ensembles: Iterable[Self]) -> Self:
         """The members of several ensembles, one after the other; also ``first + second``.
@@ -181,7 +192,7 @@ class Collection(Immutable):
             For other objects, no ensembles, several frames, names of some of them only, and
             relative moments beside moments in kg m2.
         """
-        parts = list(_listed(ensembles))
+        parts = list(arguments.listed(ensembles))
         for part in parts:
             if not isinstance(part, Collection):
                 raise AttitudeError(f"{validation.shown(part)} is no Ensemble; give ensembles.")
@@ -200,12 +211,12 @@ class Collection(Immutable):
             wxyz=np.concatenate([part.wxyz for part in parts]),
             angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
             frame=parts[0].frame,
-            names=_known_names(names, sum(counts)),
+            names=arguments.known_names(names, sum(counts)),
             on_error="nan" if any(part.on_error == "nan" for part in parts) else "raise",
             _inertia=inertia.joined([part._inertia for part in parts], counts),
             _members=members.joined([part._members for part in parts]),
             _low=members.joined_rows([(part._low, part.wxyz) for part in parts]),
-            _start=_joined_epochs([part._start for part in parts], counts),
+            _start=arguments.joined_epochs([part._start for part in parts], counts),
             _bad=wrong,
         )
 
@@ -342,57 +353,3 @@ class Collection(Immutable):
     def __repr__(self) -> str:
         start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
         return f"<{type(self).__name__} of {len(self)} members, from {start}>"
-
-
-def _listed(given: Any) -> Iterable[Any]:
-    """The entries of an iterable; AttitudeError for anything else."""
-    try:
-        return iter(given)
-    except TypeError as err:
-        raise AttitudeError(f"{validation.shown(given)} is not a list of objects.") from err
-
-
-def _rows(given: Any, name: str, width: int, unit: str | None) -> FloatArray:
-    """Rows (N, width), or one row (1, width); NaN is left to the check of the members."""
-    array = validation.real(given, name, unit=unit, finite=False)
-    if array.shape == (width,):
-        return array[None]
-    if array.ndim == 2 and array.shape[1] == width:
-        return array
-    raise AttitudeError(f"{name} has shape {array.shape}; give ({width},) or (N, {width}).")
-
-
-def _count(sizes: dict[str, int], names: Any) -> int:
-    """The number of members, from the lengths of the arguments, each of which may be 1."""
-    if names is not None:
-        sizes = {**sizes, "names": len(names)}
-    several = {name: size for name, size in sizes.items() if size != 1}
-    if len(set(several.values())) > 1:
-        listed = ", ".join(f"{name} {size}" for name, size in several.items())
-        raise AttitudeError(
-            f"the arguments have different numbers of members ({listed}); give the same number, or "
-            "one for all."
-        )
-    return next(iter(several.values()), 1)
-
-
-def _known_names(names: Any, count: int) -> NDArray[np.str_] | None:
-    """Names (N,) of which no two are equal, or None."""
-    if names is None:
-        return None
-    found = np.array([str(each) for each in np.asarray(names).ravel().tolist()], dtype=np.str_)
-    if len(found) != count:
-        raise AttitudeError(f"{len(found)} names are given for {count} members; give one each.")
-    unique, times = np.unique(found, return_counts=True)
-    if len(unique) < len(found):
-        name = unique[np.argmax(times > 1)]
-        raise AttitudeError(f"two members are called {str(name)!r}; give names that differ.")
-    return frozen(found)
-
-
-def _joined_epochs(starts: Sequence[FloatArray], counts: Sequence[int]) -> FloatArray:
-    """The epochs (2, N) of joined ensembles, (2, 1) if all are equal."""
-    if all(each.shape[1] == 1 and np.array_equal(each, starts[0]) for each in starts):
-        return starts[0]
-    parts = zip(starts, counts, strict=True)
-    return np.concatenate([np.broadcast_to(each, (2, n)) for each, n in parts], axis=1)

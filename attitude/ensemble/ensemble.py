@@ -12,6 +12,7 @@ from attitude.ensemble import evaluate
 from attitude.ensemble.answer import EnsembleHistory
 from attitude.ensemble.described import Described
 from attitude.ensemble.rows import MemberGrid, MemberRows
+from attitude.ensemble.sources import Sourced
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 from attitude.propagation import result_memory
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from attitude.annotations import Epochs, FloatArray, IntArray
 
 
-class Ensemble(Described):
+class Ensemble(Sourced, Described):
     """The free rotations of N bodies, as arrays.
 
     Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,19 @@ if TYPE_CHECKING:
 _DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64"
 
 
+class Seconds(NamedTuple):
+    """Epochs of members that are seconds already.
+
+    Attributes
+    ----------
+    high, low : (1 or N,) arrays
+        TDB seconds past J2000: high + low.
+    """
+
+    high: FloatArray
+    low: FloatArray
+
+
 def of_members(given: Any) -> FloatArray:
     """The epochs of members as TDB seconds past J2000 in two doubles, (2, 1) or (2, N).
 
@@ -28,6 +41,8 @@ def of_members(given: Any) -> FloatArray:
     """
     if isinstance(given, epochs.Instant):
         return np.array([[given.seconds], [given.low]])
+    if isinstance(given, Seconds):
+        return np.stack(pairs.two_sum(*given))
     if given is None:
         raise AttitudeError(f"epoch is missing; give one epoch, or one for each member: {_DATES}.")
     kind, _, _ = kinds.entries(given, "epoch", _DATES)
