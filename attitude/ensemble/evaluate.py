@@ -181,20 +181,34 @@ class Runs:
             constants, _ = self._members.prepared(some, rates=rates is not None)
             edges = starts[first : first + len(some) + 1]
             failed = self._rows.evaluate_runs(constants, edges, *times, *out)
-            if failed < 0:
-                continue
-            if self._raises:
-                here = slice(edges[failed], edges[failed + 1])
-                lows = None if low is None else low[here]
-                refuse(constants[failed], t[here], lows, self._label(int(some[failed])))
-            reach = np.repeat(reaches(constants), np.diff(edges))
-            rows = slice(edges[0], edges[-1])
-            near = _near(times[0][:, rows], None if times[1] is None else times[1][:, rows], reach)
-            found = [None if each is None else np.empty_like(each[..., rows]) for each in out]
-            self._rows.evaluate_runs(constants, edges - edges[0], *near, *found)
-            wxyz[:, rows] = found[0]
-            if rates is not None:
-                rates[:, rows] = found[1]
+            if failed >= 0:
+                near = self.nearer(constants, edges, t, low, failed, some)
+                self._rows.evaluate_runs(constants, edges, near[None], times[1], *out)
+
+    def nearer(
+        self,
+        constants: NDArray[Any],
+        edges: IntArray,
+        t: FloatArray,
+        low: FloatArray | None,
+        failed: int,
+        who: IntArray,
+    ) -> FloatArray:
+        """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`.
+
+        Raises
+        ------
+        AttitudeError
+            Unless such epochs give NaN: the epochs of run `failed`.
+        """
+        if self._raises:
+            here = slice(edges[failed], edges[failed + 1])
+            lows = None if low is None else low[here]
+            refuse(constants[failed], t[here], lows, self._label(int(who[failed])))
+        near, rows = t.copy(), slice(edges[0], edges[-1])
+        reach = np.repeat(reaches(constants), np.diff(edges))
+        near[rows] = _near(t[rows], None if low is None else low[rows], reach)[0]
+        return read_only(near)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
         """The member (K,) of each run of rows, and their first rows and the end (K + 1,)."""

@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from attitude import propagation
+from attitude.ensemble import evaluate
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
+
+
+class Piece(NamedTuple):
+    """Rows of which those of one member stand together.
+
+    Attributes
+    ----------
+    place : slice or array of int
+        Of the rows among all.
+    member : (K,) array of int
+    t, low : (K,) arrays
+        Seconds t + low since the epoch of the member; low may be None.
+    """
+
+    place: slice | IntArray
+    member: IntArray
+    t: FloatArray
+    low: FloatArray | None
 
 
 class MemberGrid:
@@ -50,6 +69,39 @@ class MemberGrid:
         found = np.broadcast_to(array, (self.count, self.t.shape[1]))
         return found[:, 0] if self.scalar else found
 
+    def pieces(self, most: int) -> list[tuple[slice, slice]]:
+        """Members and epochs of parts of at most `most` rows, in order."""
+        length = self.t.shape[1]
+        span, size = min(length, most), max(1, most // max(length, 1))
+        return [
+            (slice(k, min(k + size, self.count)), slice(j, min(j + span, length)))
+            for k in range(0, self.count if length else 0, size)
+            for j in range(0, length, span)
+        ]
+
+    def piece(self, part: tuple[slice, slice]) -> Piece:
+        """The rows of one of the `pieces`."""
+        members, epochs = part
+        length = self.t.shape[1]
+        place = slice(
+            members.start * length + epochs.start, (members.stop - 1) * length + epochs.stop
+        )
+        who = np.arange(members.start, members.stop).repeat(epochs.stop - epochs.start)
+        shape = members.stop - members.start, epochs.stop - epochs.start
+
+        def rows(array: FloatArray) -> FloatArray:
+            here = array[members if len(array) > 1 else slice(None), epochs]
+            return np.ascontiguousarray(np.broadcast_to(here, shape)).reshape(-1)
+
+        low = None if self.t_low is None else rows(self.t_low)
+        return Piece(place, who, rows(self.t), low)
+
+    def vectors(self, given: FloatArray, part: tuple[slice, slice]) -> FloatArray:
+        """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
+        if self.scalar:
+            return given[part[0]]
+        return given[part].reshape(-1, 3)
+
     def layout(self, width: int) -> tuple[tuple[int, ...], tuple[int, ...], bool]:
         """The last arguments of `propagation.result_memory`."""
         return (self.count, self.t.shape[1]), (width,), self.scalar
@@ -60,20 +112,40 @@ class MemberGrid:
 
 
 class MemberRows:
-    """MemberRows of one epoch of one member each.
+    """Rows of one epoch of one of N members each.
 
     Parameters
     ----------
+    count : int
+        N.
     member : (S) array of int
     seconds, low : (S) arrays
         Seconds + low since the epoch of the member; low may be None.
     """
 
-    def __init__(self, member: IntArray, seconds: FloatArray, low: FloatArray | None) -> None:
-        self.member = member
+    def __init__(
+        self, count: int, member: IntArray, seconds: FloatArray, low: FloatArray | None
+    ) -> None:
+        self.count, self.member = count, member
         self.seconds = read_only(seconds)
         self.low = None if low is None else read_only(low)
         self.shape: tuple[int, ...] = seconds.shape
+
+    def pieces(self, most: int) -> list[slice | IntArray]:
+        """The places of parts of `most` rows, of which those of one member stand together."""
+        member, size = self.flat()[0], self.seconds.size
+        order = evaluate.order_of(member, self.count) if size else None
+        parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
+        return [*parts] if order is None else [order[part] for part in parts]
+
+    def piece(self, part: slice | IntArray) -> Piece:
+        """The rows of one of the `pieces`."""
+        member, t, low = self.flat()
+        return Piece(part, member[part], t[part], None if low is None else low[part])
+
+    def vectors(self, given: FloatArray, part: slice | IntArray) -> FloatArray:
+        """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
+        return given[part] if given.ndim == 2 else given.reshape(-1, 3)[part]
 
     def flat(self) -> tuple[IntArray, FloatArray, FloatArray | None]:
         """Members, seconds and their second doubles as arrays (R,)."""
