@@ -116,7 +116,7 @@ class Light:
         t = read_only(piece.t)[None]
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
-            constants, _ = self._members.prepared(some, rates=False)
+            constants, _ = self._members.prepared(evaluate.consecutive(some), rates=False)
             edges = starts[first : first + len(some) + 1]
             axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
             rest = *vectors, axes, factor, work, out

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from attitude.annotations import FloatArray, IntArray
 
 
@@ -44,6 +47,8 @@ class MemberGrid:
         Seconds t + t_low since the epoch of the member; t_low may be None.
     scalar : bool
         Whether one epoch was given, so that the answers have no axis of epochs.
+    first : int
+        Number of the first member.
 
     Attributes
     ----------
@@ -53,14 +58,16 @@ class MemberGrid:
     seconds, low : (S) arrays
     """
 
-    def __init__(self, count: int, t: FloatArray, t_low: FloatArray | None, scalar: bool) -> None:
-        self.count, self.scalar = count, scalar
+    def __init__(
+        self, count: int, t: FloatArray, t_low: FloatArray | None, scalar: bool, first: int = 0
+    ) -> None:
+        self.count, self.scalar, self.first = count, scalar, first
         # Epochs that all members share are few: a copy does not change with the caller's array.
         few = len(t) == 1 and t.size < 1 << 20
         self.t = t.copy() if few else np.ascontiguousarray(t)
         self.t_low = None if t_low is None else np.ascontiguousarray(t_low)
         self.shape: tuple[int, ...] = (count,) if scalar else (count, t.shape[1])
-        numbers = np.arange(count)
+        numbers = np.arange(first, first + count)
         self.member = self._over_epochs(numbers[:, None])
         self.seconds = self._over_epochs(self.t)
         self.low = None if self.t_low is None else self._over_epochs(self.t_low)
@@ -102,9 +109,19 @@ class MemberGrid:
             return given[part[0]]
         return given[part].reshape(-1, 3)
 
-    def layout(self, width: int) -> tuple[tuple[int, ...], tuple[int, ...], bool]:
-        """The last arguments of `propagation.result_memory`."""
-        return (self.count, self.t.shape[1]), (width,), self.scalar
+    def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
+        """Grids of at most `most` attitudes, each after its place among the answers."""
+        for members, epochs in self.pieces(most):
+            own = (members if len(self.t) > 1 else slice(None)), epochs
+            low = None if self.t_low is None else self.t_low[own]
+            count = members.stop - members.start
+            place = members if self.scalar else (members, epochs)
+            yield place, MemberGrid(count, self.t[own], low, self.scalar, members.start)
+
+    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
+        """Component-major memory (N, W, T) for an answer; that of `out` where possible."""
+        shape = self.count, self.t.shape[1]
+        return propagation.result_memory(out, name, shape, (width,), self.scalar)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
         """Component-major memory (N, W, T) as (S, W), in `out` if it is given."""
@@ -133,8 +150,7 @@ class MemberRows:
 
     def pieces(self, most: int) -> list[slice | IntArray]:
         """The places of parts of `most` rows, of which those of one member stand together."""
-        member, size = self.flat()[0], self.seconds.size
-        order = evaluate.order_of(member, self.count) if size else None
+        size, order = self.seconds.size, self.order
         parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
         return [*parts] if order is None else [order[part] for part in parts]
 
@@ -153,9 +169,25 @@ class MemberRows:
         member = np.ascontiguousarray(self.member).reshape(-1)
         return member, np.ascontiguousarray(self.seconds).reshape(-1), low
 
-    def layout(self, width: int) -> tuple[tuple[int, ...], tuple[int, ...], bool]:
-        """The last arguments of `propagation.result_memory`."""
-        return (self.seconds.size,), (width,), False
+    @cached_property
+    def order(self) -> IntArray | None:
+        """The order (R,) in which rows stand by member; None if they stand in long runs already."""
+        return evaluate.order_of(self.flat()[0], self.count) if self.seconds.size else None
+
+    def parts(self, most: int) -> Iterator[tuple[slice, MemberRows]]:
+        """Rows of at most `most` attitudes, each after their place among the rows (R,)."""
+        member, seconds, low = self.flat()
+        for first in range(0, self.seconds.size, most):
+            place = slice(first, first + most)
+            lows = None if low is None else low[place]
+            yield place, MemberRows(self.count, member[place], seconds[place], lows)
+
+    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
+        """Memory (W, R) for an answer; that of `out` where possible."""
+        if out is None and self.order is not None:
+            # Rows are filled one by one: the numbers of each are together.
+            return np.empty((self.seconds.size, width)).T
+        return propagation.result_memory(out, name, (self.seconds.size,), (width,), False)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
         """Component-major memory (W, R) as (S, W), in `out` if it is given."""
@@ -165,4 +197,6 @@ class MemberRows:
                     f"out is given for rows of shape {self.shape}; give rows (R,) with out=."
                 )
             return propagation.result(memory, out, False, 0)
-        return np.moveaxis(memory.reshape(len(memory), *self.shape), 0, -1)
+        if memory.flags.c_contiguous:
+            return np.moveaxis(memory.reshape(len(memory), *self.shape), 0, -1)
+        return memory.T.reshape(*self.shape, len(memory))
