@@ -31,15 +31,22 @@ HOUSE = (
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd"),
-        *("simd_lowering", "pointers", "lowering", "decorators", "callbacks"),
+        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd", "wide"),
+        *("simd_lowering", "wide_lowering", "pointers", "lowering", "decorators", "callbacks"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "torqued_step", "march", "adaptive", "regimes", "place_of_d"),
-        *("labelled_axes", "principal", "vectors", "second_kind", "derivatives", "tangent_record"),
-        *("tangent_series", "tangents", "columns", "uniform_tangents", "tangent_setup"),
+        *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
+        *(
+            "tangent_record",
+            "tangent_series",
+            "tangents",
+            "columns",
+            "uniform_tangents",
+            "tangent_setup",
+        ),
         *("short_times", "sensitivity", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
