@@ -249,6 +249,11 @@ class Body(Immutable):
         self._set("_axes", axes)
         self._set("_found", found)
 
+    @property
+    def has_given_axes(self) -> bool:
+        """Whether the body axes are principal: moments were given, or a diagonal tensor."""
+        return self._found is None
+
     def over_principal_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray | None]:
         """`rates_about_principal_axes` and `differences` of an angular velocity (3,), rad/s."""
         if self._found is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
@@ -163,16 +163,16 @@ def propagate(
     lead = _leading_shape(moments, wxyz0, omega0, t)
     count = math.prod(lead)
     shape = (*lead, *t.shape[-1:])
-    results = [(_result_memory(out, "out", shape, (4,), scalar), out)]
+    results = [(result_memory(out, "out", shape, (4,), scalar), out)]
     if angular_velocity:
-        results.append((_result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
+        results.append((result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
     elif rates_out is not None:
         raise AttitudeError("rates_out is given without angular_velocity=True; give both.")
     if sensitivity:
-        memory = _result_memory(sensitivity_out, "sensitivity_out", shape, (3, 9), scalar)
+        memory = result_memory(sensitivity_out, "sensitivity_out", shape, (3, 9), scalar)
         results.append((memory, sensitivity_out))
         if angular_velocity:
-            results.append((_result_memory(None, "", shape, (3, 9), scalar), None))
+            results.append((result_memory(None, "", shape, (3, 9), scalar), None))
     elif sensitivity_out is not None:
         raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
     flat = [_bodies(memory, len(lead), count) for memory, _ in results]
@@ -186,7 +186,7 @@ def propagate(
         flat[1] if angular_velocity else None,
         flat[-2 if angular_velocity else -1 :] if sensitivity else [],
     )
-    found = tuple(_result(memory, given, scalar, len(lead)) for memory, given in results)
+    found = tuple(result(memory, given, scalar, len(lead)) for memory, given in results)
     return found if len(found) > 1 else found[0]
 
 
@@ -265,7 +265,9 @@ def _epochs(t, lead, count):
     return _flat(t, lead, count)
 
 
-def _result_memory(out, name, shape, width, scalar):
+def result_memory(
+    out: Any, name: str, shape: tuple[int, ...], width: tuple[int, ...], scalar: bool
+) -> FloatArray:
     """Component-major memory (..., *width, T) for the result; that of `out` where possible."""
     if out is not None:
         expected = (*shape[:-1], *width) if scalar else (*shape, *width)
@@ -282,7 +284,7 @@ def _result_memory(out, name, shape, width, scalar):
     return np.empty((*shape[:-1], *width, shape[-1]))
 
 
-def _result(memory, out, scalar, leading):
+def result(memory: FloatArray, out: FloatArray | None, scalar: bool, leading: int) -> FloatArray:
     """The result as it is returned: a view of the memory, or `out`."""
     view = memory[..., 0] if scalar else np.moveaxis(memory, -1, leading)
     if out is None:

@@ -26,6 +26,7 @@ HOUSE = (
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
+    ("ensemble",),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
@@ -39,15 +40,8 @@ ORDERS = {
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "torqued_step", "march", "adaptive", "regimes", "place_of_d"),
         *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
-        *(
-            "tangent_record",
-            "tangent_series",
-            "tangents",
-            "columns",
-            "uniform_tangents",
-            "tangent_setup",
-        ),
-        *("short_times", "sensitivity", "warm_up"),
+        *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
+        *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }
