@@ -13,15 +13,13 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.evaluation import writable
 from attitude.immutable import Immutable, frozen
-from attitude.solution.principal import PrincipalAxes
+from attitude.solution.principal import ASYMMETRY, PrincipalAxes
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Real, Reals
     from attitude.shape.ellipsoid import Ellipsoid
     from attitude.shape.mesh import Mesh
 
-# Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
-_ASYMMETRY = 1e-13
 # Violation of the triangle inequality, relative to the largest moment, that measured moments may
 # have; as in the compiled solution.
 _TRIANGLE = 1e-14
@@ -220,7 +218,7 @@ class Body(Immutable):
         across = tensor.T
         off = float(np.abs(tensor - across).max())
         largest = float(np.abs(tensor).max())
-        if off > _ASYMMETRY * largest:
+        if off > ASYMMETRY * largest:
             raise AttitudeError(
                 f"tensor is not symmetric: entries across its diagonal differ by {off:.3g}. Give "
                 "a symmetric inertia tensor (products of inertia with a minus sign)."

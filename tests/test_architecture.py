@@ -14,10 +14,10 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
+    ("errors", "immutable", "validation", "pairs", "physical_constants", "blocks", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
-    ("evaluation", "sensitivities", "propagation", "regime"),
+    ("evaluation", "sensitivities", "batches", "propagation", "regime"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation"),

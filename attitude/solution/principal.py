@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
     from attitude.annotations import FloatArray
 
+# Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
+ASYMMETRY: float = 1e-13
 # Rounding error of a moment that is zero, relative to the largest.
 _ZERO_MOMENT = 1e-15
 
