@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import evaluation
+from attitude.blocks import in_blocks
 from attitude.compilation.deferral import uncollected
 from attitude.ensemble.members import BLOCK
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
-from attitude.light_curve.blocks import in_blocks
 from attitude.solution.phases import LONGEST
 
 if TYPE_CHECKING:

@@ -64,6 +64,8 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
     """
     if isinstance(value, Instant):
         return value
+    if type(value) is str:
+        return Instant(*readers.of_text(value, name))
     kind, leaves, shape = kinds.entries(value, name, _DATES)
     if kind in kinds.LENGTHS:
         raise AttitudeError(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude.blocks import in_blocks
 from attitude.errors import AttitudeError
-from attitude.light_curve.blocks import in_blocks
 from attitude.light_curve.clusters import aligned, clusters_of
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import POINTS, Visibility

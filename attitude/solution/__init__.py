@@ -13,7 +13,7 @@ step, march       the same rotation over short times, and integrators with torqu
 flow, joints, chain    states in pairs from arc to arc, and attitudes on a chain of arcs
 regimes, place_of_d    periods and ranges of a motion, and the motion of given periods
 labelled_axes     attitudes and rates from pole and angles of labelled axes
-principal         principal axes of an inertia tensor, in whole numbers
+diagonal, principal    principal axes of inertia tensors, in whole numbers of 448 bits
 vectors           vectors over body axes, angles between vectors
 warm_up           compilation ahead of use
 """

@@ -7,6 +7,7 @@ The labels L and S of the axes, and the order of the turns, are those of
 import math
 
 from attitude.compilation.decorators import entry_point, subroutine
+from attitude.solution.vectors import quaternion_of
 
 # Branches of theta.
 UNKNOWN, ACUTE, OBTUSE = 0, 1, 2
@@ -65,30 +66,6 @@ def rates_all(moments, long_axis, long_labels, branches, places, momenta, angles
         rates[n, 2] = math.cos(theta) * (momenta[n] / third)
 
 
-@subroutine
-def _inverse_of(r, wxyz):
-    """Fill the inverse of the quaternion, w >= 0, of a matrix (3, 3) (Shepperd's method)."""
-    trace = r[0, 0] + r[1, 1] + r[2, 2]
-    i = 0
-    for k in range(1, 3):
-        if r[k, k] > r[i, i]:
-            i = k
-    if trace >= r[i, i]:
-        w = 1.0 + trace
-        x, y, z = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
-    else:
-        j, k = (i + 1) % 3, (i + 2) % 3
-        w = r[k, j] - r[j, k]
-        u, v = r[j, i] + r[i, j], r[k, i] + r[i, k]
-        t = 1.0 - trace + 2.0 * r[i, i]
-        x, y, z = (t, u, v) if i == 0 else ((v, t, u) if i == 1 else (u, v, t))
-    size = math.sqrt(w * w + x * x + y * y + z * z)
-    first = x if x != 0.0 else (y if y != 0.0 else z)
-    if w < 0.0 or (w == 0.0 and first < 0.0):
-        size = -size
-    wxyz[0], wxyz[1], wxyz[2], wxyz[3] = w / size, -x / size, -y / size, -z / size
-
-
 @entry_point
 def states_all(axes, order, long_labels, angles, rates, matrix, wxyz, omega):
     """Fill attitudes and angular velocities of bodies from those of their labelled axes.
@@ -119,13 +96,13 @@ def states_all(axes, order, long_labels, angles, rates, matrix, wxyz, omega):
             total = matrix[i, 0] * rates[n, 0] + matrix[i, 1] * rates[n, 1]
             omega[n, i] = total + matrix[i, 2] * rates[n, 2]
         row = wxyz[n]
-        _inverse_of(matrix, row)
+        quaternion_of(matrix, row)
         _turned(angles[n], row)
 
 
 @subroutine
 def _turned(angles, row):
-    """Multiply a quaternion by Rz(longitude) Ry(90 deg - latitude) Rz(phi) Rx(theta) Rz(psi)."""
+    """Replace q by Rz(longitude) Ry(90 deg - latitude) Rz(phi) Rx(theta) Rz(psi) q*."""
     east, south = 0.5 * angles[0], 0.5 * (0.5 * math.pi - angles[1])
     c, s, u, v = math.cos(east), math.sin(east), math.cos(south), math.sin(south)
     pole = (c * u, -s * v, c * v, s * u)
@@ -133,7 +110,7 @@ def _turned(angles, row):
     total, rest = 0.5 * (angles[2] + angles[4]), 0.5 * (angles[2] - angles[4])
     u, v = math.cos(half), math.sin(half)
     euler = (u * math.cos(total), v * math.cos(rest), v * math.sin(rest), u * math.sin(total))
-    found = _times(_times(pole, euler), (row[0], row[1], row[2], row[3]))
+    found = _times(_times(pole, euler), (row[0], -row[1], -row[2], -row[3]))
     row[0], row[1], row[2], row[3] = found
 
 
