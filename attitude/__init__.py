@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from attitude.arcs.arcs import InertiaChange as InertiaChange
     from attitude.attitude_table.table import AttitudeTable as AttitudeTable
     from attitude.body import Body as Body
+    from attitude.ensemble.ensemble import Ensemble as Ensemble
     from attitude.fitting import fit as fit
     from attitude.fitting import fit_directions as fit_directions
     from attitude.fitting import fit_rates as fit_rates
@@ -40,6 +41,7 @@ _WHERE = {
     "AttitudeHistory": "attitude.history",
     "AttitudeTable": "attitude.attitude_table.table",
     "Body": "attitude.body",
+    "Ensemble": "attitude.ensemble.ensemble",
     "FreeRotation": "attitude.free_rotation.free_rotation",
     "Impulse": "attitude.arcs.arcs",
     "InertiaChange": "attitude.arcs.arcs",

@@ -9,25 +9,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import quaternion, validation
+from attitude import validation
 from attitude.errors import AttitudeError
+from attitude.evaluation import writable
 from attitude.immutable import Immutable, frozen
-from attitude.solution.principal import PrincipalAxes
+from attitude.solution.principal import ASYMMETRY, PrincipalAxes
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Real, Reals
     from attitude.shape.ellipsoid import Ellipsoid
     from attitude.shape.mesh import Mesh
 
-# Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
-_ASYMMETRY = 1e-13
-# Rounding error of an eigenvalue that is zero, relative to the largest.
-_ZERO_MOMENT = 1e-15
 # Violation of the triangle inequality, relative to the largest moment, that measured moments may
 # have; as in the compiled solution.
 _TRIANGLE = 1e-14
 # Largest moment of which sums and differences are finite.
 _LARGEST = 0.25 * float(np.finfo(float).max)
+_ORIGIN = frozen(np.zeros(3))
 # Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
@@ -100,9 +98,11 @@ class Body(Immutable):
             raise AttitudeError("a Body takes either moments=(3 numbers) or tensor=(3 x 3).")
         self._set("relative", relative)
         self._set("mass", None if mass is None else validation.positive(mass, "mass", unit="kg"))
-        center = (0.0, 0.0, 0.0) if center_of_mass is None else center_of_mass
-        center = validation.real(center, "center_of_mass", shape=(3,), unit="m")
-        self._set("center_of_mass", frozen(center + 0.0))  # files leave out zeros, and their signs
+        center = _ORIGIN
+        if center_of_mass is not None:
+            known = validation.real(center_of_mass, "center_of_mass", shape=(3,), unit="m")
+            center = frozen(known + 0.0)  # files leave out zeros, and their signs
+        self._set("center_of_mass", center)
         if moments is not None:
             self._from_moments(validation.real(moments, "moments", shape=(3,), unit=unit))
         if tensor is not None:
@@ -215,22 +215,22 @@ class Body(Immutable):
         self._keep(moments, np.diag(moments), pairs, None)
 
     def _from_tensor(self, tensor: FloatArray) -> None:
-        off = np.max(np.abs(tensor - tensor.T))
-        largest = np.max(np.abs(tensor))
-        if off > _ASYMMETRY * largest:
+        across = tensor.T
+        off = float(np.abs(tensor - across).max())
+        largest = float(np.abs(tensor).max())
+        if off > ASYMMETRY * largest:
             raise AttitudeError(
                 f"tensor is not symmetric: entries across its diagonal differ by {off:.3g}. Give "
                 "a symmetric inertia tensor (products of inertia with a minus sign)."
             )
         _refuse_overflow(largest, "tensor")
-        tensor = 0.5 * (tensor + tensor.T)
-        if np.all(tensor == np.diag(np.diag(tensor))):
+        tensor = 0.5 * (tensor + across)
+        if tensor[0, 1] == tensor[0, 2] == tensor[1, 2] == 0.0:
             self._from_moments(np.diag(tensor).copy())
             return
-        found = PrincipalAxes.of(tensor)
-        pairs = _rod_within_rounding(found.moments())
-        _check(pairs[:, 0], "the principal moments of tensor")
-        self._keep(pairs[:, 0].copy(), tensor, pairs, found)
+        found = PrincipalAxes.of(tensor[None])
+        _check(found.moments[0, :, 0], "the principal moments of tensor")
+        self._keep(found.moments[0, :, 0].copy(), tensor, found.moments[0], found)
 
     def _keep(
         self,
@@ -239,7 +239,7 @@ class Body(Immutable):
         pairs: FloatArray,
         found: PrincipalAxes | None,
     ) -> None:
-        axes = _GIVEN_AXES if found is None else found.axes()
+        axes = _GIVEN_AXES if found is None else found.axes[0]
         self._set("moments", moments)
         self._set("tensor", tensor)
         self._set("principal_axes", axes[..., 0].copy())
@@ -247,34 +247,42 @@ class Body(Immutable):
         self._set("_axes", axes)
         self._set("_found", found)
 
+    @property
+    def has_given_axes(self) -> bool:
+        """Whether the body axes are principal: moments were given, or a diagonal tensor."""
+        return self._found is None
+
+    def over_principal_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+        """`rates_about_principal_axes` and `differences` of an angular velocity (3,), rad/s."""
+        if self._found is None:
+            rates = np.zeros((3, 2))
+            rates[:, 0] = omega
+            return rates, None
+        rates, differences = self._found.over_axes(writable(omega)[None])
+        return rates[0], None if self.moments[0] == 0.0 else differences[0]
+
     def rates_about_principal_axes(self, omega: FloatArray) -> FloatArray:
         """Components over the principal axes of an angular velocity (3,) over the body axes.
 
         (3, 2), each the sum of its two doubles, rad/s.
         """
-        if self._found is None:
-            rates = np.zeros((3, 2))
-            rates[:, 0] = omega
-            return rates
-        return self._found.rates(omega)
+        return self.over_principal_axes(omega)[0]
 
     def differences(self, omega: FloatArray) -> FloatArray | None:
         """B - A, C - B and L^2 - 2 E B of a tensor, which cancel near the separatrix, or None.
 
         (3, 2) pairs of doubles at the angular velocity omega (3,), rad/s in body axes, scaled as
-        by `attitude.solution.principal.PrincipalAxes.differences`.  None if the moments were given
+        by `attitude.solution.principal.PrincipalAxes.over_axes`.  None if the moments were given
         or one of them is zero: the moments and rates then have all the digits.
         """
-        if self._found is None or self.moments[0] == 0.0:
-            return None
-        return self._found.differences(omega)
+        return self.over_principal_axes(omega)[1]
 
     @cached_property
     def principal_wxyz(self) -> FloatArray:
         """The unit quaternion (4,) from principal to body axes, scalar first."""
-        if np.array_equal(self.principal_axes, np.eye(3)):
+        if self._found is None:
             return frozen(np.array([1.0, 0.0, 0.0, 0.0]))
-        return frozen(quaternion.from_matrix(self.principal_axes))
+        return frozen(self._found.wxyz[0])
 
     @property
     def moments_as_pairs(self) -> FloatArray:
@@ -284,14 +292,16 @@ class Body(Immutable):
 
 def _check(moments: FloatArray, name: str) -> None:
     """AttitudeError for principal moments that no body has."""
-    _refuse_overflow(moments.max(), name)
-    if np.any(moments < 0.0) or not np.any(moments > 0.0):
+    x, y, z = moments.tolist()
+    largest = max(x, y, z)
+    _refuse_overflow(largest, name)
+    if min(x, y, z) < 0.0 or not largest > 0.0:
         raise AttitudeError(
             f"{name} are {_listed(moments)}; moments of inertia must not be negative, and at most "
             "one of them can be zero."
         )
-    excess = moments.max() - (moments.sum() - moments.max())
-    if excess > _TRIANGLE * moments.max():
+    excess = largest - (((x + y) + z) - largest)
+    if excess > _TRIANGLE * largest:
         raise AttitudeError(
             f"{name} are {_listed(moments)}; no body has a moment of inertia that exceeds the sum "
             f"of the other two (here by {excess:.3g}). Check the numbers and their units."
@@ -314,17 +324,6 @@ def _refuse_overflow(largest: float, name: str) -> None:
             f"{name} holds {largest:.3g}, so large that sums overflow; give numbers up to "
             f"{_LARGEST:.3g}, for example in a larger unit with relative=True."
         )
-
-
-def _rod_within_rounding(pairs: FloatArray) -> FloatArray:
-    """Eigenvalues in which a least one that is negative by rounding is 0, the others then equal.
-
-    A body with a zero moment is a rod.
-    """
-    if -_ZERO_MOMENT * pairs[2, 0] <= pairs[0, 0] <= 0.0:
-        mean = 0.5 * (pairs[1] + pairs[2])
-        return np.array([[0.0, 0.0], mean, mean])
-    return pairs
 
 
 def _listed(row: Iterable[float]) -> str:

@@ -12,18 +12,19 @@ import numpy as np
 
 from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
-from attitude.immutable import read_only
+from attitude.immutable import frozen, read_only
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from attitude.annotations import FloatArray
+    from attitude.annotations import FloatArray, IntArray
 
 # So many epochs, 2 ms of work, are evaluated in one call of compiled code: Python acts on signals,
 # such as that of Ctrl-C, between the calls.
 EPOCHS = 1 << 18
+_NO_FAULT = frozen(np.zeros(0, dtype=np.int64))
 
 _FAULTS = {
     codes.BAD_MOMENT: (
@@ -73,9 +74,9 @@ def constants_of(
         Attitudes at the epoch, body to inertial.
     principal : (1 or B, 4) array
         Unit quaternion from principal axes to body axes.
-    differences : (3, 2) array, optional
-        Of a single motion, where these are known to more digits than follow from pairs of moments
-        and rates: see `attitude.solution.principal.PrincipalAxes.differences`.
+    differences : (3, 2) array of a single motion or (B, 3, 2) array, optional
+        Where these are known to more digits than follow from pairs of moments and rates: see
+        `attitude.solution.principal.PrincipalAxes.differences`.  NaN for a motion without them.
     rates : bool
         Whether `evaluate` is to compute angular velocities.
     wxyz_low : (B, 4) array, optional
@@ -92,20 +93,63 @@ def constants_of(
     AttitudeError
         For the first state that is not physical.
     """
+    constants, faults = prepared(
+        moments, wxyz, omega, principal, differences=differences, rates=rates, wxyz_low=wxyz_low
+    )
+    if faults:
+        k = int(np.flatnonzero(constants["fault"])[0])
+        where = f"State {first + k} of {count}: " if count > 1 else ""
+        raise AttitudeError(where + fault_of(constants[k], moments[k], wxyz[k], omega[k]))
+    return constants
+
+
+def prepared(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    *,
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    wxyz_low: FloatArray | None = None,
+) -> tuple[NDArray[Any], int]:
+    """As `constants_of`, but states that are not physical are counted, not refused.
+
+    Returns
+    -------
+    constants : (B,) structured array
+        ``fault`` is not 0 where the state is not physical.
+    faults : int
+        Number of such states.
+    """
     prepare_all, _ = _compiled()
     # zeros, two microseconds faster than np.zeros of a record with so many fields
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
     given = writable(moments), writable(wxyz), writable(omega), writable(principal)
-    if prepare_all(*given, constants, differences, rates, wxyz_low):
-        k = int(np.flatnonzero(constants["fault"])[0])
-        sentence = _FAULTS[int(constants["fault"][k])].format(
-            moments=_listed(moments[k, :, 0]), wxyz=_listed(wxyz[k]), omega=_listed(omega[k, :, 0])
-        )
-        where = f"State {first + k} of {count}: " if count > 1 else ""
-        raise AttitudeError(where + sentence)
-    return constants
+    return constants, prepare_all(*given, constants, differences, rates, wxyz_low)
+
+
+def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
+    """Numbers (K,) of the states (B,), given as to `constants_of`, that are not physical."""
+    _compiled()
+    from attitude.solution.classify import classify_all
+
+    constants: NDArray[Any] = np.ndarray(
+        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
+    )
+    given = writable(moments), writable(wxyz), writable(omega)
+    if not classify_all(*given, constants)[0]:
+        return _NO_FAULT
+    return np.flatnonzero(constants["fault"])
+
+
+def fault_of(constants: Any, moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> str:
+    """The sentence on a state that is not physical, with its numbers; arguments as of one body."""
+    return _FAULTS[int(constants["fault"])].format(
+        moments=_listed(moments[:, 0]), wxyz=_listed(wxyz), omega=_listed(omega[:, 0])
+    )
 
 
 def evaluate(
@@ -148,6 +192,27 @@ def evaluate(
             refuse_epoch(
                 constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
             )
+
+
+def evaluated(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    first: int,
+    end: int,
+) -> int:
+    """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code.
+
+    Returns
+    -------
+    int
+        -1, or the number of a motion with an epoch beyond its reach; then not all are filled.
+    """
+    _, evaluate_all = _compiled()
+    found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
+    return found
 
 
 def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:

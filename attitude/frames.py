@@ -30,7 +30,7 @@ from attitude.pairs import add, times
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from attitude.annotations import FloatArray
 
@@ -100,8 +100,8 @@ def vector_to_icrf(frame: str, vector: Iterable[float]) -> FloatArray:
     return _pairs(_exact_matrix(known(frame)) @ _fractions(vector))
 
 
-def attitude_to_icrf(frame: str, wxyz: Iterable[Iterable[float]]) -> FloatArray:
-    """The quaternion to ICRF (4, 2) of a quaternion (4, 2) to a frame, both in pairs of doubles.
+def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
+    """Quaternions to ICRF (..., 4, 2) of quaternions (..., 4, 2) to a frame, in pairs of doubles.
 
     Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
 
@@ -111,8 +111,12 @@ def attitude_to_icrf(frame: str, wxyz: Iterable[Iterable[float]]) -> FloatArray:
         For an unknown frame.
     """
     a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
-    w, x, y, z = ((float(hi), float(lo)) for hi, lo in wxyz)
-    return np.array(
+    given = np.asarray(wxyz, dtype=np.float64)
+    if given.ndim == 2:  # floats are ten times faster than arrays of one number
+        w, x, y, z = ((hi, lo) for hi, lo in given.tolist())
+    else:
+        w, x, y, z = ((given[..., k, 0], given[..., k, 1]) for k in range(4))
+    found = np.array(
         [
             _sum(times(a, w), times(b, x), times(c, y), times(d, z), signs=(1, -1, -1, -1)),
             _sum(times(a, x), times(b, w), times(c, z), times(d, y), signs=(1, 1, 1, -1)),
@@ -120,6 +124,7 @@ def attitude_to_icrf(frame: str, wxyz: Iterable[Iterable[float]]) -> FloatArray:
             _sum(times(a, z), times(b, y), times(c, x), times(d, w), signs=(1, 1, -1, 1)),
         ]
     )
+    return np.moveaxis(found, (0, 1), (-2, -1))
 
 
 def known(frame: str, name: str = "frame") -> str:

@@ -29,6 +29,7 @@ MOVED: Final[dict[str, str]] = {
     "attitude.spread": "attitude.published.uncertainty",
     "attitude.formats.damit_light_curve": "attitude.formats.damit.light_curve",
     "attitude.formats.which": "attitude.formats.detect",
+    "attitude.light_curve.blocks": "attitude.blocks",
 }
 
 

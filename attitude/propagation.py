@@ -3,101 +3,107 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from attitude import validation
+from attitude.batches import Batch
 from attitude.errors import AttitudeError
-from attitude.evaluation import constants_of, evaluate
 from attitude.immutable import put
-from attitude.sensitivities import columns
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Reals
 
-# The constants of so many bodies are computed together: they stay in the second-level cache.
-_BLOCK = 256
-_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
-
 
 @overload
 def propagate(
-    moments: Reals,
+    moments: Reals | None,
     wxyz0: Reals,
     omega0: Reals,
     t: Reals,
     *,
+    tensors: Reals | None = None,
     t_low: Reals | None = None,
     angular_velocity: Literal[False] = False,
     out: FloatArray | None = None,
     rates_out: None = None,
+    threads: int = 1,
 ) -> FloatArray: ...
 
 
 @overload
 def propagate(
-    moments: Reals,
+    moments: Reals | None,
     wxyz0: Reals,
     omega0: Reals,
     t: Reals,
     *,
+    tensors: Reals | None = None,
     t_low: Reals | None = None,
     angular_velocity: Literal[True],
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
+    threads: int = 1,
 ) -> tuple[FloatArray, FloatArray]: ...
 
 
 @overload
 def propagate(
-    moments: Reals,
+    moments: Reals | None,
     wxyz0: Reals,
     omega0: Reals,
     t: Reals,
     *,
+    tensors: Reals | None = None,
     t_low: Reals | None = None,
     angular_velocity: bool = False,
     sensitivity: Literal[True],
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
     sensitivity_out: FloatArray | None = None,
+    threads: int = 1,
 ) -> tuple[FloatArray, ...]: ...
 
 
 @overload
 def propagate(
-    moments: Reals,
+    moments: Reals | None,
     wxyz0: Reals,
     omega0: Reals,
     t: Reals,
     *,
+    tensors: Reals | None = None,
     t_low: Reals | None = None,
     angular_velocity: bool,
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
+    threads: int = 1,
 ) -> FloatArray | tuple[FloatArray, FloatArray]: ...
 
 
 def propagate(
-    moments: Reals,
+    moments: Reals | None,
     wxyz0: Reals,
     omega0: Reals,
     t: Reals,
     *,
+    tensors: Reals | None = None,
     t_low: Reals | None = None,
     angular_velocity: bool = False,
     sensitivity: bool = False,
     out: FloatArray | None = None,
     rates_out: FloatArray | None = None,
     sensitivity_out: FloatArray | None = None,
+    threads: int = 1,
 ) -> FloatArray | tuple[FloatArray, ...]:
     """Exact attitudes of freely rotating bodies at any time.
 
     Parameters
     ----------
-    moments : (..., 3) array_like
-        Principal moments of inertia about the body axes x, y, z: any unit, any order.
+    moments : (..., 3) array_like, or None
+        Principal moments of inertia about the body axes x, y, z: any unit, any order.  None with
+        `tensors`.
     wxyz0 : (..., 4) array_like
         Attitude at t = 0, body to inertial, scalar first; of any length.
     omega0 : (..., 3) array_like
@@ -105,6 +111,9 @@ def propagate(
     t : (..., T) array_like, or a number
         Seconds.  The last axis is time; the others broadcast with those of the bodies.
         NaN gives NaN.
+    tensors : (..., 3, 3) array_like, optional
+        Inertia tensors in body axes, in place of the moments; their doubles are taken as exact, as
+        by `Body`, and the results have the precision of those of moments.  25 us a body.
     t_low : array_like of t's shape, optional
         What one double of t leaves out: the epoch is t + t_low.
     angular_velocity : bool
@@ -115,6 +124,8 @@ def propagate(
     out, rates_out, sensitivity_out : float64 arrays (..., T, 4), (..., T, 3), (..., T, 3, 9)
         Optional.  Filled with the results, and returned.  Views of (..., 4, T) memory are filled
         in place; others cost a copy.
+    threads : int
+        Number of threads; the bits of the results do not depend on it.
 
     Returns
     -------
@@ -126,8 +137,8 @@ def propagate(
     sensitivity : (..., T, 3, 9) array, only with sensitivity=True
         The rotation vector (rad, inertial axes) of the change of attitude for a unit change of the
         first attitude (3, rotation vector, inertial axes), of the angular velocity (3, rad/s, body
-        axes) and of the moments (3).  Its error is 4e-15 of the largest entry of a column, near the
-        separatrix 1e-15/mc (benchmarks/sensitivity.py).
+        axes) and of the principal moments (3).  Its error is 4e-15 of the largest entry of a
+        column, near the separatrix 1e-15/mc (benchmarks/sensitivity.py).
     omega_sensitivity : (..., T, 3, 9) array, only with both
         That of the angular velocity, over the body axes.
 
@@ -154,7 +165,7 @@ def propagate(
         angular_velocity = validation.flag(angular_velocity, "angular_velocity")
     if sensitivity is not False:
         sensitivity = validation.flag(sensitivity, "sensitivity")
-    moments = validation.rows(moments, "moments", 3)
+    inertia, inner = _inertia(moments, tensors)
     wxyz0 = validation.rows(wxyz0, "wxyz0", 4)
     omega0 = validation.rows(omega0, "omega0", 3, unit="rad/s")
     t = validation.seconds(t, "t")
@@ -162,77 +173,40 @@ def propagate(
     t = t.reshape(1) if scalar else t
     if t_low is not None:
         t_low = _low_parts(validation.seconds(t_low, "t_low"), t)
-    lead = _leading_shape(moments, wxyz0, omega0, t)
+    lead = _leading_shape(inertia.shape[: inertia.ndim - inner], wxyz0, omega0, t)
     count = math.prod(lead)
     shape = (*lead, *t.shape[-1:])
-    results = [(_result_memory(out, "out", shape, (4,), scalar), out)]
+    results = [(result_memory(out, "out", shape, (4,), scalar), out)]
     if angular_velocity:
-        results.append((_result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
+        results.append((result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
     elif rates_out is not None:
         raise AttitudeError("rates_out is given without angular_velocity=True; give both.")
     if sensitivity:
-        memory = _result_memory(sensitivity_out, "sensitivity_out", shape, (3, 9), scalar)
+        memory = result_memory(sensitivity_out, "sensitivity_out", shape, (3, 9), scalar)
         results.append((memory, sensitivity_out))
         if angular_velocity:
-            results.append((_result_memory(None, "", shape, (3, 9), scalar), None))
+            results.append((result_memory(None, "", shape, (3, 9), scalar), None))
     elif sensitivity_out is not None:
         raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
     flat = [_bodies(memory, len(lead), count) for memory, _ in results]
-    _propagate_blocks(
-        _flat(moments, lead, count),
-        _flat(wxyz0, lead, count),
-        _flat(omega0, lead, count),
+    batch = Batch(
+        _flat(inertia, lead, count, inner), _flat(wxyz0, lead, count), _flat(omega0, lead, count)
+    )
+    batch.propagated(
         _epochs(t, lead, count),
         None if t_low is None else _epochs(t_low, lead, count),
         flat[0],
         flat[1] if angular_velocity else None,
         flat[-2 if angular_velocity else -1 :] if sensitivity else [],
+        threads,
     )
-    found = tuple(_result(memory, given, scalar, len(lead)) for memory, given in results)
+    found = tuple(result(memory, given, scalar, len(lead)) for memory, given in results)
     return found if len(found) > 1 else found[0]
 
 
 def _bodies(memory, leading, count):
     """The memory with its leading axes as one, of bodies."""
     return memory.reshape(count, *memory.shape[leading:])
-
-
-def _propagate_blocks(moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity):
-    """Fill the results of B bodies, _BLOCK bodies at a time."""
-    count = len(moments)
-    if count <= _BLOCK:
-        _propagate_block(moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity, 0, count)
-        return
-    for start in range(0, count, _BLOCK):
-        part = slice(start, start + _BLOCK)
-        here = part if len(t) > 1 else slice(None)
-        _propagate_block(
-            moments[part],
-            wxyz0[part],
-            omega0[part],
-            t[here],
-            None if t_low is None else t_low[here],
-            wxyz[part],
-            None if rates is None else rates[part],
-            [each[part] for each in sensitivity],
-            start,
-            count,
-        )
-
-
-def _propagate_block(
-    moments, wxyz0, omega0, t, t_low, wxyz, rates, sensitivity, first, count
-):  # the number of the first body, and of all bodies, is for error messages
-    """Fill the results of the bodies of one block."""
-    pairs = np.zeros((2, len(moments), 3, 2))
-    pairs[0, :, :, 0], pairs[1, :, :, 0] = moments, omega0
-    constants = constants_of(
-        pairs[0], wxyz0, pairs[1], _IDENTITY, rates=rates is not None, first=first, count=count
-    )
-    evaluate(constants, t, t_low, wxyz, rates)
-    if sensitivity:
-        tangents = columns.tangents_of(pairs[0], wxyz0, _IDENTITY, constants)
-        columns.evaluate(constants, tangents, t, t_low, *sensitivity)
 
 
 def _low_parts(t_low, t):
@@ -245,12 +219,26 @@ def _low_parts(t_low, t):
     return t_low.reshape(t.shape)
 
 
-def _leading_shape(moments, wxyz0, omega0, t):
-    """The shape that the axes before the last ones broadcast to."""
-    if moments.ndim == wxyz0.ndim == omega0.ndim == t.ndim == 1:
+def _inertia(moments, tensors):
+    """Moments (..., 3) or tensors (..., 3, 3), and how many axes of the array are of one body."""
+    if (moments is None) == (tensors is None):
+        raise AttitudeError(
+            "propagate takes either moments (..., 3) or, with moments=None, tensors (..., 3, 3)."
+        )
+    if tensors is None:
+        return validation.rows(moments, "moments", 3), 1
+    tensors = validation.rows(tensors, "tensors", 3)
+    if tensors.shape[-2:] != (3, 3):
+        raise AttitudeError(f"tensors has shape {tensors.shape}; give (..., 3, 3).")
+    return tensors, 2
+
+
+def _leading_shape(inertia, wxyz0, omega0, t):
+    """The shape that the axes before the last ones broadcast to; that of the inertia is given."""
+    if inertia == () and wxyz0.ndim == omega0.ndim == t.ndim == 1:
         return ()
     parts = {
-        "moments": moments.shape[:-1],
+        "moments or tensors": inertia,
         "wxyz0": wxyz0.shape[:-1],
         "omega0": omega0.shape[:-1],
         "t": t.shape[:-1],
@@ -265,12 +253,14 @@ def _leading_shape(moments, wxyz0, omega0, t):
         ) from err
 
 
-def _flat(array, lead, count):
-    if array.shape[:-1] != lead:
-        array = np.broadcast_to(array, (*lead, array.shape[-1]))
+def _flat(array, lead, count, inner=1):
+    """The rows of the bodies (count, ...), each of the last `inner` axes of an array."""
+    row = array.shape[array.ndim - inner :]
+    if array.shape[:-inner] != lead:
+        array = np.broadcast_to(array, (*lead, *row))
     if not array.flags.c_contiguous:
         array = np.ascontiguousarray(array)
-    return array.reshape(count, array.shape[-1])
+    return array.reshape(count, *row)
 
 
 def _epochs(t, lead, count):
@@ -280,7 +270,9 @@ def _epochs(t, lead, count):
     return _flat(t, lead, count)
 
 
-def _result_memory(out, name, shape, width, scalar):
+def result_memory(
+    out: Any, name: str, shape: tuple[int, ...], width: tuple[int, ...], scalar: bool
+) -> FloatArray:
     """Component-major memory (..., *width, T) for the result; that of `out` where possible."""
     if out is not None:
         expected = (*shape[:-1], *width) if scalar else (*shape, *width)
@@ -297,7 +289,7 @@ def _result_memory(out, name, shape, width, scalar):
     return np.empty((*shape[:-1], *width, shape[-1]))
 
 
-def _result(memory, out, scalar, leading):
+def result(memory: FloatArray, out: FloatArray | None, scalar: bool, leading: int) -> FloatArray:
     """The result as it is returned: a view of the memory, or `out`."""
     view = memory[..., 0] if scalar else np.moveaxis(memory, -1, leading)
     if out is None:

@@ -12,7 +12,7 @@ array([-2.,  1.,  0.])
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -141,17 +141,45 @@ def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
     given = validation.real(wxyz, name, shape=(4,))
     found = np.zeros((4, 2))
     largest = float(_refuse_no_attitude(given, name)[0])
-    if largest < 2.0 and abs(given @ given - 1.0) <= _UNIT:  # a large one overflows when squared
+    w, x, y, z = q = given.tolist()
+    # a large one overflows when squared
+    if largest < 2.0 and abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT:
         found[:, 0] = given
         return found
     exponent = math.frexp(largest)[1]
-    q = [math.ldexp(x, -exponent) for x in given.tolist()]  # by a power of two, which is exact
-    square: tuple[float, float] = (0.0, 0.0)
+    # by a power of two, which is exact
+    found[:] = _divided_by_length([math.ldexp(x, -exponent) for x in q])
+    return found
+
+
+def all_unit_in_pairs(wxyz: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+    """As `unit_in_pairs` for quaternions (N, 4): the first doubles (N, 4), and the second ones.
+
+    The second doubles are None if all are zero.  Rows that are no attitude are NaN.
+    """
+    high, low = wxyz, None
+    with np.errstate(all="ignore"):
+        for begin in range(0, len(wxyz), _BLOCK):
+            w, x, y, z = wxyz[begin : begin + _BLOCK].T
+            rest = np.flatnonzero(~(abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT))
+            if len(rest):
+                if low is None:
+                    high, low = wxyz.copy(), np.zeros(wxyz.shape)
+                given = wxyz[rest + begin]
+                exponent = np.frexp(np.abs(given).max(axis=1, keepdims=True))[1]
+                parts = _divided_by_length(list(np.ldexp(given, -exponent).T))
+                high[rest + begin] = np.transpose([part[0] for part in parts])
+                low[rest + begin] = np.transpose([part[1] for part in parts])
+    return high, low
+
+
+def _divided_by_length(q: list[Any]) -> list[Any]:
+    """The components of a quaternion, floats or arrays, over its length, in pairs."""
+    square: tuple[Any, Any] = (0.0, 0.0)
     for x in q:
         square = pairs.add(square, *pairs.product(x, x))
     length = pairs.root(square)
-    found[:] = [pairs.quotient((x, 0.0), length) for x in q]
-    return found
+    return [pairs.quotient((x, 0.0), length) for x in q]
 
 
 def _refuse_no_attitude(given: FloatArray, name: str) -> FloatArray:

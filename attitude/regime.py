@@ -315,7 +315,7 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
     rows = None
     for part in _blocks(count):
         given, constants = _constants(moments, omega, part, count)
-        found = _rows_of(given, constants)
+        found = rows_of(given, constants)
         rows = np.empty(count, found.dtype) if rows is None else rows
         rows[part] = found
     if rows is None:
@@ -325,10 +325,11 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
 
 def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
     """The Regime of one motion, from its moments (1, 3, 2), pairs, and its constants (1,)."""
-    return Regime(_rows_of(moments, constants).reshape(()))
+    return Regime(rows_of(moments, constants).reshape(()))
 
 
-def _rows_of(moments, constants):
+def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
+    """Rows (B,) of `solution.regimes.REGIME`, from moments (B, 3, 2), pairs, and constants (B,)."""
     from attitude.solution.regimes import REGIME, regimes_all
 
     rows = np.zeros(len(constants), REGIME)

@@ -194,21 +194,9 @@ class Spin(Immutable):
         ... )
         <Spin at 2012-12-23T00:00:00 UTC: angular velocity ...>
         """
-        if P is not None:
-            given = (mode, convention, P_psi, P_phi, psi0, theta_branch)
-            if any(each is not None for each in given):
-                raise AttitudeError(
-                    "P is the one period of a relaxed rotator; leave out mode, convention, P_psi, "
-                    "P_phi, psi0 and theta_branch, or give P_psi and P_phi."
-                )
-            return cls(epoch, *published.relaxed(body, P=P, pole=pole, phi0=phi0), frame)
-        if mode is None or convention is None or P_psi is None or P_phi is None or psi0 is None:
-            raise _missing(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
-        if body is None:
-            raise AttitudeError("body is None; give a Body, or one period P for a rotator about z.")
         state = published.from_periods(
             body, mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, pole=pole,
-            phi0=phi0, psi0=psi0, theta_branch=theta_branch,
+            phi0=phi0, psi0=psi0, theta_branch=theta_branch, P=P,
         )  # fmt: skip
         return cls(epoch, *state, frame)
 
@@ -329,13 +317,3 @@ class Spin(Immutable):
     def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
-
-
-def _missing(**given: object) -> AttitudeError:
-    """The error that names the keywords that are None."""
-    missing = [name for name, value in given.items() if value is None]
-    return AttitudeError(
-        f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
-        '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
-        "a relaxed rotator."
-    )

@@ -6,6 +6,7 @@ except by converting it to the unit of the result.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -51,10 +52,13 @@ def real(
     AttitudeError
         For another shape, unit or type, or a number that is not finite.
     """
-    array = _floats(value, name, unit)
-    if shape is not None and not _fits(array.shape, shape):
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        array: FloatArray = value.copy("K")
+    else:
+        array = _floats(value, name, unit)
+    if shape is not None and array.shape != shape and not _fits(array.shape, shape):
         raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
-    if finite and not np.all(np.isfinite(array)):
+    if finite and not np.isfinite(array).all():
         bad = array[~np.isfinite(array)].flat[0]
         raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
     return array
@@ -85,6 +89,8 @@ def seconds(value: Reals, name: str) -> FloatArray:
 
 def number(value: Real, name: str, *, unit: str | None = None) -> float:
     """One finite number as a float in `unit`; see `real`."""
+    if type(value) is float and -math.inf < value < math.inf:
+        return value
     return float(real(value, name, shape=(), unit=unit))
 
 

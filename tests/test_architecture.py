@@ -14,10 +14,10 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "validation", "pairs", "physical_constants", "moved"),
+    ("errors", "immutable", "validation", "pairs", "physical_constants", "blocks", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
-    ("evaluation", "sensitivities", "propagation", "regime", "jax", "torch"),
+    ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation"),
@@ -26,21 +26,23 @@ HOUSE = (
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
+    ("ensemble",),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions"),
-        *("simd", "error_free", "simd_lowering", "pointers", "lowering", "decorators", "callbacks"),
+        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd", "wide"),
+        *("error_free", "simd_lowering", "wide_lowering", "pointers", "lowering", "decorators"),
+        "callbacks",
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
         *("chain", "march_layout", "torqued_step", "march", "adaptive", "regimes", "place_of_d"),
-        *("principal", "vectors", "second_kind", "derivatives", "tangent_record"),
-        *("tangent_series", "tangents", "columns", "uniform_tangents", "tangent_setup"),
-        *("short_times", "sensitivity", "warm_up"),
+        *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
+        *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
+        *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
 }

@@ -23,7 +23,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from attitude import epochs, pairs
-from attitude.epochs import time_scales
+from attitude.epochs import readers, time_scales
 from attitude.epochs.inputs import instant, seconds_since
 from attitude.errors import AttitudeError
 
@@ -687,3 +687,16 @@ def test_an_instant_and_seconds_after_it():
     later = START.after(1e9, 1e-9)
     assert exact(START, later) == pytest.approx(Fraction(10**9) + Fraction(1e-9), abs=1e-15)
     assert later.after(-1e9, -1e-9) == START
+
+
+@pytest.mark.parametrize(
+    "scale", ["", "Z", "+05:30", " TDB", " TT", " TAI", " GPS", " TCG", " UT1"]
+)
+def test_a_single_date_has_the_bits_of_a_list(scale):
+    """A single text is computed with floats, a list with arrays."""
+    dates = ["1990-06-30T23:59:59", "2016-12-31T23:59:59.999", "2020-02-29T01:02:03.456789"]
+    dates += [] if scale == " UT1" else ["1965-03-01T12:00:00.25", "2050-01-01T00:00:00"]
+    texts = [date + scale for date in dates]
+    for text, hi, lo in zip(texts, *readers.read("text", texts, (len(texts),), "t"), strict=True):
+        one = instant(text)
+        assert (one.seconds, one.low) == pairs.two_sum(hi, lo)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from astropy import units as u
 
-from attitude import AttitudeError, propagate
+from attitude import AttitudeError, Body, FreeRotation, Spin, propagate, quaternion
 from tests import states
 
 STATE = ((10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0), (1.0, 15.0, 1.0))
@@ -196,7 +196,7 @@ def test_rates_out_wants_rates():
         ({"moments": (1, 2)}, r"moments has shape \(2,\); give \(..., 3\)"),
         ({"moments": 5.0}, r"moments has shape \(\)"),
         ({"moments": "abc"}, "moments is 'abc'"),
-        ({"moments": None}, "moments is None; give real numbers"),
+        ({"moments": None}, "takes either moments .* or"),
         ({"moments": ((1, 2), (3,))}, "moments is ragged"),
         ({"wxyz0": (0, 0, 0, 0)}, r"wxyz is \(0, 0, 0, 0\); give four finite numbers"),
         ({"wxyz0": (1, 0, math.nan, 0)}, r"wxyz is \(1, 0, nan, 0\)"),
@@ -256,3 +256,82 @@ def test_a_time_to_the_edge_of_the_reach():
     assert np.max(np.abs(np.sum(wxyz**2, axis=-1) - 1)) < 1e-15
     with pytest.raises(AttitudeError, match="5e16 turns"):
         propagate((1.0, 1.0, 1.0), STATE[1], (0.0, 0.0, 2.0), [1.05 * t])
+
+
+def _tensors(count):
+    random = np.random.default_rng(17)
+    x, y, z = random.uniform(0.1, 1.0, (3, count))
+    moments = np.stack([y + z, x + z, x + y], axis=1)
+    turns = quaternion.matrix(quaternion.unit(random.normal(size=(count, 4))))
+    tensors = turns @ (moments[:, :, None] * np.swapaxes(turns, 1, 2))
+    tensors = 0.5 * (tensors + np.swapaxes(tensors, 1, 2))
+    tensors[::7] = moments[::7, :, None] * np.eye(3)  # some are diagonal
+    return tensors, random.normal(size=(count, 4)), random.normal(size=(count, 3))
+
+
+def test_tensors_have_the_bits_of_free_rotation():
+    tensors, wxyz, omega = _tensors(40)
+    wxyz = quaternion.unit(wxyz)
+    t = np.array([0.0, 1.0, 1e3, 1e9])
+    attitudes, rates = propagate(None, wxyz, omega, t, tensors=tensors, angular_velocity=True)
+    for k in range(len(tensors)):
+        spin = Spin("2026-01-01", wxyz[k], omega[k])
+        if spin.is_rounded:
+            continue
+        history = FreeRotation(Body(tensor=tensors[k]), spin).at(t)
+        np.testing.assert_array_equal(attitudes[k], history.wxyz)
+        np.testing.assert_array_equal(rates[k], history.angular_velocity)
+    one = propagate(None, wxyz[1], omega[1], t, tensors=tensors[1])
+    np.testing.assert_array_equal(one, attitudes[1])
+
+
+def test_derivatives_of_bodies_given_by_tensors():
+    """Those of FreeRotation, through the covariance that belongs to the same nine parameters."""
+    tensors, wxyz, omega = _tensors(3)
+    wxyz = quaternion.unit(wxyz)
+    given = {"attitude": 1e-3, "angular_velocity": 1e-4, "moments": 1e-3}
+    t = np.array([1.0, 50.0])
+    _, derivatives = propagate(None, wxyz, omega, t, tensors=tensors, sensitivity=True)
+    for k in (1, 2):
+        motion = FreeRotation(
+            Body(tensor=tensors[k]), Spin("2026-01-01", wxyz[k], omega[k], covariance=given)
+        )
+        covariance = motion.covariance_at(t, rates=False)
+        weights = np.array([1e-3] * 3 + [1e-4] * 3 + [1e-3] * 3)
+        scaled = derivatives[k] * weights
+        np.testing.assert_allclose(
+            scaled @ np.swapaxes(scaled, 1, 2), covariance, rtol=1e-9, atol=1e-20
+        )
+
+
+def test_threads_and_blocks_change_no_bit():
+    tensors, wxyz, omega = _tensors(70)
+    moments = np.linalg.eigvalsh(tensors)
+    t = np.linspace(0.0, 1e4, 30000)  # eight bodies in a block
+    right = np.array([propagate(m, q, w, t) for m, q, w in zip(moments, wxyz, omega, strict=True)])
+    for threads in (1, 2, 3):
+        np.testing.assert_array_equal(propagate(moments, wxyz, omega, t, threads=threads), right)
+    long = np.linspace(0.0, 1e4, 3 * 2**18 + 5)  # one body in four pieces
+    one = propagate(moments[0], wxyz[0], omega[0], long, threads=2)
+    np.testing.assert_array_equal(one, propagate(moments[0], wxyz[0], omega[0], long))
+    np.testing.assert_array_equal(one[-3:], propagate(moments[0], wxyz[0], omega[0], long[-3:]))
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"moments": (1, 2, 2), "tensors": np.eye(3)}, "either moments"),
+        ({"moments": None}, "either moments"),
+        ({"moments": None, "tensors": [(1, 2, 3)]}, r"give \(..., 3, 3\)"),
+        ({"moments": None, "tensors": [[1, 2, 0], [0, 1, 0], [0, 0, 1.0]]}, "symmetric matrices"),
+        ({"moments": None, "tensors": np.full((3, 3), np.nan)}, "symmetric matrices"),
+        (
+            {"moments": None, "tensors": [np.eye(3), [[1, 9, 0], [9, 1, 0], [0, 0, 1]]]},
+            "State 1 of 2",
+        ),
+        ({"moments": (1, 2, 2), "threads": 0}, "threads is 0"),
+    ],
+)
+def test_tensors_and_threads_that_are_refused(given, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        propagate(given.pop("moments"), (1, 0, 0, 0), (1, 2, 3), [0.0, 1.0], **given)

@@ -17,9 +17,12 @@ from numba.extending import lower_builtin, overload, type_callable
 from attitude.compilation import error_free, instructions, pointers, simd_lowering
 from attitude.compilation.disk_cache import is_stamped, kept_on_disk
 from attitude.compilation.error_free import is_instruction
+from attitude.compilation.wide_lowering import register_wide
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+register_wide()
 
 _DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
 _F8, _I8 = types.float64, types.int64

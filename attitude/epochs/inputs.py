@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epoch, Epochs, FloatArray
 
-__all__ = ["Instant", "instant", "plain_seconds", "seconds_since", "times"]
+__all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]
 
 _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '
@@ -64,6 +64,8 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
     """
     if isinstance(value, Instant):
         return value
+    if type(value) is str:
+        return Instant(*readers.of_text(value, name))
     kind, leaves, shape = kinds.entries(value, name, _DATES)
     if kind in kinds.LENGTHS:
         raise AttitudeError(
@@ -142,6 +144,25 @@ def seconds_since(
     assert rest is not None  # a date has both doubles
     hi, lo = pairs.add((dates, rest), -start.seconds, -start.low)
     return np.asarray(hi), np.asarray(lo)
+
+
+def past_j2000(t: Epochs, name: str = "t") -> tuple[FloatArray, FloatArray]:
+    """Dates of any shape as TDB seconds past J2000, in two doubles.
+
+    NaN where a date is NaT or masked.  From a date, `seconds_since` an Instant is
+    ``pairs.add(found, -start.seconds, -start.low)``, bit for bit.
+
+    Raises
+    ------
+    AttitudeError
+        For plain seconds and durations, and as `seconds_since`.
+    """
+    kind, leaves, shape = kinds.entries(t, name, _DATES)
+    if kind in kinds.LENGTHS:
+        raise AttitudeError(f"{name} is {validation.shown(t)}; give {_DATES}.")
+    hi, lo = readers.read(kind, leaves, shape, name)
+    assert lo is not None  # a date has both doubles
+    return hi, lo
 
 
 def plain_seconds(

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 # Julian date of 2000-01-01 12:00.
 J2000: float = 2451545.0
+# Modified Julian date of 1972-01-01, since when UTC differs from TAI by whole seconds.
+_WHOLE_LEAPS = 41317.0
 # Seconds.
 DAY: float = 86400.0
 TT_MINUS_TAI: float = 32.184
@@ -91,7 +93,9 @@ def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
     return _tai_of_day(day, known, *pairs.two_sum(0.5 * length + second, low))
 
 
-def tai_from_utc_day(day: Doubles, second: Doubles, low: Doubles | float = 0.0) -> Pair:
+def tai_from_utc_day(
+    day: Doubles | float, second: Doubles | float, low: Doubles | float = 0.0
+) -> Any:
     """TAI of UTC given as a civil day and the seconds second + low since its midnight.
 
     Parameters
@@ -100,7 +104,15 @@ def tai_from_utc_day(day: Doubles, second: Doubles, low: Doubles | float = 0.0) 
         Modified Julian date of the civil day, a whole number in a float64.
     second, low : array
         From 0 to 86400, or to 86401 on the day of a leap second.
+
+    Three Python floats give two floats, with the bits of arrays and in a tenth of their time.
     """
+    if type(day) is float and day >= _WHOLE_LEAPS:
+        import erfa
+
+        # As by `_utc_days`: without drift, and the end of the day is of no account.
+        first = float(erfa.ufunc.dat(*erfa.ufunc.jd2cal(2400000.5, day)[:3], 0.0)[0])
+        return _tai_of_day(day, (first, 0.0, 0.0), second, low)
     return _tai_of_day(day, _utc_days(day), second, low)
 
 
@@ -227,6 +239,8 @@ def tdb_minus_tt(tt_jd1: ArrayLike, tt_jd2: ArrayLike = 0.0) -> FloatArray:
     array of the common shape
         Within 5e-15 s of dtdb from year 1000 to 3000.
     """
+    if type(tt_jd1) is type(tt_jd2) is float:
+        return _one_of_series((tt_jd1 - J2000) + tt_jd2)
     days = (np.asarray(tt_jd1, dtype=np.float64) - J2000) + np.asarray(tt_jd2, dtype=np.float64)
     flat = days.ravel()
     if flat.size < _NODES:
@@ -282,7 +296,7 @@ def _tai_of_day(day, known, second, low):
     """TAI from the civil day, its offset and drift (`_utc_days`), and the seconds second + low."""
     offset, drift, _ = known
     midnight = (day - 51544.5) * DAY
-    if np.any(drift):
+    if type(drift) is not float and np.any(drift):
         # Before 1972 the second of UTC was not that of TAI.
         offset = offset + drift * (second + low)
     return pairs.add(pairs.add((midnight, 0.0 * midnight), second, low), offset)
@@ -343,6 +357,12 @@ def _series(days):
     import erfa
 
     return erfa.dtdb(J2000, days, 0.0, 0.0, 0.0, 0.0)
+
+
+@lru_cache(maxsize=4096)
+def _one_of_series(days):
+    """`_series` of one date, a float."""
+    return float(_series(days))
 
 
 def _fitted(numbers):

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from attitude.annotations import FilePath
     from attitude.formats.sources import Records
 
+# Rows of a group, which readers hold in memory at a time.
+_GROUP = 1 << 17
+
 
 def write(
     path: FilePath,
@@ -74,6 +77,32 @@ def write(
                 writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
+def write_columns(path: FilePath, columns: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
+    """Write columns (N,) of numbers or text, in groups of rows.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    columns : mapping
+    meta : mapping
+        Meta data, of types that JSON has.
+
+    Raises
+    ------
+    AttitudeError
+        If pyarrow is not installed, or the file cannot be written.
+    """
+    pyarrow = _pyarrow()
+    arrays = {name: pyarrow.array(np.ascontiguousarray(each)) for name, each in columns.items()}
+    table = pyarrow.table(arrays).replace_schema_metadata({"attitude": json.dumps(dict(meta))})
+    with (
+        written_whole(path, "the table", binary=True) as file,
+        pyarrow.parquet.ParquetWriter(file, table.schema) as writer,
+    ):
+        writer.write_table(table, row_group_size=_GROUP)
+
+
 def read(path: FilePath) -> Table:
     """The columns of a file as an astropy Table, with the meta data that `write` has written.
 
@@ -86,7 +115,7 @@ def read(path: FilePath) -> Table:
     origin = os.fspath(path)
     try:
         table = pyarrow.parquet.read_table(origin)
-        meta = json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
+        meta = meta_of(table)
     except OSError as err:
         reason = " ".join(str(err).split())[:200]
         raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
@@ -100,6 +129,11 @@ def read(path: FilePath) -> Table:
         return Table(columns, meta=meta if isinstance(meta, dict) else {})
     except (ValueError, TypeError, pyarrow.ArrowException) as err:
         raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
+
+
+def meta_of(table: Any) -> Any:
+    """The meta data that `write` and `write_columns` have written, of an arrow table."""
+    return json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
 
 
 def _pyarrow():

@@ -138,15 +138,26 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     AttitudeError
         For an unknown ending and for broken files; it names the file, and the line of a CSV.
     """
-    kind = kind_of(path)
     known_tolerance(tolerance)
-    if kind == "csv":
+    if kind_of(path) == "csv":
         return csv_table.read(path, tolerance=tolerance)
+    return from_table(columns_of(path), os.fspath(path), tolerance=tolerance)
+
+
+def columns_of(path: FilePath) -> Table:
+    """The columns and meta data of an ECSV, FITS, CSV or parquet file as an astropy Table.
+
+    Raises
+    ------
+    AttitudeError
+        For an unknown ending and for files that cannot be read.
+    """
+    kind, origin = kind_of(path), os.fspath(path)
     if kind == "parquet":
-        return from_table(parquet.read(path), os.fspath(path), tolerance=tolerance)
-    origin = os.fspath(path)
+        return parquet.read(path)
+    readers = {"ecsv": _of_ecsv, "fits": _of_fits, "csv": _of_csv}
     try:
-        table = (_of_ecsv if kind == "ecsv" else _of_fits)(path)
+        return readers[kind](path)
     except AttitudeError:
         raise
     except OSError as err:
@@ -154,16 +165,23 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:200] or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
-    return from_table(table, origin, tolerance=tolerance)
 
 
 def _of_ecsv(path):
+    return _of_text(path, "give a table in ECSV", "ascii.ecsv")
+
+
+def _of_csv(path):
+    return _of_text(path, "give a table in CSV", "ascii.csv")
+
+
+def _of_text(path, advice, notation):
     from astropy.table import QTable
 
-    lines = whole(path, "give a table in ECSV").split("\n")
+    lines = whole(path, advice).split("\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return QTable.read(lines, format="ascii.ecsv")
+        return QTable.read(lines, format=notation)
 
 
 def _of_fits(path):
@@ -216,19 +234,41 @@ def write(
         parquet.write(path, parts, rates=rates, meta=meta, sigma=sigma)
     else:
         table = qtable(source, t=t, rates=rates, sigma=sigma)
-        # astropy does not notice a full disk, so it writes into memory.
-        content: Any
-        if kind == "ecsv":
-            content = io.StringIO()
-            table.write(content, format="ascii.ecsv", serialize_method="jd1_jd2")
-        else:
-            content = io.BytesIO()
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # lower-case keywords become upper-case
-                table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
-                table.write(content, format="fits")
-        with written_whole(path, "the table", binary=kind == "fits") as file:
-            file.write(content.getvalue())
+        if kind == "fits":
+            table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
+        write_columns(path, table)
+
+
+def write_columns(path: FilePath, table: Table) -> None:
+    """Write an astropy table as ECSV, FITS or parquet, by the ending of the file.
+
+    The file appears whole or not at all.  Parquet takes columns (N,) of numbers or text.
+
+    Raises
+    ------
+    AttitudeError
+        For another ending, and a file that cannot be written.
+    """
+    kind = kind_of(path)
+    if kind == "csv":
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is CSV, which has no meta data; give .ecsv, .fits or .parquet."
+        )
+    if kind == "parquet":
+        parquet.write_columns(path, {name: table[name] for name in table.colnames}, table.meta)
+        return
+    # astropy does not notice a full disk, so it writes into memory.
+    content: Any
+    if kind == "ecsv":
+        content = io.StringIO()
+        table.write(content, format="ascii.ecsv", serialize_method="jd1_jd2")
+    else:
+        content = io.BytesIO()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # lower-case keywords become upper-case
+            table.write(content, format="fits")
+    with written_whole(path, "the table", binary=kind == "fits") as file:
+        file.write(content.getvalue())
 
 
 def kind_of(path: FilePath) -> str:

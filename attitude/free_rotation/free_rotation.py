@@ -91,12 +91,13 @@ class FreeRotation(NormalForm):
         wxyz, low = spin.wxyz_icrf, None
         if spin.is_rounded:
             low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
+        rates, differences = body.over_principal_axes(spin.angular_velocity)
         constants = evaluation.constants_of(
             body.moments_as_pairs[None],
             wxyz[None],
-            body.rates_about_principal_axes(spin.angular_velocity)[None],
+            rates[None],
             body.principal_wxyz[None],
-            differences=body.differences(spin.angular_velocity),
+            differences=differences,
             wxyz_low=low,
         )
         self._set("_constants", frozen(constants))

@@ -195,8 +195,8 @@ def _painted(
     progress: Callable[[int, int], object] | None,
 ) -> NDArray[np.uint8]:
     """The masks of a `Visibility`."""
+    from attitude.blocks import in_blocks
     from attitude.light_curve import painting
-    from attitude.light_curve.blocks import in_blocks
     from attitude.light_curve.hierarchy import enclosed, hierarchy_of
 
     cells = 6 * resolution**2

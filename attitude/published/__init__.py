@@ -1,28 +1,30 @@
 """Convert spin states from and to the form of papers: periods, pole and angles.
 
-published            `published`, and `from_periods`, `from_energy` ...: the reverse conversions
+published            `published`, and `from_energy`, `from_pole` ...: the reverse conversions
+states, arrays       `from_periods` for one body, `states_from_periods` for arrays of bodies
 conventions          the axes of the L and S conventions and their Euler angles
 dynamic_inertia      L^2/2E and the moments that published periods and ratios admit
 regular_precession   the limit of a symmetric body
 uncertainty          `spread`: how errors of published numbers propagate to periods and angles
 """
 
+from attitude.published.arrays import PeriodStates, states_from_periods
 from attitude.published.published import (
     Published,
     from_angles,
     from_energy,
-    from_periods,
     from_pole,
     published,
-    relaxed,
 )
+from attitude.published.states import from_periods
 
 __all__ = [
+    "PeriodStates",
     "Published",
     "from_angles",
     "from_energy",
     "from_periods",
     "from_pole",
     "published",
-    "relaxed",
+    "states_from_periods",
 ]

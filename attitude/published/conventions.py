@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from attitude.body import Body
 
 # Angles are published in [0, 360) or (-180, 180]; a number above a turn was meant in degrees.
-_TURN = 2.0 * math.pi * (1.0 + 1e-12)
+TURN: float = 2.0 * math.pi * (1.0 + 1e-12)
+QUARTER: float = 0.5 * math.pi * (1.0 + 1e-12)
 
 
 def order(body: Body) -> IntArray:
@@ -139,15 +140,15 @@ def known_pole(pole: Reals, name: str = "pole") -> FloatArray:
         latitude = validation.number(pole[1], f"{name} latitude", unit="rad")
     else:
         longitude, latitude = validation.real(pole, name, shape=(2,), unit="rad")
-    _check(longitude, f"{name} longitude", _TURN, "-360 and 360 deg")
-    _check(latitude, f"{name} latitude", 0.5 * math.pi * (1.0 + 1e-12), "-90 and 90 deg")
+    _check(longitude, f"{name} longitude", TURN, "-360 and 360 deg")
+    _check(latitude, f"{name} latitude", QUARTER, "-90 and 90 deg")
     return np.array([longitude, latitude])
 
 
 def known_angle(value: Real, name: str) -> float:
     """One angle in rad; AttitudeError beyond a turn."""
     angle = validation.number(value, name, unit="rad")
-    _check(angle, name, _TURN, "-360 and 360 deg")
+    _check(angle, name, TURN, "-360 and 360 deg")
     return angle
 
 

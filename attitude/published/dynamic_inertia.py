@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import FloatArray, Real
+    from attitude.annotations import BoolArray, FloatArray, Real
 
 _MODES: dict[str | Mode, str] = {
     "LAM": "LAM",
@@ -121,14 +121,23 @@ def refuse_missing_mode(moments: FloatArray, mode: str) -> None:
         )
 
 
-def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
-    """Position (y, 1 - y) and P_psi for a momentum of 1, of a P_psi / P_phi_L; NaN for none."""
+def places(moments: FloatArray, long_axis: BoolArray, ratios: FloatArray) -> FloatArray:
+    """Positions y, 1 - y and P_psi for a momentum of 1, (N, 3), of given P_psi / P_phi_L.
+
+    Moments (N, 3), ascending; long_axis and ratios (N,).  NaN where no motion has the ratio.
+    """
     from attitude.solution.place_of_d import positions_all
 
-    out = np.empty((1, 3))
-    moments = np.array([moments], dtype=float)
-    positions_all(moments, np.array([mode == "LAM"]), np.array([ratio], dtype=float), out)
-    return out[0]
+    out = np.empty((len(ratios), 3))
+    positions_all(moments, long_axis, ratios, out)
+    return out
+
+
+def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
+    """The position (3,) of `places` of one body, in a mode."""
+    given = np.array([moments], dtype=float), np.array([mode == "LAM"])
+    place: FloatArray = places(*given, np.array([ratio], dtype=float))[0]
+    return place
 
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:

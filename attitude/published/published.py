@@ -25,22 +25,14 @@ import numpy as np
 from attitude import quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
-from attitude.published import conventions, dynamic_inertia
+from attitude.published import conventions, dynamic_inertia, states
 from attitude.regime import Mode, known_convention, regimes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from attitude.annotations import FloatArray, Real, Reals
     from attitude.body import Body
     from attitude.epochs.instants import Instant
     from attitude.regime import Regime
-
-_BRANCHES = ("acute", "obtuse")
-# Rounding of cos^2 theta at the ends of a libration of psi, relative to its terms.
-_ROUNDING = 1e-14
-# Relative error of the period of the state found, above which the state is refused.
-_LOST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,36 +153,6 @@ def published(
     )
 
 
-def from_periods(
-    body: Body,
-    *,
-    mode: str | Mode,
-    convention: str,
-    P_psi: Real,
-    P_phi: Real,
-    pole: Reals,
-    phi0: Real,
-    psi0: Real,
-    theta_branch: str | None = None,
-) -> tuple[FloatArray, FloatArray]:
-    """Attitude and angular velocity from two periods; see `Spin.from_periods`.
-
-    Returns
-    -------
-    wxyz (4,), angular_velocity (3,)
-        Body axes to the frame of the pole; rad/s in body axes.
-    """
-    mode, convention = dynamic_inertia.known_mode(mode), known_convention(convention)
-    P_psi = validation.positive(P_psi, "P_psi", unit="s")
-    P_phi = validation.positive(P_phi, "P_phi", unit="s")
-    moments = _ascending(body)
-    dynamic_inertia.refuse_missing_mode(moments, mode)
-    y, rest, unit_period = dynamic_inertia.from_periods(moments, mode, convention, P_psi, P_phi)
-    return _state(
-        body, mode, convention, (y, rest), unit_period / P_psi, pole, phi0, psi0, theta_branch
-    )
-
-
 def from_energy(
     body: Body,
     *,
@@ -211,12 +173,15 @@ def from_energy(
     found, position = dynamic_inertia.from_energy(_ascending(body), energy_ratio, mode)
     turns, unit_period = dynamic_inertia.cycle(_ascending(body), found, position)
     if P_psi is not None:
-        momentum = unit_period / validation.positive(P_psi, "P_psi", unit="s")
+        seconds = validation.positive(P_psi, "P_psi", unit="s")
     else:
         assert P_phi is not None
         turns = turns if convention == "L" else turns + 1.0
-        momentum = unit_period / (turns * validation.positive(P_phi, "P_phi", unit="s"))
-    return _state(body, found, convention, position, momentum, pole, phi0, psi0, theta_branch)
+        seconds = turns * validation.positive(P_phi, "P_phi", unit="s")
+    place = np.array([*position, unit_period])
+    return states.from_place(
+        body, found, convention, place, seconds, pole, phi0, psi0, theta_branch
+    )
 
 
 def from_pole(
@@ -234,7 +199,6 @@ def from_pole(
     """Attitude (4,) and angular velocity (3,) from the pole; see `Spin.from_pole`."""
     convention = known_convention(convention)
     phi = conventions.known_angle(phi0, "phi0")
-    axes = conventions.axes(body, convention)
     moments = conventions.moments(body, convention)
     if angular_velocity is not None:
         if not all(each is None for each in (theta0, psi0, P_psi, P_phi)):
@@ -244,9 +208,11 @@ def from_pole(
         rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
         if not np.any(rate):
             raise AttitudeError("angular_velocity is zero; a body at rest has no pole.")
+        axes = conventions.axes(body, convention)
         x, y, z = axes.T @ (body.tensor @ (rate / np.max(np.abs(rate))))
         theta, psi = math.atan2(math.hypot(x, y), z), math.atan2(x, y)
-        return _attitude(body, convention, pole, (phi, theta, psi)), rate
+        angles = (*conventions.known_pole(pole), phi, theta, psi)
+        return states.from_labelled(body, convention, angles, (0.0, 0.0, 0.0))[0], rate
     if theta0 is None or psi0 is None or (P_psi is None) == (P_phi is None):
         raise AttitudeError(
             "a pole and phi0 do not determine the state; give either angular_velocity, or theta0 "
@@ -267,8 +233,8 @@ def from_pole(
             f"with theta0 and psi0 the state is {found.mode.phrase}, where {name} is infinite; "
             "give the other period."
         )
-    rate = axes @ (rates * (period / seconds))
-    return _attitude(body, convention, pole, (phi, theta, psi)), rate
+    angles = (*conventions.known_pole(pole), phi, theta, psi)
+    return states.from_labelled(body, convention, angles, rates * (period / seconds))
 
 
 def from_angles(
@@ -280,121 +246,12 @@ def from_angles(
     conventions.known_tilt(theta, "the second angle")
     conventions.known_angle(psi, "the third angle")
     rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
-    turn = conventions.euler_wxyz(phi, theta, psi)
-    wxyz = quaternion.multiply(turn, quaternion.conjugate(conventions.axes_wxyz(body, convention)))
-    return wxyz, conventions.axes(body, convention) @ rate
-
-
-def relaxed(
-    body: Body | None, *, P: Real, pole: Reals, phi0: Real
-) -> tuple[FloatArray, FloatArray]:
-    """Attitude (4,) and angular velocity (3,) of a relaxed rotator; see `Spin.from_periods`.
-
-    About the short axis of the body, or with body=None about its z axis, as in DAMIT:
-    R = Rz(lambda) Ry(90 deg - beta) Rz(phi0).
-    """
-    rate = 2.0 * math.pi / validation.positive(P, "P", unit="s")
-    phi = conventions.known_angle(phi0, "phi0")
-    if body is None:
-        wxyz = conventions.pole_wxyz(conventions.known_pole(pole))
-        wxyz = quaternion.multiply(wxyz, conventions.euler_wxyz(phi, 0.0, 0.0))
-        return wxyz, np.array([0.0, 0.0, rate])
-    return (
-        _attitude(body, "S", pole, (phi, 0.0, 0.0)),
-        conventions.axes(body, "S")[:, 2] * rate,
+    to_frame = (0.0, 0.5 * math.pi)  # a pole that turns nothing
+    return states.from_labelled(
+        body, known_convention(convention), (*to_frame, phi, theta, psi), rate
     )
 
 
 def _ascending(body: Body) -> FloatArray:
     """The principal moments in ascending order."""
     return body.moments[conventions.order(body)]
-
-
-def _state(
-    body: Body,
-    mode: str,
-    convention: str,
-    position: Sequence[float],
-    momentum: float,
-    pole: Reals,
-    phi0: Real,
-    psi0: Real,
-    theta_branch: str | None,
-) -> tuple[FloatArray, FloatArray]:
-    """Attitude and rates from the position (y, 1 - y) of D and |L|; see `dynamic_inertia`."""
-    phi, psi = conventions.known_angle(phi0, "phi0"), conventions.known_angle(psi0, "psi0")
-    theta = _theta(_ascending(body), mode, convention, position, psi, theta_branch)
-    moments = conventions.moments(body, convention)
-    rates = conventions.momentum_direction(theta, psi) * (momentum / moments)
-    found = regimes(moments, rates)
-    turns, unit_period = dynamic_inertia.cycle(_ascending(body), mode, position)
-    if not abs(found.P_psi * momentum / unit_period - 1.0) <= _LOST:
-        raise AttitudeError(
-            f"the motion is so near to the separatrix (P_psi is {turns:.4g} times P_phi_L) that "
-            "rates in double precision do not determine its period. Give rates instead."
-        )
-    attitude = _attitude(body, convention, pole, (phi, theta, psi))
-    return attitude, conventions.axes(body, convention) @ rates
-
-
-def _attitude(
-    body: Body, convention: str, pole: Reals, angles: tuple[float, float, float]
-) -> FloatArray:
-    """Body axes to the frame, from the pole and phi, theta, psi of the labelled axes."""
-    turn = quaternion.multiply(
-        conventions.pole_wxyz(conventions.known_pole(pole)), conventions.euler_wxyz(*angles)
-    )
-    return quaternion.multiply(turn, quaternion.conjugate(conventions.axes_wxyz(body, convention)))
-
-
-def _theta(moments, mode, convention, position, psi, branch):
-    """theta from psi; where psi circulates, sin^2 and cos^2 are sums of terms of one sign."""
-    (a, b, c), (y, rest) = moments, position
-    if mode == "LAM":
-        bd = (b - a) * y
-        da, cd = (b - a) * rest, (c - b) + bd
-    else:
-        bd = -(c - b) * y
-        da, cd = (b - a) - bd, (c - b) * rest
-    s, k = math.sin(psi) ** 2, math.cos(psi) ** 2
-    if convention == "L":
-        sine, terms = da / a, (s * bd / b, k * cd / c)
-    else:
-        sine, terms = cd / c, (s * da / a, -k * bd / b)
-    librates = (mode == "LAM") != (convention == "L")
-    branch = _known_branch(branch, librates, mode, convention)
-    cosine = sum(terms)
-    if cosine < 0.0:
-        if cosine < -_ROUNDING * (sine + abs(terms[0]) + abs(terms[1])):
-            raise AttitudeError(_beyond(psi, convention, (a, b, c), (bd, da, cd)))
-        cosine = 0.0
-    theta = math.atan2(math.sqrt(sine), math.sqrt(cosine))
-    return theta if branch == "acute" else math.pi - theta
-
-
-def _known_branch(branch, librates, mode, convention):
-    """ "acute" or "obtuse"; None is "acute" where psi circulates."""
-    if branch in _BRANCHES:
-        return branch
-    if branch is None and not librates:
-        return "acute"
-    if branch is None:
-        raise AttitudeError(
-            f'psi librates in {mode} with convention "{convention}", where one psi0 belongs to two '
-            'states; give theta_branch="acute" (theta0 up to 90 deg) or "obtuse".'
-        )
-    raise AttitudeError(f'theta_branch is {branch!r}; give "acute" or "obtuse" (theta0 > 90 deg).')
-
-
-def _beyond(psi, convention, moments, differences):
-    """The error text for a psi0 outside of its libration."""
-    (a, b, c), (bd, da, cd) = moments, differences
-    if convention == "L":
-        largest, center, mode = math.atan2(math.sqrt(cd / c), math.sqrt(-bd / b)), (0, 180), "SAM"
-    else:
-        largest, center, mode = math.atan2(math.sqrt(da / a), math.sqrt(bd / b)), (90, 270), "LAM"
-    return (
-        f"psi0 is {math.degrees(psi):.6g} deg; in {mode} with convention "
-        f'"{convention}" psi librates within {math.degrees(largest):.6g} deg of {center[0]} or '
-        f"{center[1]} deg. Give such an angle, or check convention and periods."
-    )

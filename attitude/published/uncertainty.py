@@ -16,6 +16,7 @@ from attitude.published.dynamic_inertia import (
     from_periods,
     known_mode,
     moments_from_ratios,
+    places,
     refuse_missing_mode,
 )
 from attitude.regime import known_convention, regimes
@@ -145,8 +146,6 @@ def possible_end(
 
 def _results(sets, mode, convention):
     """The results (N, 9) of inputs (N, 4); NaN where no motion exists."""
-    from attitude.solution.place_of_d import positions_all
-
     a, b, P_psi, P_phi = sets.T
     fine = (a > 0.0) & (a <= b) & (b <= 1.0) & (a + b >= 1.0) & (P_psi > 0.0) & (P_phi > 0.0)
     out = np.full((len(sets), len(_RESULTS)), np.nan)
@@ -155,9 +154,7 @@ def _results(sets, mode, convention):
     long_axis = np.full(len(sets), mode == "LAM")
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = P_psi / P_phi - (convention == "S")
-    part = positions[fine]
-    positions_all(moments[fine], long_axis[fine], ratios[fine], part)
-    positions[fine] = part
+    positions[fine] = places(moments[fine], long_axis[fine], ratios[fine])
     fine &= ~np.isnan(positions[:, 0])
     if not np.any(fine):
         return out

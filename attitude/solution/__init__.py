@@ -12,7 +12,8 @@ motion            entry points: constants of B motions, and their attitudes
 step, march       the same rotation over short times, and integrators with torques
 flow, joints, chain    states in pairs from arc to arc, and attitudes on a chain of arcs
 regimes, place_of_d    periods and ranges of a motion, and the motion of given periods
-principal         principal axes of an inertia tensor, in whole numbers
+labelled_axes     attitudes and rates from pole and angles of labelled axes
+diagonal, principal    principal axes of inertia tensors, in whole numbers of 448 bits
 vectors           vectors over body axes, angles between vectors
 warm_up           compilation ahead of use
 """

@@ -43,7 +43,7 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates, column):
             local[0, end], local_low[0, end] = high, low
             end += 1
         to = column + begin
-        failed = _evaluate_arc(
+        failed = evaluate_part(
             constants[arc : arc + 1], local, local_low, wxyz, rates, begin, end, to
         )
         if failed:
@@ -55,8 +55,8 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates, column):
 
 
 @subroutine
-def _evaluate_arc(c, t, t_low, wxyz, rates, first, end, column):
-    """Fill the epochs of one arc; whether any of them is beyond its reach."""
+def evaluate_part(c, t, t_low, wxyz, rates, first, end, column):
+    """Fill some epochs of one motion (1,); whether any of them is beyond its reach."""
     form = c[0].form
     if form == codes.TRIGONOMETRIC:
         return trigonometric(c, t, t_low, wxyz, rates, first, end, column) >= 0

@@ -51,8 +51,9 @@ def prepare_all(
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
-        differences  (3, 2) B - A, C - B and D2 of a single motion, pairs, where solution.principal
-                   has them to more digits than follow from the pairs above; or None
+        differences  B - A, C - B and D2, pairs, where solution.principal has them to more digits
+                   than follow from the pairs above: (3, 2) of a single motion, or (B, 3, 2) with
+                   NaN for motions without; or None
         rates      whether the series of the angular velocity are filled too
         wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
     Filled
@@ -68,8 +69,8 @@ def prepare_all(
     tumbling = len(constants) - faults - uniform
     if tumbling:
         if differences is not None:
-            constants["gaps"], constants["d2"] = differences[:2], differences[2]
-        elif cancelled:
+            _take_differences(differences, constants)
+        if cancelled and (differences is None or differences.ndim == 3):
             refine_all(constants)
         hyperbolic = solve_all.run(constants)
         if hyperbolic < tumbling:
@@ -82,6 +83,16 @@ def prepare_all(
                 hyperbolic_rates_all.run(constants)
         attach_all.run(wxyz, low, principal, constants)
     return faults
+
+
+def _take_differences(differences, constants):
+    """Fill differences (3, 2) of one motion, or (B, 3, 2) of those that have them and tumble."""
+    if differences.ndim == 2:
+        constants["gaps"], constants["d2"] = differences[:2], differences[2]
+        return
+    known = (constants["form"] != codes.UNIFORM) & ~np.isnan(differences[:, 0, 0])
+    constants["gaps"][known], constants["d2"][known] = differences[known, :2], differences[known, 2]
+    constants["cancelled"][known] = 0  # D2 is exact
 
 
 def evaluate_all(

@@ -1,10 +1,9 @@
-"""Principal axes of a full inertia tensor, to 115 digits.
+"""Principal axes of full inertia tensors, to 115 digits.
 
 Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
 axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
-suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations (Golub &
-Van Loan, Matrix Computations, section 8.5) run here in integers; a body is diagonalised once, in a
-quarter of a millisecond.
+suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations run in
+integers of 448 bits (`solution.diagonal`); a tensor is diagonalised once, in 25 us.
 """
 
 from __future__ import annotations
@@ -14,167 +13,193 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.wide import BITS, WORDS, load, store, wide
+from attitude.solution.diagonal import (
+    COLUMNS,
+    KEPT,
+    NEEDED,
+    VALUES,
+    as_double,
+    diagonalise,
+    integer_of,
+    largest_of,
+    length_of,
+    magnitude,
+    product_of,
+    put_pair,
+    rounded,
+    sort_axes,
+)
+from attitude.solution.vectors import quaternion_of
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray
 
-# Numbers are n / 2**_BITS; results are rounded to _KEPT bits: equal moments are then equal numbers.
-_BITS = 448
-_KEPT = 384
-_HALF = 1 << (_BITS - 1)
-_ONE = 1 << _BITS
-# Off-diagonal elements below this change no bit that is kept.
-_NEGLIGIBLE = 1 << (_BITS - _KEPT - 40)
-_SWEEPS = 30
+# Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
+ASYMMETRY: float = 1e-13
+# Rounding error of a moment that is zero, relative to the largest.
+_ZERO_MOMENT = 1e-15
+
+
+@subroutine
+def _is_diagonal(t):
+    return t[0, 1] == 0.0 and t[0, 2] == 0.0 and t[1, 2] == 0.0
+
+
+@subroutine
+def _given_axes(t, kept, moments, axes):
+    """Fill the results of a diagonal tensor: its diagonal, in this order, about the body axes."""
+    for k in range(KEPT):
+        store(kept, k, wide(0))
+    for k in range(3):
+        moments[k, 0], moments[k, 1] = t[k, k], 0.0
+        for i in range(3):
+            axes[i, k, 0], axes[i, k, 1] = 1.0 if i == k else 0.0, 0.0
+
+
+@subroutine
+def _rod(kept, moments):
+    """Set a least moment that is zero within rounding to 0, and the others to their mean."""
+    if not -_ZERO_MOMENT * moments[2, 0] <= moments[0, 0] <= 0.0:
+        return
+    store(kept, VALUES, wide(0))
+    for part in range(2):
+        mean = 0.5 * (moments[1, part] + moments[2, part])
+        moments[0, part], moments[1, part], moments[2, part] = 0.0, mean, mean
+
+
+@entry_point
+def _principal_all(tensors, w, words, moments, axes, wxyz):
+    """Fill the arrays of `PrincipalAxes` of tensors (B, 3, 3); w is memory for NEEDED numbers."""
+    for b in range(len(tensors)):
+        kept, t = words[b], tensors[b]
+        if _is_diagonal(t):
+            _given_axes(t, kept, moments[b], axes[b])
+        else:
+            size = largest_of(t[0, 0], t[1, 1], t[2, 2])
+            exponent = math.frexp(max(size, largest_of(t[0, 1], t[0, 2], t[1, 2])))[1]
+            diagonalise(t, exponent, w)
+            sort_axes(w, kept)
+            for k in range(3):
+                put_pair(moments[b, k], load(kept, VALUES + k), exponent)
+                for i in range(3):
+                    put_pair(axes[b, i, k], load(kept, COLUMNS + 3 * k + i), 0)
+            _rod(kept, moments[b])
+        quaternion_of(axes[b, :, :, 0], wxyz[b])
+
+
+@entry_point
+def _over_axes_all(words, omega, rates, differences):
+    """Fill the results of `PrincipalAxes.over_axes`."""
+    for n in range(len(omega)):
+        w = words[n if len(words) > 1 else 0]
+        x, y, z = omega[n, 0], omega[n, 1], omega[n, 2]
+        largest = largest_of(x, y, z)
+        given = length_of(load(w, COLUMNS)) + length_of(load(w, COLUMNS + 1)) == 0
+        given = given and length_of(load(w, COLUMNS + 2)) == 0
+        if given or not largest < math.inf:
+            for k in range(3):
+                rates[n, k, 0], rates[n, k, 1] = omega[n, k], 0.0
+                differences[n, k, 0] = differences[n, k, 1] = math.nan
+        else:
+            exponent = math.frexp(largest)[1]
+            p, q, r = (
+                integer_of(x, exponent),
+                integer_of(y, exponent),
+                integer_of(z, exponent),
+            )
+            _resolve(w, p, q, r, exponent, rates[n], differences[n])
+
+
+@subroutine
+def _resolve(w, x, y, z, exponent, rates, differences):
+    """Fill the results of one body: x, y, z is its angular velocity over 2**exponent."""
+    tempo = 0.0
+    first = along = wide(0)
+    for k in range(3):
+        i = COLUMNS + 3 * k
+        total = product_of(load(w, i), x) + product_of(load(w, i + 1), y)
+        along = rounded(total + product_of(load(w, i + 2), z))
+        put_pair(rates[k], along, exponent)
+        tempo = max(tempo, abs(as_double(along)))
+        if k == 0:
+            first = along
+    if length_of(load(w, VALUES)) == 0:
+        for k in range(3):
+            differences[k, 0] = differences[k, 1] = math.nan
+    else:
+        _put_differences(w, first, along, math.frexp(tempo)[1] - BITS, differences)
+
+
+@subroutine
+def _put_differences(w, x, z, tempo, out):
+    """Fill the differences of one body: x and z are the rates about the outer axes."""
+    a, b, c = load(w, VALUES), load(w, VALUES + 1), load(w, VALUES + 2)
+    inertia = math.frexp(as_double(c))[1] - BITS
+    x, z = magnitude(x), magnitude(z)
+    of_greatest = product_of(product_of(c, c - b), product_of(z, z))
+    of_least = product_of(product_of(a, b - a), product_of(x, x))
+    put_pair(out[0], b - a, -inertia)
+    put_pair(out[1], c - b, -inertia)
+    put_pair(out[2], of_greatest - of_least, -2 * (inertia + tempo))
 
 
 class PrincipalAxes(NamedTuple):
-    """Eigenvalues and eigenvectors of one symmetric tensor, integers over 2**448.
+    """Principal moments and axes of B symmetric tensors, whose doubles are taken as exact.
 
     Attributes
     ----------
-    exponent : int
-        The moments are divided by 2**exponent.
-    values : tuple of int
-        The moments, ascending.
-    columns : tuple of tuples of int
-        Unit vectors over the body axes, the columns of a right-handed matrix; the largest
-        component of each is positive, except where that would make the third left-handed.
+    words : (B, 7 KEPT) array
+        The moments and the axes to 115 digits, integers of `compilation.wide`.
+    moments : (B, 3, 2) array
+        Pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor its diagonal.
+        A least moment that is zero within rounding is 0; the body is then a rod.
+    axes : (B, 3, 3, 2) array
+        Pairs of doubles: unit columns over the body axes, right-handed.  The largest component of
+        each is positive, except where that would make the third left-handed.
+    wxyz : (B, 4) array
+        Unit quaternions from the principal axes to the body axes, w >= 0.
     """
 
-    exponent: int
-    values: tuple[int, ...]
-    columns: tuple[tuple[int, ...], ...]
+    words: NDArray[np.int64]
+    moments: FloatArray
+    axes: FloatArray
+    wxyz: FloatArray
 
     @classmethod
-    def of(cls, tensor: FloatArray) -> PrincipalAxes:
-        """The principal axes of a tensor (3, 3) whose doubles are taken as exact."""
-        exponent = _exponent_of(tensor.ravel())
-        a = [[_as_integer(float(x), exponent) for x in row] for row in tensor]
-        v = [[_ONE if i == j else 0 for j in range(3)] for i in range(3)]
-        _diagonalise(a, v)
-        values = [_rounded(a[k][k]) for k in range(3)]
-        order = sorted(range(3), key=values.__getitem__)
-        columns = _right_handed([[_rounded(row[k]) for row in v] for k in order])
-        return cls(exponent, tuple(values[k] for k in order), columns)
+    def of(cls, tensors: FloatArray) -> PrincipalAxes:
+        """Those of tensors (B, 3, 3), symmetric and finite."""
+        count = len(tensors)
+        found = cls(
+            np.empty((count, WORDS * KEPT), dtype=np.int64),
+            np.empty((count, 3, 2)),
+            np.empty((count, 3, 3, 2)),
+            np.empty((count, 4)),
+        )
+        _principal_all(tensors, np.empty(WORDS * NEEDED, dtype=np.int64), *found)
+        return found
 
-    def moments(self) -> FloatArray:
-        """Principal moments (3, 2), ascending, pairs of doubles in the unit of the tensor."""
-        return np.array([_pair(n, self.exponent) for n in self.values])
+    def over_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angular velocities over the principal axes, and differences beside them.
 
-    def axes(self) -> FloatArray:
-        """The matrix (3, 3, 2), pairs of doubles, from principal to body axes: unit columns."""
-        pairs = np.array([[_pair(x, 0) for x in column] for column in self.columns])
-        return np.ascontiguousarray(np.swapaxes(pairs, 0, 1))
-
-    def rates(self, omega: FloatArray) -> FloatArray:
-        """Components (3, 2), pairs of doubles, over the principal axes of a vector (3,)."""
-        exponent = _exponent_of(omega)
-        return np.array([_pair(n, exponent) for n in self._components(omega, exponent)])
-
-    def differences(self, omega: FloatArray) -> FloatArray:
-        """Differences that the pairs of `moments` and `rates` have to fewer digits.
+        Parameters
+        ----------
+        omega : (N, 3) array
+            rad/s over the body axes; N is B, or any number for one tensor.
 
         Returns
         -------
-        (3, 2) array
-            Pairs: B - A, C - B and D2 = L^2 - 2 E B for moments A <= B <= C at the angular velocity
-            omega (3,), moments and rates divided by the powers of two that bring the largest of
-            each into [1/2, 1).
+        rates : (N, 3, 2) array
+            rad/s over the principal axes, pairs of doubles; not finite where omega is not.
+        differences : (N, 3, 2) array
+            Pairs that those of moments and rates have to fewer digits: B - A, C - B and D2 = L^2 -
+            2 E B for moments A <= B <= C, moments and rates divided by the powers of two that bring
+            the largest of each into [1/2, 1).  NaN for diagonal tensors and rods, where nothing is
+            lost.
         """
-        least, middle, greatest = self.values
-        x, y, z = (abs(n) for n in self._components(omega, _exponent_of(omega)))
-        of_greatest = _times(_times(greatest, greatest - middle), _times(z, z))
-        of_least = _times(_times(least, middle - least), _times(x, x))
-        inertia = _exponent_of([_pair(greatest, 0)[0]])
-        tempo = _exponent_of([_pair(n, 0)[0] for n in (x, y, z)])
-        return np.array(
-            [
-                _pair(middle - least, -inertia),
-                _pair(greatest - middle, -inertia),
-                _pair(of_greatest - of_least, -2 * (inertia + tempo)),
-            ]
-        )
-
-    def _components(self, omega: FloatArray, exponent: int) -> list[int]:
-        """Components of a vector, over 2**exponent, over the principal axes."""
-        w = [_as_integer(float(x), exponent) for x in omega]
-        return [_rounded(sum(map(_times, column, w))) for column in self.columns]
-
-
-def _diagonalise(a: list[list[int]], v: list[list[int]]) -> None:
-    """Turn the columns of v until a, in these axes, is diagonal."""
-    for _ in range(_SWEEPS):
-        busy = False
-        for p, q in ((0, 1), (0, 2), (1, 2)):
-            if abs(a[p][q]) > _NEGLIGIBLE:
-                _rotate(a, v, p, q)
-                busy = True
-        if not busy:
-            return
-
-
-def _rotate(a: list[list[int]], v: list[list[int]], p: int, q: int) -> None:
-    """Turn axes p and q so that a[p][q] vanishes."""
-    off = a[p][q]
-    ratio = ((a[q][q] - a[p][p]) << (_BITS - 1)) // off
-    tangent = (_ONE << _BITS) // (abs(ratio) + math.isqrt(ratio * ratio + (_ONE << _BITS)))
-    if ratio < 0:
-        tangent = -tangent
-    cosine = (_ONE << _BITS) // math.isqrt(tangent * tangent + (_ONE << _BITS))
-    sine = _times(tangent, cosine)
-    change = _times(tangent, off)
-    a[p][p] -= change
-    a[q][q] += change
-    a[p][q] = a[q][p] = 0
-    r = 3 - p - q
-    x, y = a[r][p], a[r][q]
-    a[r][p] = a[p][r] = _times(cosine, x) - _times(sine, y)
-    a[r][q] = a[q][r] = _times(sine, x) + _times(cosine, y)
-    for row in v:
-        x, y = row[p], row[q]
-        row[p] = _times(cosine, x) - _times(sine, y)
-        row[q] = _times(sine, x) + _times(cosine, y)
-
-
-def _right_handed(columns: list[list[int]]) -> tuple[tuple[int, ...], ...]:
-    """Eigenvectors with positive largest components, the third reversed if left-handed."""
-    for column in columns:
-        if max(column, key=abs) < 0:
-            column[:] = [-x for x in column]
-    (a, b, c), (d, e, f), (g, h, i) = columns
-    if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0:
-        columns[2] = [-x for x in columns[2]]
-    return tuple(map(tuple, columns))
-
-
-def _exponent_of(values: Iterable[float]) -> int:
-    """The exponent of 2 that brings the largest magnitude into [1/2, 1)."""
-    return math.frexp(max(abs(float(x)) for x in values))[1]
-
-
-def _as_integer(x: float, exponent: int) -> int:
-    """x / 2**exponent as an integer over 2**_BITS."""
-    part, power = math.frexp(x)
-    shift = power - exponent + _BITS - 53
-    whole = int(part * 2.0**53)
-    return whole << shift if shift >= 0 else (whole + (1 << (-shift - 1))) >> -shift
-
-
-def _times(a: int, b: int) -> int:
-    """The product, rounded to 2**-_BITS."""
-    return (a * b + _HALF) >> _BITS
-
-
-def _rounded(n: int) -> int:
-    """n rounded to _KEPT bits after the binary point."""
-    spare = _BITS - _KEPT
-    return ((n + (1 << (spare - 1))) >> spare) << spare
-
-
-def _pair(n: int, exponent: int) -> tuple[float, float]:
-    """n / 2**_BITS times 2**exponent as the sum of two doubles."""
-    high = float(n)
-    low = float(n - int(high))
-    return math.ldexp(high, exponent - _BITS), math.ldexp(low, exponent - _BITS)
+        rates, differences = np.empty((len(omega), 3, 2)), np.empty((len(omega), 3, 2))
+        _over_axes_all(self.words, omega, rates, differences)
+        return rates, differences

@@ -12,10 +12,37 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import entry_point, subroutine
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+
+
+@subroutine
+def quaternion_of(r, wxyz):
+    """Fill the quaternion, w >= 0, of a rotation matrix (3, 3).
+
+    By Shepperd's method (J. Guidance and Control 1, 223, 1978), with the bits of scipy's Rotation.
+    """
+    trace = r[0, 0] + r[1, 1] + r[2, 2]
+    i = 0
+    if r[1, 1] > r[0, 0]:
+        i = 1
+    if r[2, 2] > r[i, i]:
+        i = 2
+    if trace > r[i, i]:
+        w = 1.0 + trace
+        x, y, z = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        w = r[k, j] - r[j, k]
+        t, u, v = 1.0 - trace + 2.0 * r[i, i], r[j, i] + r[i, j], r[k, i] + r[i, k]
+        x, y, z = (t, u, v) if i == 0 else ((v, t, u) if i == 1 else (u, v, t))
+    size = math.sqrt(x * x + y * y + z * z + w * w)
+    first = x if x != 0.0 else (y if y != 0.0 else z)
+    if w < 0.0 or (w == 0.0 and first < 0.0):
+        size = -size
+    wxyz[0], wxyz[1], wxyz[2], wxyz[3] = w / size, x / size, y / size, z / size
 
 
 @entry_point

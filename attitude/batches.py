@@ -1,0 +1,175 @@
+"""States of B bodies and their attitudes at epochs: in blocks, by one thread or several."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude import evaluation
+from attitude.blocks import in_blocks
+from attitude.errors import AttitudeError
+from attitude.immutable import read_only
+from attitude.sensitivities import columns
+from attitude.solution.principal import ASYMMETRY, PrincipalAxes
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from attitude.annotations import FloatArray
+
+# The constants of so many bodies are computed together: they stay in the second-level cache.
+_BLOCK = 256
+_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
+
+
+class _Prepared(NamedTuple):
+    """Constants of some bodies, and the arrays from which they were computed."""
+
+    constants: NDArray[Any]
+    moments: FloatArray
+    wxyz: FloatArray
+    principal: FloatArray
+
+
+class Batch(NamedTuple):
+    """The states of B bodies.
+
+    Attributes
+    ----------
+    inertia : (B, 3) or (B, 3, 3) array
+        Principal moments about the body axes, or tensors in body axes, whose doubles are exact.
+    wxyz : (B, 4) array
+        Attitudes at t = 0, body to inertial, of any length.
+    omega : (B, 3) array
+        rad/s over the body axes.
+    """
+
+    inertia: FloatArray
+    wxyz: FloatArray
+    omega: FloatArray
+
+    def propagated(
+        self,
+        t: FloatArray,
+        t_low: FloatArray | None,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        sensitivity: Sequence[FloatArray],
+        threads: int,
+    ) -> None:
+        """Fill attitudes and what else is asked for.
+
+        Parameters
+        ----------
+        t, t_low : (1 or B, T) arrays
+            The epochs t + t_low, s; t_low may be None.
+        wxyz : (B, 4, T) array
+            Filled: body to inertial.
+        rates : (B, 3, T) array or None
+            Filled: rad/s over the body axes.
+        sensitivity : none, one or two (B, 3, 9, T) arrays
+            Filled: derivatives of the attitude, and of the angular velocity.
+        threads : int
+
+        Raises
+        ------
+        AttitudeError
+            For the first state that is not physical, and epochs beyond the reach of a motion.
+        """
+        count, length = len(self.wxyz), t.shape[1]
+        if not count:
+            return
+        # A piece of work is some milliseconds long, and writes to few pages of memory.
+        span = length if sensitivity else min(max(length, 1), evaluation.EPOCHS)
+        pieces = 1 if sensitivity else max(-(-length // span), 1)
+        size = max(1, min(_BLOCK, evaluation.EPOCHS // max(span, 1)))
+        given = read_only(t), None if t_low is None else read_only(t_low)
+
+        def work(begin: int, end: int) -> None:
+            for each in range(begin, end):
+                block, piece = divmod(each, pieces)
+                part = slice(block * size, min((block + 1) * size, count))
+                found = self._prepared(part, rates is not None)
+                here = part if len(t) > 1 else slice(None)
+                times = given[0][here], None if given[1] is None else given[1][here]
+                epochs = piece * span, min((piece + 1) * span, length)
+                turning = None if rates is None else rates[part]
+                body = evaluation.evaluated(found.constants, *times, wxyz[part], turning, *epochs)
+                if body >= 0:
+                    few = body if len(t) > 1 else 0, slice(*epochs)
+                    low = None if times[1] is None else times[1][few]
+                    evaluation.refuse_epoch(found.constants[body], times[0][few], low)
+                if sensitivity:
+                    tangents = columns.tangents_of(
+                        found.moments, found.wxyz, found.principal, found.constants
+                    )
+                    outs = (each[part] for each in sensitivity)
+                    columns.evaluate(found.constants, tangents, *times, *outs)
+
+        in_blocks(work, pieces * -(-count // size), 1, threads)
+
+    def _prepared(self, part: slice, rates: bool) -> _Prepared:
+        """The constants of some of the bodies."""
+        wxyz, omega = self.wxyz[part], self.omega[part]
+        differences = None
+        if self.inertia.ndim == 2:
+            moments, turning = np.zeros((2, len(wxyz), 3, 2))
+            moments[..., 0], turning[..., 0] = self.inertia[part], omega
+            principal = _IDENTITY
+        else:
+            found = PrincipalAxes.of(
+                symmetric_tensors(self.inertia[part], part.start, len(self.wxyz))
+            )
+            turning, differences = found.over_axes(evaluation.writable(omega))
+            moments, principal = found.moments, found.wxyz
+        constants = evaluation.constants_of(
+            moments,
+            wxyz,
+            turning,
+            principal,
+            differences=differences,
+            rates=rates,
+            first=part.start,
+            count=len(self.wxyz),
+        )
+        return _Prepared(constants, moments, wxyz, principal)
+
+
+def symmetric_tensors(
+    tensors: FloatArray, first: int = 0, count: int = 1, *, raises: bool = True
+) -> FloatArray:
+    """Tensors (B, 3, 3) without the rounding of their asymmetry.
+
+    Parameters
+    ----------
+    tensors : (B, 3, 3) array
+    first, count : int
+        Number of the first tensor, and of all tensors, for the error message.
+    raises : bool
+        Whether others are refused; otherwise they become diagonals of NaN.
+
+    Raises
+    ------
+    AttitudeError
+        For tensors that are not symmetric or not finite.
+    """
+    across = np.swapaxes(tensors, 1, 2)
+    with np.errstate(invalid="ignore", over="ignore"):
+        off, largest = (np.abs(each).max(axis=(1, 2)) for each in (tensors - across, tensors))
+        mean = 0.5 * (tensors + across)
+    # one that is not finite, or of which sums overflow
+    bad = ~(off <= ASYMMETRY * largest) | ~np.isfinite(mean).all(axis=(1, 2))
+    if bad.any() and not raises:
+        mean[bad] = np.diag([np.nan] * 3)
+        np.copyto(mean, 0.0, where=bad[:, None, None] & ~np.eye(3, dtype=bool))
+    elif bad.any():
+        k = int(np.flatnonzero(bad)[0])
+        where = f"Tensor {first + k} of {count}" if count > 1 else "The tensor"
+        raise AttitudeError(
+            f"{where} is {tensors[k].tolist()}; give symmetric matrices of finite numbers "
+            "(products of inertia with a minus sign), up to 8e307."
+        )
+    return np.ascontiguousarray(mean)

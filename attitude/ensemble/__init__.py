@@ -1,0 +1,22 @@
+"""Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
+
+ensemble      `Ensemble`: the states of N members
+attitudes     attitudes at epochs, and blocks of them
+lit           brightness and magnitudes; `light`, their blocks; `light_loops`, the compiled loop
+collection    construction, members, parts and joined ensembles
+described     modes, periods, ranges and invariants
+sources       published periods, tables and files, random draws
+tables, draws columns of tables; draws from covariances and distributions
+answer        `EnsembleHistory`, the attitudes
+arguments     rows, names and numbers of members that agree
+rows          the epochs of a call: a grid, or ragged rows
+epoch         epochs of members, and seconds since them
+inertia       moments and tensors of the members
+members       states as the compiled solution takes them
+evaluate      blocks of members and rows, in threads
+"""
+
+from attitude.ensemble.answer import EnsembleHistory
+from attitude.ensemble.ensemble import Ensemble
+
+__all__ = ["Ensemble", "EnsembleHistory"]
