@@ -1,6 +1,8 @@
 """Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
 
-ensemble      `Ensemble`: the states of N members, attitudes at epochs
+ensemble      `Ensemble`: the states of N members
+attitudes     attitudes at epochs, and blocks of them
+lit           brightness and magnitudes; `light`, their blocks; `light_loops`, the compiled loop
 collection    construction, members, parts and joined ensembles
 described     modes, periods, ranges and invariants
 sources       published periods, tables and files, random draws

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # Rows in a piece of work: a millisecond, and 0.15 s if each row is of another member.
 ROWS = 1 << 17
 # Numbers of members that are surveyed or sorted in one call of compiled code.
-_SURVEYED = 1 << 24
+_SURVEYED = 1 << 20
 # Unsorted rows are brought into runs unless their runs are at least as long in the mean: a set-up
 # takes as long as some 100 rows, sorting a row as long as 2 to 4.
 _LONG_RUN = 64
@@ -84,7 +84,7 @@ def grid(
             out = wxyz[part], None if rates is None else rates[part]
             failed = evaluation.evaluated(constants, *times, *out, *epochs)
             if failed < 0:
-                return
+                continue
             if raises:
                 few = failed if len(t) > 1 else 0, slice(*epochs)
                 lows = None if times[1] is None else times[1][few]
@@ -102,6 +102,7 @@ def ragged(
     member: IntArray,
     t: FloatArray,
     low: FloatArray | None,
+    order: IntArray | None,
     wxyz: FloatArray,
     rates: FloatArray | None,
     threads: int,
@@ -117,6 +118,8 @@ def ragged(
         Numbers of members, 0 to N - 1, in any order.
     t, low : (R,) arrays
         The epochs t + low, s; low may be None.
+    order : (R,) array or None
+        Of `order_of`.
     wxyz : (4, R) array
         Filled: body to ICRF.
     rates : (3, R) array or None
@@ -129,7 +132,6 @@ def ragged(
     """
     if not len(member):
         return
-    order = order_of(member, len(members))
     evaluated = Runs(members, label, raises)
 
     def direct(begin: int, end: int) -> None:
@@ -142,9 +144,9 @@ def ragged(
         found = np.empty((4, len(some)))
         turning = None if rates is None else np.empty((3, len(some)))
         evaluated(member[some], 0, len(some), t[some], lows, found, turning)
-        wxyz[:, some] = found
-        if rates is not None:
-            rates[:, some] = turning
+        wxyz.T[some] = found.T
+        if rates is not None and turning is not None:
+            rates.T[some] = turning.T
 
     in_blocks(direct if order is None else gathered, len(member), ROWS, threads)
 
@@ -178,23 +180,37 @@ class Runs:
         out = wxyz[None], None if rates is None else rates[None]
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
-            constants, _ = self._members.prepared(some, rates=rates is not None)
+            constants, _ = self._members.prepared(consecutive(some), rates=rates is not None)
             edges = starts[first : first + len(some) + 1]
             failed = self._rows.evaluate_runs(constants, edges, *times, *out)
-            if failed < 0:
-                continue
-            if self._raises:
-                here = slice(edges[failed], edges[failed + 1])
-                lows = None if low is None else low[here]
-                refuse(constants[failed], t[here], lows, self._label(int(some[failed])))
-            reach = np.repeat(reaches(constants), np.diff(edges))
-            rows = slice(edges[0], edges[-1])
-            near = _near(times[0][:, rows], None if times[1] is None else times[1][:, rows], reach)
-            found = [None if each is None else np.empty_like(each[..., rows]) for each in out]
-            self._rows.evaluate_runs(constants, edges - edges[0], *near, *found)
-            wxyz[:, rows] = found[0]
-            if rates is not None:
-                rates[:, rows] = found[1]
+            if failed >= 0:
+                near = self.nearer(constants, edges, t, low, failed, some)
+                self._rows.evaluate_runs(constants, edges, near[None], times[1], *out)
+
+    def nearer(
+        self,
+        constants: NDArray[Any],
+        edges: IntArray,
+        t: FloatArray,
+        low: FloatArray | None,
+        failed: int,
+        who: IntArray,
+    ) -> FloatArray:
+        """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`.
+
+        Raises
+        ------
+        AttitudeError
+            Unless such epochs give NaN: the epochs of run `failed`.
+        """
+        if self._raises:
+            here = slice(edges[failed], edges[failed + 1])
+            lows = None if low is None else low[here]
+            refuse(constants[failed], t[here], lows, self._label(int(who[failed])))
+        near, rows = t.copy(), slice(edges[0], edges[-1])
+        reach = np.repeat(reaches(constants), np.diff(edges))
+        near[rows] = _near(t[rows], None if low is None else low[rows], reach)[0]
+        return read_only(near)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
         """The member (K,) of each run of rows, and their first rows and the end (K + 1,)."""
@@ -231,6 +247,14 @@ def _surveyed(member: IntArray) -> list[IntArray]:
     """Parts so short that Ctrl-C is heard between them."""
     given = read_only(member)
     return [given[k : k + _SURVEYED] for k in range(0, len(given), _SURVEYED)]
+
+
+def consecutive(who: IntArray) -> slice | IntArray:
+    """Numbers (K,), K >= 1, as a slice if each is one more than the last: arrays need no copy."""
+    first, end = int(who[0]), int(who[-1]) + 1
+    if end - first == len(who) and np.all(who[1:] > who[:-1]):
+        return slice(first, end)
+    return who
 
 
 def reaches(constants: NDArray[Any]) -> FloatArray:

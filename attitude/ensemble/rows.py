@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from attitude import propagation
+from attitude.ensemble import evaluate
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from attitude.annotations import FloatArray, IntArray
+
+
+class Piece(NamedTuple):
+    """Rows of which those of one member stand together.
+
+    Attributes
+    ----------
+    place : slice or array of int
+        Of the rows among all.
+    member : (K,) array of int
+    t, low : (K,) arrays
+        Seconds t + low since the epoch of the member; low may be None.
+    """
+
+    place: slice | IntArray
+    member: IntArray
+    t: FloatArray
+    low: FloatArray | None
 
 
 class MemberGrid:
@@ -25,6 +47,8 @@ class MemberGrid:
         Seconds t + t_low since the epoch of the member; t_low may be None.
     scalar : bool
         Whether one epoch was given, so that the answers have no axis of epochs.
+    first : int
+        Number of the first member.
 
     Attributes
     ----------
@@ -34,14 +58,16 @@ class MemberGrid:
     seconds, low : (S) arrays
     """
 
-    def __init__(self, count: int, t: FloatArray, t_low: FloatArray | None, scalar: bool) -> None:
-        self.count, self.scalar = count, scalar
+    def __init__(
+        self, count: int, t: FloatArray, t_low: FloatArray | None, scalar: bool, first: int = 0
+    ) -> None:
+        self.count, self.scalar, self.first = count, scalar, first
         # Epochs that all members share are few: a copy does not change with the caller's array.
         few = len(t) == 1 and t.size < 1 << 20
         self.t = t.copy() if few else np.ascontiguousarray(t)
         self.t_low = None if t_low is None else np.ascontiguousarray(t_low)
         self.shape: tuple[int, ...] = (count,) if scalar else (count, t.shape[1])
-        numbers = np.arange(count)
+        numbers = np.arange(first, first + count)
         self.member = self._over_epochs(numbers[:, None])
         self.seconds = self._over_epochs(self.t)
         self.low = None if self.t_low is None else self._over_epochs(self.t_low)
@@ -50,9 +76,52 @@ class MemberGrid:
         found = np.broadcast_to(array, (self.count, self.t.shape[1]))
         return found[:, 0] if self.scalar else found
 
-    def layout(self, width: int) -> tuple[tuple[int, ...], tuple[int, ...], bool]:
-        """The last arguments of `propagation.result_memory`."""
-        return (self.count, self.t.shape[1]), (width,), self.scalar
+    def pieces(self, most: int) -> list[tuple[slice, slice]]:
+        """Members and epochs of parts of at most `most` rows, in order."""
+        length = self.t.shape[1]
+        span, size = min(length, most), max(1, most // max(length, 1))
+        return [
+            (slice(k, min(k + size, self.count)), slice(j, min(j + span, length)))
+            for k in range(0, self.count if length else 0, size)
+            for j in range(0, length, span)
+        ]
+
+    def piece(self, part: tuple[slice, slice]) -> Piece:
+        """The rows of one of the `pieces`."""
+        members, epochs = part
+        length = self.t.shape[1]
+        place = slice(
+            members.start * length + epochs.start, (members.stop - 1) * length + epochs.stop
+        )
+        who = np.arange(members.start, members.stop).repeat(epochs.stop - epochs.start)
+        shape = members.stop - members.start, epochs.stop - epochs.start
+
+        def rows(array: FloatArray) -> FloatArray:
+            here = array[members if len(array) > 1 else slice(None), epochs]
+            return np.ascontiguousarray(np.broadcast_to(here, shape)).reshape(-1)
+
+        low = None if self.t_low is None else rows(self.t_low)
+        return Piece(place, who, rows(self.t), low)
+
+    def vectors(self, given: FloatArray, part: tuple[slice, slice]) -> FloatArray:
+        """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
+        if self.scalar:
+            return given[part[0]]
+        return given[part].reshape(-1, 3)
+
+    def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
+        """Grids of at most `most` attitudes, each after its place among the answers."""
+        for members, epochs in self.pieces(most):
+            own = (members if len(self.t) > 1 else slice(None)), epochs
+            low = None if self.t_low is None else self.t_low[own]
+            count = members.stop - members.start
+            place = members if self.scalar else (members, epochs)
+            yield place, MemberGrid(count, self.t[own], low, self.scalar, members.start)
+
+    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
+        """Component-major memory (N, W, T) for an answer; that of `out` where possible."""
+        shape = self.count, self.t.shape[1]
+        return propagation.result_memory(out, name, shape, (width,), self.scalar)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
         """Component-major memory (N, W, T) as (S, W), in `out` if it is given."""
@@ -60,20 +129,39 @@ class MemberGrid:
 
 
 class MemberRows:
-    """MemberRows of one epoch of one member each.
+    """Rows of one epoch of one of N members each.
 
     Parameters
     ----------
+    count : int
+        N.
     member : (S) array of int
     seconds, low : (S) arrays
         Seconds + low since the epoch of the member; low may be None.
     """
 
-    def __init__(self, member: IntArray, seconds: FloatArray, low: FloatArray | None) -> None:
-        self.member = member
+    def __init__(
+        self, count: int, member: IntArray, seconds: FloatArray, low: FloatArray | None
+    ) -> None:
+        self.count, self.member = count, member
         self.seconds = read_only(seconds)
         self.low = None if low is None else read_only(low)
         self.shape: tuple[int, ...] = seconds.shape
+
+    def pieces(self, most: int) -> list[slice | IntArray]:
+        """The places of parts of `most` rows, of which those of one member stand together."""
+        size, order = self.seconds.size, self.order
+        parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
+        return [*parts] if order is None else [order[part] for part in parts]
+
+    def piece(self, part: slice | IntArray) -> Piece:
+        """The rows of one of the `pieces`."""
+        member, t, low = self.flat()
+        return Piece(part, member[part], t[part], None if low is None else low[part])
+
+    def vectors(self, given: FloatArray, part: slice | IntArray) -> FloatArray:
+        """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
+        return given[part] if given.ndim == 2 else given.reshape(-1, 3)[part]
 
     def flat(self) -> tuple[IntArray, FloatArray, FloatArray | None]:
         """Members, seconds and their second doubles as arrays (R,)."""
@@ -81,9 +169,25 @@ class MemberRows:
         member = np.ascontiguousarray(self.member).reshape(-1)
         return member, np.ascontiguousarray(self.seconds).reshape(-1), low
 
-    def layout(self, width: int) -> tuple[tuple[int, ...], tuple[int, ...], bool]:
-        """The last arguments of `propagation.result_memory`."""
-        return (self.seconds.size,), (width,), False
+    @cached_property
+    def order(self) -> IntArray | None:
+        """The order (R,) in which rows stand by member; None if they stand in long runs already."""
+        return evaluate.order_of(self.flat()[0], self.count) if self.seconds.size else None
+
+    def parts(self, most: int) -> Iterator[tuple[slice, MemberRows]]:
+        """Rows of at most `most` attitudes, each after their place among the rows (R,)."""
+        member, seconds, low = self.flat()
+        for first in range(0, self.seconds.size, most):
+            place = slice(first, first + most)
+            lows = None if low is None else low[place]
+            yield place, MemberRows(self.count, member[place], seconds[place], lows)
+
+    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
+        """Memory (W, R) for an answer; that of `out` where possible."""
+        if out is None and self.order is not None:
+            # Rows are filled one by one: the numbers of each are together.
+            return np.empty((self.seconds.size, width)).T
+        return propagation.result_memory(out, name, (self.seconds.size,), (width,), False)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
         """Component-major memory (W, R) as (S, W), in `out` if it is given."""
@@ -93,4 +197,6 @@ class MemberRows:
                     f"out is given for rows of shape {self.shape}; give rows (R,) with out=."
                 )
             return propagation.result(memory, out, False, 0)
-        return np.moveaxis(memory.reshape(len(memory), *self.shape), 0, -1)
+        if memory.flags.c_contiguous:
+            return np.moveaxis(memory.reshape(len(memory), *self.shape), 0, -1)
+        return memory.T.reshape(*self.shape, len(memory))

@@ -97,7 +97,7 @@ def brightness(
     """
     law = known_law(law)
     suns, observers, shape_out = paired(sun, observer)
-    kernel = _kernel(shape, law, shadows, threads)
+    kernel = kernel_of(shape, law, shadows, threads)
     if out is None:
         out = np.empty(shape_out)
     elif not (
@@ -162,10 +162,13 @@ def _described(out: object) -> str:
     return f"an array of {out.dtype} of shape {out.shape}"
 
 
-def _kernel(
+def kernel_of(
     shape: object, law: Law, shadows: bool | Visibility, threads: int
 ) -> Callable[..., object]:
-    """The function of six components and an output array that evaluates one block."""
+    """The function of six components and an output array that evaluates one block.
+
+    Without the phase function of the law; arguments as of `brightness`.
+    """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
     if not isinstance(shape, Mesh):
@@ -179,17 +182,22 @@ def _kernel(
 
 
 def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
+    require_ellipsoid_form(law)
+    from attitude.light_curve.closed_form import ellipsoid
+
+    assert law.weights is not None
+    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
+    return lambda *arrays: ellipsoid(*axes, factor, *arrays)
+
+
+def require_ellipsoid_form(law: Law) -> None:
+    """AttitudeError for a law without a closed form of an ellipsoid."""
     if not law.has_ellipsoid_form:
         names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
         raise AttitudeError(
             f"law is {law!r}, but an ellipsoid has a closed form under the law {names} only; give "
             "its facets, Ellipsoid.facets(count), or that law."
         )
-    from attitude.light_curve.closed_form import ellipsoid
-
-    assert law.weights is not None
-    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
-    return lambda *arrays: ellipsoid(*axes, factor, *arrays)
 
 
 def _table(mesh: Mesh, shadows: bool | Visibility, threads: int) -> Visibility | None:

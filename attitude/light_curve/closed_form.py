@@ -30,27 +30,36 @@ def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
     """factor times the integral (m2) for each epoch, into out (N,).
 
     a, b, c are the semi-axes (m); the unit vectors s and o come as components (N,).  A branch or a
-    call in the loop would keep it from being vectorised.
+    call in the loop would keep it from being vectorised: `intensity` is copied into it.
     """
     ia, ib, ic = 1.0 / a, 1.0 / b, 1.0 / c
     scale = 0.25 * math.pi * a * b * c * factor
     for t in range(out.size):
-        px, py, pz = sx[t] * ia, sy[t] * ib, sz[t] * ic
-        qx, qy, qz = ox[t] * ia, oy[t] * ib, oz[t] * ic
-        dx, dy, dz = (sx[t] + ox[t]) * ia, (sy[t] + oy[t]) * ib, (sz[t] + oz[t]) * ic
-        p = math.sqrt(px * px + py * py + pz * pz)
-        q = math.sqrt(qx * qx + qy * qy + qz * qz)
-        both = p * q
-        dot = px * qx + py * qy + pz * qz
-        vx, vy, vz = py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx
-        apart = both - dot
-        cross = vx * vx + vy * vy + vz * vz
-        # The second form applies where apart >= P Q; the bound avoids a division by 0 elsewhere.
-        m = both + dot if dot > 0.0 else cross / max(apart, both)
-        inverse = 1.0 / (p + q)
-        square = (dx * dx + dy * dy + dz * dz) * inverse * inverse
-        y = max(2.0 * apart * inverse * inverse, 1e-290)
-        out[t] = scale * 2.0 * m * inverse * _dimming(square, y)
+        out[t] = intensity(ia, ib, ic, scale, sx[t], sy[t], sz[t], ox[t], oy[t], oz[t])
+
+
+@reduction_inlined
+def intensity(ia, ib, ic, scale, sx, sy, sz, ox, oy, oz):
+    """The integral for one pair of unit vectors, times a factor.
+
+    ia, ib, ic are the reciprocals of the semi-axes; scale is pi a b c / 4 times the factor.
+    """
+    px, py, pz = sx * ia, sy * ib, sz * ic
+    qx, qy, qz = ox * ia, oy * ib, oz * ic
+    dx, dy, dz = (sx + ox) * ia, (sy + oy) * ib, (sz + oz) * ic
+    p = math.sqrt(px * px + py * py + pz * pz)
+    q = math.sqrt(qx * qx + qy * qy + qz * qz)
+    both = p * q
+    dot = px * qx + py * qy + pz * qz
+    vx, vy, vz = py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx
+    apart = both - dot
+    cross = vx * vx + vy * vy + vz * vz
+    # The second form applies where apart >= P Q; the bound avoids a division by 0 elsewhere.
+    m = both + dot if dot > 0.0 else cross / max(apart, both)
+    inverse = 1.0 / (p + q)
+    square = (dx * dx + dy * dy + dz * dz) * inverse * inverse
+    y = max(2.0 * apart * inverse * inverse, 1e-290)
+    return scale * 2.0 * m * inverse * _dimming(square, y)
 
 
 @reduction_inlined

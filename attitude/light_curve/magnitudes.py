@@ -50,9 +50,13 @@ def reduced_magnitude(brightness: Reals, *, sun_magnitude: Real = SUN_V) -> Floa
     if not np.all((array >= 0.0) & (array < np.inf)):
         bad = array[~((array >= 0.0) & (array < np.inf))].flat[0]
         raise AttitudeError(f"brightness holds {bad}; it must be finite and not negative, m2/sr.")
-    sun_magnitude = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
+    return of_brightness(array, validation.number(sun_magnitude, "sun_magnitude", unit="mag"))
+
+
+def of_brightness(brightness: FloatArray, sun_magnitude: float) -> FloatArray:
+    """`reduced_magnitude` of brightness (...) that is not negative; NaN gives NaN."""
     with np.errstate(divide="ignore"):
-        return sun_magnitude + 5.0 * np.log10(ASTRONOMICAL_UNIT_M) - 2.5 * np.log10(array)
+        return sun_magnitude + 5.0 * np.log10(ASTRONOMICAL_UNIT_M) - 2.5 * np.log10(brightness)
 
 
 def apparent_magnitude(

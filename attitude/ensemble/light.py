@@ -1,0 +1,305 @@
+"""Brightness of the members of an ensemble, from their states, block by block."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import validation
+from attitude.compilation.deferral import uncollected
+from attitude.ensemble import evaluate
+from attitude.ensemble.members import BLOCK
+from attitude.ensemble.rows import MemberGrid, MemberRows, Piece
+from attitude.errors import AttitudeError
+from attitude.immutable import read_only
+from attitude.light_curve.blocks import in_blocks
+from attitude.light_curve.brightness import kernel_of, require_ellipsoid_form
+from attitude.light_curve.magnitudes import of_brightness
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M
+from attitude.scattering import law as known_law
+from attitude.shape import Ellipsoid, Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.ensemble.members import Members
+    from attitude.light_curve.visibility import Visibility
+    from attitude.scattering import Law
+
+# Rows in a piece of work: a millisecond with ellipsoids, and 50 ms if each is of another member.
+_ROWS = 1 << 15
+# Rows of meshes in a piece: a facet costs a nanosecond.
+_ROWS_OF_MESHES = 1 << 12
+
+
+class Light:
+    """The brightness of members with given shapes under a law.
+
+    Parameters
+    ----------
+    members : Members
+    label : callable
+        Name of a member in error messages.
+    shapes : array or list
+        Of `known_shapes`.
+    law : str or Law
+    shadows : bool or Visibility
+        As of `light_curve.brightness`.
+    raises : bool
+        Whether epochs beyond the reach of a member are refused; otherwise they give NaN.
+    """
+
+    def __init__(
+        self,
+        members: Members,
+        label: Callable[[int], str],
+        shapes: FloatArray | list[Ellipsoid | Mesh],
+        law: str | Law,
+        shadows: bool | Visibility,
+        raises: bool,
+    ) -> None:
+        self._members, self._label, self._raises = members, label, raises
+        self._law, self._shadows, self._shapes = known_law(law), shadows, shapes
+        self._has_axes = isinstance(shapes, np.ndarray)
+        if self._has_axes:
+            require_ellipsoid_form(self._law)
+            with uncollected():
+                from attitude.ensemble.light_loops import PIECE, ellipsoid_runs
+            self._loop, self._piece = ellipsoid_runs, PIECE
+        self._kernels: dict[int, Callable[..., object]] = {}
+        self._runs = evaluate.Runs(members, label, raises)
+
+    def fill(
+        self,
+        rows: MemberGrid | MemberRows,
+        sun: FloatArray,
+        observer: FloatArray,
+        out: FloatArray,
+        threads: int,
+    ) -> None:
+        """Fill brightness (R,), m2/sr, of rows, for vectors of shape (S, 3) in ICRF."""
+        parts: Sequence[Any] = rows.pieces(_ROWS if self._has_axes else _ROWS_OF_MESHES)
+        if not self._has_axes:
+            self._make_kernels(rows.member, threads)
+
+        def work(begin: int, end: int) -> None:
+            for part in parts[begin:end]:
+                piece = rows.piece(part)
+                both = [rows.vectors(each, part) for each in (sun, observer)]
+                out[piece.place] = self._of(piece, *both)
+
+        in_blocks(work, len(parts), 1, threads)
+
+    def _of(self, piece: Piece, sun: FloatArray, observer: FloatArray) -> FloatArray:
+        found = np.empty(len(piece.member))
+        fill = self._of_ellipsoids if self._has_axes else self._of_meshes
+        fill(piece, sun, observer, found)
+        if self._law.has_phase:
+            from attitude.solution.vectors import separation
+
+            units = (read_only(part) for v in (sun, observer) for part in _unit(v))
+            found *= self._law.phase(np.nan_to_num(separation(*units)))
+        if np.isnan(found).any():
+            self._explain(piece, sun, observer)
+        return found
+
+    def _of_ellipsoids(
+        self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray
+    ) -> None:
+        assert isinstance(self._shapes, np.ndarray) and self._law.weights is not None
+        who, starts = self._runs.runs(piece.member, 0, len(piece.member))
+        work = np.empty((1, 10, self._piece))
+        lows = None if piece.low is None else read_only(piece.low)[None]
+        vectors, factor = (*_memory(sun), *_memory(observer)), self._law.weights[0]
+        t = read_only(piece.t)[None]
+        for first in range(0, len(who), BLOCK):
+            some = who[first : first + BLOCK]
+            constants, _ = self._members.prepared(evaluate.consecutive(some), rates=False)
+            edges = starts[first : first + len(some) + 1]
+            axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
+            rest = *vectors, axes, factor, work, out
+            failed = self._loop(constants, edges, t, lows, *rest)
+            if failed >= 0:
+                near = self._runs.nearer(constants, edges, t[0], piece.low, failed, some)
+                self._loop(constants, edges, near[None], lows, *rest)
+
+    def _make_kernels(self, member: IntArray, threads: int) -> None:
+        """The functions that sum over the facets of each shape that occurs."""
+        one = len(self._shapes) == 1
+        for k in [0] if one else np.unique(member).tolist():
+            shape = self._shapes[k]
+            if id(shape) not in self._kernels:
+                kernel = kernel_of(shape, self._law, self._shadows, threads)
+                self._kernels[id(shape)] = kernel
+
+    def _of_meshes(
+        self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray
+    ) -> None:
+        from attitude.solution import vectors
+
+        count = len(piece.member)
+        wxyz, turned = np.empty((4, count)), np.empty((2, 3, count))
+        self._runs(piece.member, 0, count, piece.t, piece.low, wxyz, None)
+        for given, into in zip((sun, observer), turned, strict=True):
+            vectors.to_body(read_only(wxyz), read_only(_unit(given)), into)
+        parts = [read_only(each) for both in turned for each in both]
+        # Directions that are not known have no place among the facets.
+        known = np.isfinite(turned).all(axis=(0, 1))
+        if not known.all():
+            parts = [read_only(np.where(known, each, k % 3 == 2)) for k, each in enumerate(parts)]
+        if len(self._shapes) == 1:
+            self._kernels[id(self._shapes[0])](*parts, out)
+        else:
+            who, starts = self._runs.runs(piece.member, 0, count)
+            for k, first, end in zip(who.tolist(), starts, starts[1:], strict=False):
+                some = [each[first:end] for each in parts]
+                self._kernels[id(self._shapes[k])](*some, out[first:end])
+        out[~known] = np.nan
+
+    def _explain(self, piece: Piece, sun: FloatArray, observer: FloatArray) -> None:
+        """AttitudeError for vectors that have no direction; NaN vectors are missing ones."""
+        for name, given in (("sun", sun), ("observer", observer)):
+            with np.errstate(over="ignore"):
+                squares = np.sum(given * given, axis=1)
+            bad = np.flatnonzero((squares == 0.0) | np.isinf(squares))
+            if len(bad):
+                k = int(bad[0])
+                raise AttitudeError(
+                    f"{name} of {self._label(int(piece.member[k]))} is {given[k].tolist()}; give "
+                    "vectors from the body of finite length above zero, or NaN where there is none."
+                )
+
+
+def known_shapes(
+    shape: Any, count: int, label: Callable[[int], str]
+) -> FloatArray | list[Ellipsoid | Mesh]:
+    """Semi-axes (1 or N, 3) in m if all shapes are ellipsoids, else a list of 1 or N shapes.
+
+    Parameters
+    ----------
+    shape : Ellipsoid, Mesh, N of them, or (3,) or (N, 3) array_like
+        Semi-axes are in m, or Quantities.
+    count : int
+        N.
+    label : callable
+        Name of a member in error messages.
+
+    Raises
+    ------
+    AttitudeError
+        For other objects, a shape that is missing, and semi-axes that are not above zero.
+    """
+    if isinstance(shape, (Ellipsoid, Mesh)):
+        shapes = [shape]
+    elif isinstance(shape, (list, tuple)) and any(
+        each is None or isinstance(each, (Ellipsoid, Mesh)) for each in shape
+    ):
+        shapes = list(shape)
+    else:
+        return _known_axes(shape, count, label)
+    if len(shapes) not in (1, count):
+        raise AttitudeError(
+            f"{len(shapes)} shapes are given for {count} members; give one, or one for each."
+        )
+    for k, each in enumerate(shapes):
+        if each is None:
+            raise AttitudeError(f"{label(k)}: its shape is missing; give an Ellipsoid or a Mesh.")
+        if not isinstance(each, (Ellipsoid, Mesh)):
+            raise AttitudeError(
+                f"{label(k)}: its shape is {validation.shown(each)}; give an Ellipsoid or a Mesh."
+            )
+    ellipsoids = [each for each in shapes if isinstance(each, Ellipsoid)]
+    if len(ellipsoids) == len(shapes):
+        return np.array([each.semi_axes for each in ellipsoids]).reshape(-1, 3)
+    return shapes
+
+
+def _known_axes(shape: Any, count: int, label: Callable[[int], str]) -> FloatArray:
+    axes = validation.real(shape, "shape", unit="m", finite=False)
+    if axes.shape == (3,):
+        axes = axes[None]
+    if axes.ndim != 2 or axes.shape[1] != 3 or len(axes) not in (1, count):
+        raise AttitudeError(
+            f"shape has shape {axes.shape}; give semi-axes (3,) or ({count}, 3), an Ellipsoid or "
+            "Mesh, or one for each member."
+        )
+    bad = np.flatnonzero(~np.all((axes > 0.0) & (axes < np.inf), axis=1))
+    if len(bad):
+        k = int(bad[0])
+        raise AttitudeError(
+            f"{label(k)}: its semi-axes are {axes[k].tolist()}; each is finite and greater than "
+            "zero, in m."
+        )
+    return np.ascontiguousarray(axes)
+
+
+def known_vectors(value: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
+    """Vectors (..., 3) broadcast to (*shape, 3), a view of what is given where possible."""
+    if value is None:
+        raise AttitudeError(f"{name} is missing; give vectors (..., 3) from the body, in ICRF.")
+    array = validation.rows(value, name, 3, unit="m")
+    try:
+        return np.broadcast_to(array, (*shape, 3))
+    except ValueError as err:
+        raise AttitudeError(
+            f"{name} has shape {array.shape} and the epochs {shape}; give (3,), or one vector for "
+            f"each epoch, {(*shape, 3)}."
+        ) from err
+
+
+def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
+    """The output array that was given, or a new one; AttitudeError for one of another kind."""
+    if out is None:
+        return np.empty(shape)
+    fits = isinstance(out, np.ndarray) and out.shape == shape and out.dtype == np.float64
+    if not fits or not out.flags.c_contiguous or not out.flags.writeable:
+        raise AttitudeError(
+            f"out is {validation.shown(out)}; give a writable float64 array {shape} in C order."
+        )
+    found: FloatArray = out
+    return found
+
+
+def as_magnitudes(brightness: FloatArray, sun_magnitude: float) -> FloatArray:
+    """Brightness as reduced magnitudes, in place, block by block."""
+    flat = brightness.reshape(-1)
+    for first in range(0, flat.size, _ROWS):
+        part = flat[first : first + _ROWS]
+        part[:] = of_brightness(part, sun_magnitude)
+    return brightness
+
+
+def dimmed(magnitudes: FloatArray, sun: Any, observer: Any) -> FloatArray:
+    """Reduced magnitudes (S) at the lengths of vectors (..., 3) in m, in place."""
+    flat = magnitudes.reshape(-1)
+    given = (sun, "sun"), (observer, "observer")
+    both = [known_vectors(value, name, magnitudes.shape) for value, name in given]
+    if magnitudes.ndim == 0:
+        both = [each[None] for each in both]
+    rows = magnitudes.reshape(-1) if magnitudes.ndim < 2 else magnitudes
+    step = max(1, _ROWS * len(rows) // max(flat.size, 1))
+    for first in range(0, len(rows), step):
+        part = slice(first, first + step)
+        for each in both:
+            length = np.sqrt(np.sum(each[part] ** 2, axis=-1))
+            rows[part] += 5.0 * np.log10(length / ASTRONOMICAL_UNIT_M)
+    return magnitudes
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors (K, 3) as unit vectors by component, (3, K)."""
+    found = np.ascontiguousarray(vectors.T)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        return found / np.sqrt(np.sum(found * found, axis=0))
+
+
+def _memory(vectors: FloatArray) -> tuple[FloatArray, tuple[int, int]]:
+    """The memory of vectors (K, 3) as one row of numbers, and the steps of its two axes in it."""
+    row, part = (step // 8 for step in vectors.strides)
+    if row < 0 or part < 0 or any(step % 8 for step in vectors.strides):
+        return read_only(np.ascontiguousarray(vectors).reshape(-1)), (3, 1)
+    size = (len(vectors) - 1) * row + 2 * part + 1 if len(vectors) else 0
+    flat = np.lib.stride_tricks.as_strided(vectors, (size,), (8,), writeable=False)
+    return flat, (row, part)
