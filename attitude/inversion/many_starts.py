@@ -154,7 +154,7 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
                 ellipsoid.with_derivatives(
                     new, new[5:14], k, flat, t, sun, observer, r, g, out, jacobian
                 )
-                chi, along = _residuals(new, y, root, u, out, flat)
+                chi, along = _residuals(y, root, u, out)
                 chi += bend * (new[14] ** 2 + new[15] ** 2)
                 if tie < np.inf:
                     _tie(new, tie, row, tied, slopes)

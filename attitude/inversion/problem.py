@@ -100,10 +100,15 @@ class CurveProblem:
             np.ascontiguousarray(y),
         )
 
-    def with_model_error(self, model_error: float, scale: float = 1.0) -> CurveProblem:
-        """The same magnitudes with other weights: sigma times `scale`, and another model error."""
+    def with_model_error(self, model_error: float) -> CurveProblem:
+        """The same magnitudes with another model error."""
         given = self.t, self.span, self.sun, self.observer, self.magnitude
-        return CurveProblem.of(*given, self.sigma * scale, self.terms, self.prior, model_error)
+        return CurveProblem.of(*given, self.sigma, self.terms, self.prior, model_error)
+
+    def with_sigma(self, sigma: FloatArray) -> CurveProblem:
+        """The same magnitudes with other errors (N,), and no model error."""
+        given = self.t, self.span, self.sun, self.observer, self.magnitude
+        return CurveProblem.of(*given, sigma, self.terms, self.prior, 0.0)
 
     def __len__(self) -> int:
         return len(self.t)

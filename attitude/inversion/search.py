@@ -1,0 +1,256 @@
+"""The blind search: candidate rates, ellipsoids from many starts, convex bodies, robust errors.
+
+Rounds go on, with more pairs and more starts each, until the best solution leaves residuals as
+small as the errors, or the time is over.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.inversion import ellipsoid_search as ellipsoids
+from attitude.inversion import lattices, refinement, robust
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from attitude.annotations import FloatArray
+    from attitude.inversion.ellipsoid_search import Pool
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.refinement import Refined
+    from attitude.inversion.robust import Weighted
+
+# Model error, mag, of ellipsoids; that of convex bodies is estimated.
+ELLIPSOID_ERROR = 0.07
+# Standard deviation of the logarithms of the moments of motion and ellipsoid.
+_TIE = 0.15
+# Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
+_PAIRS, _QUICK, _DEEP = 200, 4, 40
+# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
+_CLASSES, _CONVEX, _FINAL = 40, 40, 14
+# Rates that are fitted between looks at the clock.
+_BLOCK = 200
+# Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
+_SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
+# Mean square of residuals over sigma and 0.01 mag at which the search ends.
+FLOOR, FLOOR_ERROR = 1.6, 0.01
+_ROUNDS = 1
+_AXIAL_RATES, _AXIAL_STARTS = 12, 12
+AXIAL_FIXED = ellipsoids.AXIAL_FIXED[:8]
+
+
+def pole(state: FloatArray) -> FloatArray:
+    """The direction (3,) of the angular momentum, ICRF."""
+    return state[[7, 10, 13]]
+
+
+def is_same(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two states have one mode, the same rates and the same pole."""
+    return has_rates(a, b) and float(pole(a) @ pole(b)) > _SAME_POLE
+
+
+def has_rates(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two states have one mode and the same rates."""
+    if is_axial(a) or is_axial(b):
+        return is_axial(a) and is_axial(b) and 2.0 * abs(a[0] - b[0]) < _SAME_RATE
+    same = 2.0 * abs(a[0] - b[0]) < _SAME_RATE and abs(a[1] - b[1]) < _SAME_RATE
+    return bool(same)
+
+
+def is_axial(state: FloatArray) -> bool:
+    """Whether a state is rotation about one axis."""
+    return bool(state[3] == ellipsoids.AXIAL)
+
+
+@dataclass(eq=False)
+class Search:
+    """A search and what it has found.
+
+    Attributes
+    ----------
+    problem : CurveProblem
+        With the model error of ellipsoids.
+    most : float
+        Largest frequency, turns per span.
+    modes : tuple of str
+    tolerance : float
+        Of the logarithms of the ratios of moments.
+    shifts : tuple of float
+        Turns per span of a day, where the epochs lie at one time of the day.
+    generator : Generator
+    deadline : float
+        `time.monotonic` at which the search ends.
+    progress : callable
+        Called with a text and the share of the time that is over.
+    convex : list of Refined
+        The best first.
+    solutions : list of Weighted
+        The best first; those of the last `finish`.
+    """
+
+    problem: CurveProblem
+    most: float
+    modes: tuple[str, ...]
+    tolerance: float
+    shifts: tuple[float, ...]
+    generator: np.random.Generator
+    deadline: float
+    progress: Callable[[str], object]
+    convex: list[Refined] = field(default_factory=list)
+    solutions: list[Weighted] = field(default_factory=list)
+    rounds: int = 0
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is over."""
+        return time.monotonic() > self.deadline
+
+    def run(self) -> None:
+        """Search until the floor is reached or the time is over."""
+        self._axial()
+        for number in range(_ROUNDS):
+            self.rounds = number + 1
+            for pool in self._pools(number):
+                self._refine(pool)
+            self.finish()
+            if self.is_over or self.has_reached_floor:
+                break
+
+    @property
+    def has_reached_floor(self) -> bool:
+        """Whether the best solution leaves residuals as small as the errors."""
+        return bool(self.solutions) and floor_ratio(self.solutions[0], self.problem) < FLOOR
+
+    def _pools(self, number: int) -> Iterator[Pool]:
+        """Ellipsoids of a round."""
+        problem, more = self.problem, 2**number
+        found, _ = lattices.pairs(problem, self.most, _PAIRS * more)
+        rates = lattices.candidates(found, self.most, self.modes, self.shifts)
+        if number:
+            rates = self._scan() + rates
+        parts = []
+        for start in range(0, len(rates), _BLOCK):
+            part = rates[start : start + _BLOCK]
+            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=_TIE)
+            parts.append(ellipsoids.best_of_each(made, len(part)))
+            self.progress(f"ellipsoids of {start + len(part)} of {len(rates)} pairs of periods")
+            if self.is_over:
+                break
+        pool = ellipsoids.in_order(*parts)
+        deep = [pool]
+        for rate in _classes(pool, _CLASSES):
+            deep.append(
+                ellipsoids.around(
+                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=_TIE
+                )
+            )
+            if self.is_over:
+                break
+        self.progress("ellipsoids of the best periods")
+        yield ellipsoids.in_order(*deep)
+
+    def _scan(self) -> list[lattices.Candidate]:
+        """Rates with the precession of the best solutions and every nutation."""
+        rates = []
+        used: list[float] = []
+        for each in self.convex:
+            here = float(each.state[0])
+            if any(abs(here - other) < 0.2 for other in used) or is_axial(each.state):
+                continue
+            used.append(here)
+            steps = np.arange(lattices.LEAST, 0.5 * self.most, 0.4)
+            if "LAM" in self.modes:
+                rates += [lattices.Candidate(here, f) for f in steps if f < 2.0 * here]
+            if "SAM" in self.modes:
+                rates += [lattices.Candidate(here, -f) for f in steps if f < 2.0 * here]
+            if len(used) == 4:
+                break
+        return rates
+
+    def _axial(self) -> None:
+        """Rotations about one axis."""
+        found = lattices.lines(self.problem, self.most, _AXIAL_RATES)
+        rates = np.unique(np.concatenate([found, 0.5 * found]))
+        rates = rates[rates > lattices.LEAST]
+        pool = ellipsoids.axial(self.problem, self.generator, rates, _AXIAL_STARTS)
+        self._refine(ellipsoids.in_order(pool), keep=_CONVEX // 2)
+        self.progress("rotations about one axis")
+
+    def _refine(self, pool: Pool, keep: int = _CONVEX) -> None:
+        """Add the convex bodies of the best distinct ellipsoids."""
+        chosen: list[FloatArray] = []
+        for state in pool.states:
+            if not any(is_same(state, other) for other in chosen):
+                chosen.append(state)
+                if len(chosen) >= keep:
+                    break
+        for state in chosen:
+            fixed = AXIAL_FIXED if is_axial(state) else None
+            self.convex.append(
+                refinement.refine(
+                    self.problem, state, tolerance=self.tolerance, fixed=fixed, gain=3e-3
+                )
+            )
+            if self.is_over and len(self.convex) > 4:
+                break
+        self.convex.sort(key=lambda each: each.cost)
+        self.progress(f"{len(self.convex)} convex bodies")
+
+    def finish(self) -> None:
+        """Make `solutions` of the best convex bodies, with robust errors."""
+        if not self.convex:
+            return
+        chosen: list[Refined] = []
+        for each in self.convex:
+            if not any(is_same(each.state, other.state) for other in chosen):
+                chosen.append(each)
+                if len(chosen) >= _FINAL:
+                    break
+        residual, _ = robust.residuals(self.problem, chosen[0].state)
+        error = robust.model_error(self.problem, residual)
+        for _ in range(2):
+            problem = self.problem.with_model_error(error)
+            best = robust.refined(problem, chosen[0].state, tolerance=self.tolerance, fixed=_held(chosen[0].state))
+            error = robust.model_error(self.problem, best.residual)
+        problem = self.problem.with_model_error(error)
+        found = [
+            robust.refined(problem, each.state, tolerance=self.tolerance, fixed=_held(each.state))
+            for each in chosen
+        ]
+        found.sort(key=lambda each: each.evidence)
+        self.solutions = []
+        for each in found:
+            if not any(is_same(each.refined.state, o.refined.state) for o in self.solutions):
+                self.solutions.append(each)
+        self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
+
+
+def _held(state):
+    return AXIAL_FIXED if is_axial(state) else None
+
+
+def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
+    """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
+    squares = solution.residual**2 / (problem.sigma**2 + FLOOR_ERROR**2)
+    return float(np.mean(np.sort(squares)[: max(1, int(0.97 * len(squares)))]))
+
+
+def _classes(pool: Pool, keep: int) -> list[lattices.Candidate]:
+    """The rates of the best states, without repetition."""
+    rates: list[lattices.Candidate] = []
+    for state in pool.states:
+        here = lattices.Candidate(float(state[0]), float(state[1]))
+        if not any(
+            2.0 * abs(here.precession - each.precession) < 0.4
+            and abs(here.nutation - each.nutation) < 0.4
+            for each in rates
+        ):
+            rates.append(here)
+            if len(rates) >= keep:
+                break
+    return rates
