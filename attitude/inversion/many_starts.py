@@ -142,7 +142,7 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
     flat, step, new = np.ones(3), np.zeros(10), np.empty(WIDTH)
     normal, gradient = np.zeros((10, 10)), np.zeros(10)
     bend, tie = 1.0 / (widths[0] * widths[0]), widths[1]
-    tied, row, slopes = np.zeros(3), np.zeros((2, 10)), np.zeros((2, 4))
+    tied, row, slopes = np.zeros(4), np.zeros((2, 10)), np.zeros((2, 4))
     for each in range(starts.shape[0]):
         x = starts[each]
         new[:] = x

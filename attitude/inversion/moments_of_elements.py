@@ -59,9 +59,9 @@ def _integrals(mc, p):
 
 @entry_point
 def log_ratios(precession, nutation, log_rho, x, found):
-    """ln I1/I3 and ln I2/I3, and whether the body exists (1) or not (0), into found (3,).
+    """ln I1/I3, ln I2/I3, whether the body exists (1, else 0), and L/I3, into found (4,).
 
-    precession and nutation are in turns (lambda / 2 pi, f).
+    precession and nutation are in turns per unit of time (lambda / 2 pi, f); L/I3 in rad.
     """
     size = abs(x)
     low, high = _tilts(math.exp(log_rho), size)
@@ -92,6 +92,7 @@ def log_ratios(precession, nutation, log_rho, x, found):
     # X < 0 exchanges the first two axes
     found[0], found[1] = (first, second) if x >= 0.0 else (second, first)
     found[2] = 1.0 if exists else 0.0
+    found[3] = rate * root / (abs(1.0 - r) * cosine)
 
 
 @subroutine

@@ -105,7 +105,7 @@ def _penalties(
     strain = 0.0
     if math.isfinite(tolerance):
         r[3:6], by[3:6, _MOTION:] = held.turn, held.by_turn
-        found, slopes = np.empty(3), np.empty((2, 4))
+        found, slopes = np.empty(4), np.empty((2, 4))
         moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
         r[6:8] = (found[:2] - held.log_ratios) / tolerance
         by[6:8, [3, 4, 6, 7]] = slopes / tolerance
@@ -138,13 +138,14 @@ def refine(
         Of the logarithms of the ratios of moments of motion and shape; infinite: not tied.
     gain : float
         Relative decrease of the cost at which the iteration ends.
-    fixed : (8,) array of bool, optional
-        Parameters of the motion that stay.
+    fixed : (K,) array of bool, optional
+        Which of the first K parameters stay: 8 of the motion, 2 of the ellipsoid, the modes.
     """
     state = np.zeros(WIDTH)
     state[: len(start)] = start
     held = np.zeros(SIZE, bool)
-    held[:_MOTION] = False if fixed is None else fixed
+    if fixed is not None:
+        held[: len(fixed)] = fixed
     best: Refined | None = None
     trial, damping = state, 1e-2
     gradient = np.zeros(SIZE)

@@ -38,7 +38,8 @@ class Weighted:
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
-        Minus twice the logarithm of the posterior density at its maximum, but for constants.
+        Minus twice the logarithm of the posterior density at its maximum, but for constants, plus
+        ln N for each free parameter of the motion.
     residual : (N,) array
         Magnitudes, observed less computed, linear terms included.
     chi_squared : float
@@ -103,4 +104,6 @@ def refined(
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
     evidence += found.cost - found.chi_squared
+    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    evidence += free * float(np.log(len(problem)))
     return Weighted(found, own, evidence, residual, float(np.mean(square)))

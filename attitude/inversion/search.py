@@ -19,7 +19,7 @@ from attitude.inversion import lattices, refinement, robust
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from attitude.annotations import FloatArray
+    from attitude.annotations import BoolArray, FloatArray
     from attitude.inversion.ellipsoid_search import Pool
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
@@ -39,9 +39,11 @@ _BLOCK = 200
 _SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
 # Mean square of residuals over sigma and 0.01 mag at which the search ends.
 FLOOR, FLOOR_ERROR = 1.6, 0.01
-_ROUNDS = 1
+# Without the floor: the share of the variance left, and the difference of evidence to the next
+# periods, of a solution that is accepted; twice the difference ends the search.
+LEFT, ALONE = 0.12, 60.0
+_ROUNDS = 4
 _AXIAL_RATES, _AXIAL_STARTS = 12, 12
-AXIAL_FIXED = ellipsoids.AXIAL_FIXED[:8]
 
 
 def pole(state: FloatArray) -> FloatArray:
@@ -104,6 +106,8 @@ class Search:
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
     rounds: int = 0
+    is_ellipsoid: bool = False
+    notes: list[str] = field(default_factory=list)
 
     @property
     def is_over(self) -> bool:
@@ -123,8 +127,16 @@ class Search:
 
     @property
     def has_reached_floor(self) -> bool:
-        """Whether the best solution leaves residuals as small as the errors."""
-        return bool(self.solutions) and floor_ratio(self.solutions[0], self.problem) < FLOOR
+        """Whether the best solution leaves residuals as small as the errors, or stands alone."""
+        if not self.solutions:
+            return False
+        best = self.solutions[0]
+        if floor_ratio(best, self.problem) < FLOOR:
+            return True
+        others = [e for e in self.solutions if not has_rates(e.refined.state, best.refined.state)]
+        gap = min((each.evidence - best.evidence for each in others), default=0.0)
+        left = np.var(best.residual) / max(np.var(self.problem.detrended), 1e-12)
+        return bool(gap > 2.0 * ALONE and left < LEFT)
 
     def _pools(self, number: int) -> Iterator[Pool]:
         """Ellipsoids of a round."""
@@ -190,10 +202,13 @@ class Search:
                 if len(chosen) >= keep:
                     break
         for state in chosen:
-            fixed = AXIAL_FIXED if is_axial(state) else None
             self.convex.append(
                 refinement.refine(
-                    self.problem, state, tolerance=self.tolerance, fixed=fixed, gain=3e-3
+                    self.problem,
+                    state,
+                    tolerance=self.tolerance,
+                    fixed=self._fixed(state),
+                    gain=3e-3,
                 )
             )
             if self.is_over and len(self.convex) > 4:
@@ -214,14 +229,10 @@ class Search:
         residual, _ = robust.residuals(self.problem, chosen[0].state)
         error = robust.model_error(self.problem, residual)
         for _ in range(2):
-            problem = self.problem.with_model_error(error)
-            best = robust.refined(problem, chosen[0].state, tolerance=self.tolerance, fixed=_held(chosen[0].state))
+            best = self._robust(self.problem.with_model_error(error), chosen[0])
             error = robust.model_error(self.problem, best.residual)
         problem = self.problem.with_model_error(error)
-        found = [
-            robust.refined(problem, each.state, tolerance=self.tolerance, fixed=_held(each.state))
-            for each in chosen
-        ]
+        found = [self._robust(problem, each) for each in chosen]
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
         for each in found:
@@ -229,9 +240,19 @@ class Search:
                 self.solutions.append(each)
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
+    def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
+        return robust.refined(
+            problem, given.state, tolerance=self.tolerance, fixed=self._fixed(given.state)
+        )
 
-def _held(state):
-    return AXIAL_FIXED if is_axial(state) else None
+    def _fixed(self, state: FloatArray) -> BoolArray:
+        """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
+        fixed = np.zeros(refinement.SIZE, bool)
+        if is_axial(state):
+            fixed[:8] = ellipsoids.AXIAL_FIXED[:8]
+        if self.is_ellipsoid:
+            fixed[10:] = True
+        return fixed
 
 
 def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
