@@ -20,7 +20,16 @@ transforms, pair_scan  Fourier series in pairs of frequencies by closed normal e
 """
 
 from attitude.inversion.curve import LightCurve
+from attitude.inversion.periods import Pair, Periods, periods
 from attitude.inversion.solution import Solution, SpinStates
 from attitude.inversion.spin_states import spin_states
 
-__all__ = ["LightCurve", "Solution", "SpinStates", "spin_states"]
+__all__ = [
+    "LightCurve",
+    "Pair",
+    "Periods",
+    "Solution",
+    "SpinStates",
+    "periods",
+    "spin_states",
+]

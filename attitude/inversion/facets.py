@@ -82,7 +82,8 @@ def _of_ellipsoid(flat: FloatArray) -> tuple[FloatArray, FloatArray]:
     rise = 2.0 * axes[:2, None] * on.squares[:2] / across * weights  # (2, F)
     by_flat = on.squares @ rise.T  # (3, 2)
     relative = by_flat / tensor[:, None]
-    return np.log(tensor[:2] / tensor[2]), relative[:2] - relative[2]
+    slopes: FloatArray = relative[:2] - relative[2]
+    return np.log(tensor[:2] / tensor[2]), slopes
 
 
 def equivalent(tensor: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -96,7 +97,7 @@ def equivalent(tensor: FloatArray, start: FloatArray) -> tuple[FloatArray, Float
         flat = np.clip(flat + np.clip(step, -1.0, 1.0), -6.0, 6.0)
         if np.abs(step).max() < 1e-9:
             break
-    return flat, np.linalg.inv(slope)
+    return flat, np.asarray(np.linalg.inv(slope), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,7 +55,7 @@ def mesh(areas: FloatArray, normals: FloatArray) -> Mesh:
     found = minimize(
         cost, np.log(start), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}
     )
-    corners, here = _polyhedron(np.exp(found.x), normals)
+    corners, _ = _polyhedron(np.exp(found.x), normals)
     return _meshed(corners)
 
 

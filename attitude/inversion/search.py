@@ -32,16 +32,22 @@ _TIE = 0.15
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
-_CLASSES, _CONVEX, _FINAL = 40, 40, 14
+_CLASSES, _CONVEX, _FINAL = 30, 40, 14
+# Poles of one pair of rates.
+_POLES = 7
+# Precessions of which every nutation is tried.
+_SCANNED = 3
+# Starts of each pair of rates that the windows of the epochs displace.
+_ALIASES = 12
 # Rates that are fitted between looks at the clock.
 _BLOCK = 200
 # Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
 _SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
 # Mean square of residuals over sigma and 0.01 mag at which the search ends.
-FLOOR, FLOOR_ERROR = 1.6, 0.01
+FLOOR, FLOOR_ERROR = 1.0, 0.01
 # Without the floor: the share of the variance left, and the difference of evidence to the next
-# periods, of a solution that is accepted; twice the difference ends the search.
-LEFT, ALONE = 0.12, 60.0
+# periods, of a solution that is accepted.
+LEFT, ALONE = 0.12, 120.0
 _ROUNDS = 4
 _AXIAL_RATES, _AXIAL_STARTS = 12, 12
 
@@ -121,6 +127,12 @@ class Search:
             self.rounds = number + 1
             for pool in self._pools(number):
                 self._refine(pool)
+            if self.shifts and not self.is_over:
+                rates = self._displaced()
+                made = ellipsoids.around(
+                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=_TIE
+                )
+                self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break
@@ -135,54 +147,89 @@ class Search:
             return True
         others = [e for e in self.solutions if not has_rates(e.refined.state, best.refined.state)]
         gap = min((each.evidence - best.evidence for each in others), default=0.0)
-        left = np.var(best.residual) / max(np.var(self.problem.detrended), 1e-12)
-        return bool(gap > 2.0 * ALONE and left < LEFT)
+        left = share_left(best, self.problem)
+        return bool(gap > ALONE and left < LEFT)
 
     def _pools(self, number: int) -> Iterator[Pool]:
-        """Ellipsoids of a round."""
-        problem, more = self.problem, 2**number
-        found, _ = lattices.pairs(problem, self.most, _PAIRS * more)
+        """Ellipsoids of a round: of the lattices, then of every nutation at the best precessions."""
+        more = 2**number
+        found, _ = lattices.pairs(self.problem, self.most, _PAIRS * more)
         rates = lattices.candidates(found, self.most, self.modes, self.shifts)
-        if number:
-            rates = self._scan() + rates
+        yield self._ellipsoids(rates, more, "periods of the lines")
+        self.convex.sort(key=lambda each: each.cost)
+        yield self._ellipsoids(self._scan(), more, "periods of psi")
+
+    def _ellipsoids(self, rates: list[lattices.Candidate], more: int, name: str) -> Pool:
+        """Ellipsoids of rates, with more starts for the best."""
+        problem = self.problem
         parts = []
         for start in range(0, len(rates), _BLOCK):
             part = rates[start : start + _BLOCK]
             made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=_TIE)
             parts.append(ellipsoids.best_of_each(made, len(part)))
-            self.progress(f"ellipsoids of {start + len(part)} of {len(rates)} pairs of periods")
+            self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
             if self.is_over:
                 break
         pool = ellipsoids.in_order(*parts)
         deep = [pool]
         for rate in _classes(pool, _CLASSES):
+            if self.is_over:
+                break
             deep.append(
                 ellipsoids.around(
                     problem, self.generator, [rate], _DEEP * more, iterations=40, tie=_TIE
                 )
             )
-            if self.is_over:
-                break
-        self.progress("ellipsoids of the best periods")
-        yield ellipsoids.in_order(*deep)
+        return ellipsoids.in_order(*deep)
 
     def _scan(self) -> list[lattices.Candidate]:
-        """Rates with the precession of the best solutions and every nutation."""
+        """Rates with the precession of the long axis of the best solutions, and every nutation."""
         rates = []
         used: list[float] = []
         for each in self.convex:
-            here = float(each.state[0])
-            if any(abs(here - other) < 0.2 for other in used) or is_axial(each.state):
+            state = each.state
+            here = 2.0 * float(state[0])
+            if not is_axial(state) and state[1] > 0.0:
+                here -= float(state[1])
+            if any(abs(here - other) < 0.4 for other in used):
                 continue
             used.append(here)
-            steps = np.arange(lattices.LEAST, 0.5 * self.most, 0.4)
+            steps = np.arange(lattices.LEAST, 0.6 * self.most, 0.4)
             if "LAM" in self.modes:
-                rates += [lattices.Candidate(here, f) for f in steps if f < 2.0 * here]
+                rates += [lattices.Candidate(0.5 * (here + f), f) for f in steps]
             if "SAM" in self.modes:
-                rates += [lattices.Candidate(here, -f) for f in steps if f < 2.0 * here]
-            if len(used) == 4:
+                rates += [lattices.Candidate(0.5 * here, -f) for f in steps if f < 1.4 * here]
+            if len(used) == _SCANNED:
                 break
         return rates
+
+    def _displaced(self) -> list[lattices.Candidate]:
+        """Rates of the best solutions with lines displaced by the windows of the epochs.
+
+        Lines lie at even numbers of psi: a shift of a line moves psi by half of it.
+        """
+        rates: list[lattices.Candidate] = []
+        states: list[FloatArray] = []
+        for each in self.convex:
+            if is_axial(each.state) or any(has_rates(each.state, other) for other in states):
+                continue
+            states.append(each.state)
+            nutation = abs(float(each.state[1]))
+            phi = 2.0 * float(each.state[0]) - max(float(each.state[1]), 0.0)
+            for shift in (0.0, *self.shifts):
+                for part in (-1.0, -0.5, 0.5, 1.0) if shift else (0.0,):
+                    moved = [(phi + part * shift, nutation), (phi, abs(nutation + part * shift))]
+                    rates += [
+                        lattices.Candidate(0.5 * rate, f)
+                        for a, b in moved
+                        for rate, f in ((a + b, b), (a, -b), (a + 2.0 * b, -b))
+                        if min(a, b) > lattices.LEAST
+                        and rate + max(-f, 0.0) < self.most
+                        and ("LAM" if f > 0.0 else "SAM") in self.modes
+                    ]
+            if len(states) == _SCANNED:
+                break
+        return list(dict.fromkeys(rates))
 
     def _axial(self) -> None:
         """Rotations about one axis."""
@@ -197,7 +244,8 @@ class Search:
         """Add the convex bodies of the best distinct ellipsoids."""
         chosen: list[FloatArray] = []
         for state in pool.states:
-            if not any(is_same(state, other) for other in chosen):
+            alike = [other for other in chosen if has_rates(state, other)]
+            if len(alike) < _POLES and not any(is_same(state, other) for other in alike):
                 chosen.append(state)
                 if len(chosen) >= keep:
                     break
@@ -222,7 +270,8 @@ class Search:
             return
         chosen: list[Refined] = []
         for each in self.convex:
-            if not any(is_same(each.state, other.state) for other in chosen):
+            alike = [other for other in chosen if has_rates(each.state, other.state)]
+            if len(alike) < _POLES and not any(is_same(each.state, o.state) for o in alike):
                 chosen.append(each)
                 if len(chosen) >= _FINAL:
                     break
@@ -235,9 +284,9 @@ class Search:
         found = [self._robust(problem, each) for each in chosen]
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
-        for each in found:
-            if not any(is_same(each.refined.state, o.refined.state) for o in self.solutions):
-                self.solutions.append(each)
+        for one in found:
+            if not any(is_same(one.refined.state, o.refined.state) for o in self.solutions):
+                self.solutions.append(one)
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
@@ -253,6 +302,11 @@ class Search:
         if self.is_ellipsoid:
             fixed[10:] = True
         return fixed
+
+
+def share_left(solution: Weighted, problem: CurveProblem) -> float:
+    """Variance of the residuals over that of the magnitudes without the linear terms."""
+    return float(np.var(solution.residual)) / max(float(np.var(problem.detrended)), 1e-12)
 
 
 def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:

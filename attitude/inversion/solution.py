@@ -267,6 +267,12 @@ class SpinStates(Sequence[Solution]):
             }
         )
 
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure of the best fit, and of the periods and poles of all solutions."""
+        from attitude.inversion import figures
+
+        return figures.of_states(self, path)
+
     def __repr__(self) -> str:
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
 

@@ -11,7 +11,16 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import curve_problem, facets, refinement, search, verdicts
+from attitude.inversion import (
+    curve_problem,
+    ellipsoid_search,
+    facets,
+    lattices,
+    refinement,
+    search,
+    states,
+    verdicts,
+)
 from attitude.inversion.curve import LightCurve
 from attitude.inversion.solution import Solution, SpinStates
 
@@ -83,6 +92,7 @@ def spin_states(
     most, tolerance = _checked(curve, max_frequency, modes, shape, moments)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
+    _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
     with _linear_algebra(threads):
@@ -96,6 +106,16 @@ def spin_states(
                 curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
             )
     return _results(curve, found, zero_points)
+
+
+def _compile(curve: LightCurve, most: float) -> None:
+    """Run every compiled loop once: the time of compilation is not counted."""
+    generator = np.random.default_rng(0)
+    problem, _ = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, "shared")
+    found, _ = lattices.pairs(problem, 2.0, 1)
+    rate = lattices.Candidate(float(found[0, 0]), -1.0)
+    pool = ellipsoid_search.around(problem, generator, [rate], 1, iterations=1, tie=1.0)
+    refinement.refine(problem, pool.states[0], iterations=1)
 
 
 def _checked(curve, max_frequency, modes, shape, moments):
@@ -179,7 +199,7 @@ def _shifts(curve: LightCurve) -> tuple[float, ...]:
     angle = 2.0 * np.pi * curve.seconds / _DAY
     hour = np.mod(angle - np.angle(np.mean(np.exp(1j * angle))) + np.pi, 2.0 * np.pi) - np.pi
     one_site = np.mean(np.abs(hour) < np.pi / 3.0) > _ONE_SITE
-    return (1.0027379 * curve.span / _DAY,) if one_site else ()
+    return (curve.span / _DAY,) if one_site else ()
 
 
 def _offsets(found):
@@ -196,15 +216,9 @@ def _results(curve, found, zero_points):
     solutions = [
         Solution(curve, each, found.problem, zero_points, k)
         for k, each in enumerate(found.solutions)
-        if search.is_axial(each.refined.state) or _exists(each.refined.state)
+        if states.is_admissible(each.refined.state)
     ]
     for k, each in enumerate(solutions):
         each.rank = k
     verdict, criterion = verdicts.verdict([each.weighted for each in solutions], found.problem)
     return SpinStates(solutions, verdict, criterion, tuple(found.notes))
-
-
-def _exists(state):
-    from attitude.inversion import states
-
-    return states.is_admissible(state)

@@ -16,7 +16,7 @@ from attitude.inversion.search import is_axial
 from attitude.spin import Spin
 
 if TYPE_CHECKING:
-    from attitude.annotations import FloatArray
+    from attitude.annotations import FloatArray, IntArray
     from attitude.epochs.instants import Instant
     from attitude.inversion.robust import Weighted
 
@@ -73,7 +73,7 @@ def motion(
     return FreeRotation(Body(moments=here.moments, relative=True), spin)
 
 
-def covariance(found: Weighted, night: FloatArray) -> tuple[FloatArray, FloatArray]:
+def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray]:
     """Covariances of the state (9, 9), per span, and of the eight parameters of the motion.
 
     Variances are those of the normal matrix, or larger if the scores of nights scatter more: the
@@ -107,7 +107,7 @@ def covariance(found: Weighted, night: FloatArray) -> tuple[FloatArray, FloatArr
     return 0.5 * (total + total.T), of_motion
 
 
-def nights(emission: FloatArray) -> FloatArray:
+def nights(emission: FloatArray) -> IntArray:
     """The number of the night of each epoch (s)."""
     order = np.argsort(emission, kind="stable")
     number = np.zeros(len(emission), np.int64)
@@ -120,7 +120,7 @@ def _slopes(state: FloatArray) -> FloatArray:
     slopes = np.zeros((9, 8))
     scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
     for p in range(8):
-        if is_axial(state) and 4 <= p:
+        if is_axial(state) and p >= 4:
             continue
         ends = []
         for sign in (1.0, -1.0):

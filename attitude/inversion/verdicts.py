@@ -7,9 +7,8 @@ come near.  Other solutions compete within a difference of evidence.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from attitude.inversion import search
 
@@ -36,9 +35,9 @@ def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]
     best = found[0]
     state = best.refined.state
     floor = search.floor_ratio(best, problem)
-    left = float(np.var(best.residual) / max(np.var(problem.detrended), 1e-12))
+    left = search.share_left(best, problem)
     others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state)]
-    gap = min((each.evidence - best.evidence for each in others), default=np.inf)
+    gap = min((each.evidence - best.evidence for each in others), default=math.inf)
     poles = [
         each
         for each in found[1:]
