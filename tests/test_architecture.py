@@ -27,6 +27,7 @@ HOUSE = (
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
     ("ensemble",),
+    ("inversion",),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.

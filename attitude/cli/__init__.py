@@ -4,7 +4,7 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
 wrong input.
 
-propagate, describe, geometry, lightcurve, plot, convert, check    the commands
+propagate, describe, geometry, lightcurve, invert, plot, convert, check    the commands
 target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
@@ -35,6 +35,7 @@ COMMANDS: tuple[str, ...] = (
     "describe",
     "geometry",
     "lightcurve",
+    "invert",
     "plot",
     "convert",
     "check",

@@ -71,7 +71,7 @@ def _dimming(square, y):
     x = math.sqrt(square)
     near = square if square < 0.0625 else 0.0625
     far = x if x > 0.25 else 0.25
-    atanh = 0.5 * _log((1.0 + far) * (1.0 + far) / y)
+    atanh = 0.5 * logarithm((1.0 + far) * (1.0 + far) / y)
     closed = (far - y * atanh) / (far * far * far)
     return _series(near) if square < 0.0625 else closed
 
@@ -94,7 +94,7 @@ def _series(u):
 
 
 @reduction_inlined
-def _log(r):
+def logarithm(r):
     """Natural logarithm of a positive normal number, with an absolute or relative error of 2e-16.
 
     A call of math.log would keep the loop from being vectorised.  r = 2^k z with z from 1/sqrt(2)

@@ -1,0 +1,141 @@
+"""``attitude invert CURVE.csv``: the spin states that a light curve allows."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING, Any
+
+from attitude.cli import orbit, output
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.inversion import SpinStates
+
+HELP: str = "find the spin states of a tumbling body from a light curve"
+EPILOG: str = """\
+example:
+  attitude invert toutatis.csv --max-frequency "0.75 /d" --output solution.toml --figure fit.png
+
+Prints the verdict with its criterion, and the ranked solutions. The CSV has a line of names: an
+epoch (utc, jd_tdb, jd_utc), magnitude or flux, sigma, session, filter, and the geometry (sun_x ..
+observer_z in au, or ra, dec, delta); otherwise give --orbit and --site.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument("file", metavar="CURVE.csv", help="the light curve")
+    parser.add_argument(
+        "--max-frequency",
+        metavar="F",
+        required=True,
+        help='largest frequency of rotation, such as "0.75 /d" or "2 mHz"',
+    )
+    orbit.add_arguments(parser)
+    parser.add_argument(
+        "--site",
+        metavar="LON,LAT[,HEIGHT]",
+        help='the observer on the ground, such as "-70.7 deg, -30.2 deg, 2700 m" (with --orbit)',
+    )
+    parser.add_argument("--frame", default="icrf", help="axes of the vectors of the file (icrf)")
+    parser.add_argument(
+        "--zero-points", default="auto", help='of sessions: auto, shared, free, or "0.05 mag"'
+    )
+    parser.add_argument("--modes", default="LAM,SAM", help="LAM, SAM or both (default)")
+    parser.add_argument("--moments", default="shape", help='"shape", "free" or a tolerance')
+    parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
+    parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
+    parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
+    kinds = ", ".join(output.PICTURES)
+    parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Search, print verdict and table, write the spin file and the figure.
+
+    Raises
+    ------
+    AttitudeError
+        For a file or options that are not valid, and, after the verdict, where --output or
+        --figure is given and nothing was found.
+    """
+    from attitude import inversion, validation
+
+    if arguments.figure is not None:
+        output.kind_of(arguments.figure, output.PICTURES, "--figure")
+    curve = inversion.LightCurve.read(
+        arguments.file,
+        frame=arguments.frame,
+        zero_points=_zero_points(arguments.zero_points),
+        **_geometry(arguments),
+    )
+    moments: Any = arguments.moments
+    if moments not in ("shape", "free"):
+        moments = _number(moments, "--moments")
+    progress = _print_progress if sys.stderr.isatty() else None
+    found = inversion.spin_states(
+        curve,
+        arguments.max_frequency,
+        modes=tuple(each.strip() for each in arguments.modes.split(",")),
+        moments=moments,
+        budget=validation.positive(arguments.budget, "--budget", unit="s"),
+        seed=arguments.seed,
+        progress=progress,
+    )
+    if progress is not None:
+        print(file=sys.stderr)
+    print(curve)
+    print(found)
+    _write(found, arguments)
+
+
+def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
+    if not (arguments.output or arguments.figure):
+        return
+    if len(found) == 0:
+        raise AttitudeError("nothing was found, so that --output and --figure have no content.")
+    if arguments.output:
+        found[0].write(arguments.output, name=found[0].curve.name)
+        print(arguments.output)
+    if arguments.figure:
+        found.plot(arguments.figure)
+        print(arguments.figure)
+
+
+def _zero_points(text: str) -> Any:
+    from attitude import validation
+
+    if text in ("auto", "shared", "free"):
+        return text
+    return validation.positive(text if " " in text else f"{text} mag", "--zero-points", unit="mag")
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise AttitudeError(f'{name} is {text!r}; give "shape", "free" or a number.') from None
+
+
+def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of the geometry from --orbit and --site."""
+    from attitude import paths
+
+    path = orbit.path_of(arguments)
+    if path is None:
+        if arguments.site is not None:
+            raise AttitudeError("--site needs the orbit of the body; give --orbit.")
+        return {}
+    if arguments.site is None:
+        return {"path": path}
+    parts = [each.strip() for each in arguments.site.split(",")]
+    if len(parts) not in (2, 3):
+        raise AttitudeError(
+            f"--site is {arguments.site!r}; give longitude, latitude and, if known, the height."
+        )
+    return {"path": path, "site": paths.site(*parts)}
+
+
+def _print_progress(text: str) -> None:
+    print(f"\rattitude: {text:<70.70s}", end="", file=sys.stderr, flush=True)

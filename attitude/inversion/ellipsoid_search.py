@@ -1,0 +1,148 @@
+"""Ellipsoids from many starts: for given rates, random orientations, phases and shapes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.inversion import many_starts
+
+if TYPE_CHECKING:
+    from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.lattices import Candidate
+    from attitude.inversion.problem import CurveProblem
+
+# ln rho of rotation about an axis, which is then fixed with f, the phase and X.
+AXIAL = -20.0
+AXIAL_FIXED = np.array([False, False, False, False, True, True, True, True, False, False])
+_FREE = np.zeros(10, bool)
+# Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
+_AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
+# Standard deviation of the logarithms of squared ratios of axes.
+_RATIOS = 1.5
+
+
+class Pool(NamedTuple):
+    """States (S, 16) of `many_starts`, the best first, and their costs (S,)."""
+
+    cost: FloatArray
+    states: FloatArray
+
+
+def rotations(generator: np.random.Generator, count: int) -> FloatArray:
+    """Uniformly random rotation matrices (count, 9)."""
+    q = generator.standard_normal((count, 4))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
+    rows = (
+        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.stack(rows, axis=-1)
+
+
+def starts(
+    generator: np.random.Generator, precession: FloatArray, nutation: FloatArray
+) -> FloatArray:
+    """A random start (S, 16) for each pair of rates (S,), turns per span."""
+    count = len(precession)
+    x = np.empty((count, many_starts.WIDTH))
+    long_axis = nutation > 0.0
+    x[:, 0], x[:, 1] = precession, nutation
+    x[:, 2] = generator.random(count)
+    x[:, 3] = np.log(generator.uniform(*_RHO, count))
+    x[:, 4] = generator.random(count) * np.where(long_axis, *_X)
+    x[:, 5:14] = rotations(generator, count)
+    ratios = np.sort(generator.uniform(*_AXES, (count, 2)), axis=1)
+    ratios = np.concatenate([np.ones((count, 1)), ratios], axis=1)
+    axes = np.where(long_axis[:, None], ratios, ratios[:, ::-1])
+    flat = -2.0 * np.log(axes)
+    x[:, 14:] = flat[:, :2] - flat[:, 2:]
+    return x
+
+
+def minimised(
+    problem: CurveProblem,
+    states: FloatArray,
+    iterations: int,
+    *,
+    tie: float = np.inf,
+    fixed: BoolArray = _FREE,
+    gain: float = 1e-4,
+) -> Pool:
+    """The states after an iteration from each, in their order."""
+    states = np.ascontiguousarray(states)
+    cost = np.empty(len(states))
+    many_starts.minimise(
+        states,
+        problem.t,
+        problem.sun,
+        problem.observer,
+        problem.y,
+        problem.root,
+        problem.u,
+        fixed,
+        np.array([_RATIOS, tie]),
+        iterations,
+        gain,
+        cost,
+    )
+    return Pool(cost, states)
+
+
+def screened(problem: CurveProblem, states: FloatArray, groups: int) -> FloatArray:
+    """The best state (groups, 16) of each of so many equal groups."""
+    cost = np.empty(len(states))
+    given = problem.t, problem.sun, problem.observer, problem.y, problem.root, problem.u
+    many_starts.costs(states, *given, cost)
+    size = len(states) // groups
+    best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(groups, size), axis=1)
+    return states[best + size * np.arange(groups)]
+
+
+def around(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    rates: list[Candidate],
+    count: int,
+    *,
+    screens: int = 8,
+    iterations: int = 8,
+    tie: float = np.inf,
+) -> Pool:
+    """Minima from `count` random starts for each pair of rates, in the order of the rates.
+
+    Each start is the best of `screens` random ones.
+    """
+    each = np.repeat(np.array(rates), count * screens, axis=0)
+    given = starts(generator, each[:, 0], each[:, 1])
+    chosen = screened(problem, given, len(rates) * count)
+    return minimised(problem, chosen, iterations, tie=tie)
+
+
+def best_of_each(pool: Pool, groups: int) -> Pool:
+    """The best state of each of so many equal groups."""
+    size = len(pool.cost) // groups
+    at = np.argmin(pool.cost.reshape(groups, size), axis=1) + size * np.arange(groups)
+    return Pool(pool.cost[at], pool.states[at])
+
+
+def in_order(*pools: Pool) -> Pool:
+    """All states of pools, the best first."""
+    cost = np.concatenate([each.cost for each in pools])
+    states = np.concatenate([each.states for each in pools])
+    order = np.argsort(cost, kind="stable")
+    order = order[np.isfinite(cost[order])]
+    return Pool(cost[order], states[order])
+
+
+def axial(
+    problem: CurveProblem, generator: np.random.Generator, rates: FloatArray, count: int
+) -> Pool:
+    """Rotations about one axis at rates (turns per span), from `count` starts for each."""
+    each = np.repeat(rates, count * 8)
+    given = starts(generator, 0.5 * each, -np.ones(len(each)))
+    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
+    chosen = screened(problem, given, len(rates) * count)
+    return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)

@@ -1,0 +1,150 @@
+"""Candidate rates from the spectrum of a light curve.
+
+A body with the symmetry of an ellipsoid has lines at i g + 2 j f alone, f = 1/P_psi and g either
+lambda/pi - f or, which is the same lattice, lambda/pi + f.  Every pair of frequencies of a grid is
+fitted as (g, 2 f) with |i|, |j| <= 2; each good pair then gives every rate lambda/pi = g + (2k+1) f
+in both modes, for both assignments of the pair.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.inversion import pair_scan, transforms
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
+    from attitude.inversion.problem import CurveProblem
+
+# Grid frequencies per 1/span, least frequency in turns per span.
+OVERSAMPLING = 3.0
+LEAST = 0.7
+# Inverse variance, 1/mag2, of the amplitudes of lines before the fit.
+_RIDGE = 1.0
+# Distances at which two candidates are one: of lambda/pi and of f, turns per span.
+_SAME_RATE, _SAME_NUTATION = 0.7, 0.5
+
+
+class Tables(NamedTuple):
+    """The transforms of weights and of weighted magnitudes, real and imaginary parts."""
+
+    wr: FloatArray
+    wi: FloatArray
+    yr: FloatArray
+    yi: FloatArray
+    total: float
+
+
+class Candidate(NamedTuple):
+    """Rates to try: lambda / 2 pi and f, turns per span, f signed by the mode."""
+
+    precession: float
+    nutation: float
+
+
+def tables(problem: CurveProblem, count: int) -> Tables:
+    """The tables of `pair_scan` up to the grid frequency `count`."""
+    weights = problem.root**2
+    y = problem.detrended
+    both = transforms.sums(
+        problem.t, np.stack([weights, weights * y]), 1.0 / OVERSAMPLING, count + 1
+    )
+    parts = both[0].real, both[0].imag, both[1].real, both[1].imag
+    wr, wi, yr, yi = (np.ascontiguousarray(each) for each in parts)
+    return Tables(wr, wi, yr, yi, float(weights @ y**2))
+
+
+def pairs(
+    problem: CurveProblem, most: float, keep: int, order: int = 2
+) -> tuple[FloatArray, FloatArray]:
+    """The best pairs of frequencies (P, 2), turns per span, and the share of chi-squared left (P,).
+
+    Parameters
+    ----------
+    problem : CurveProblem
+    most : float
+        Largest frequency, turns per span.
+    keep : int
+    order : int
+    """
+    count = int(most * OVERSAMPLING) + 1
+    least = max(2, int(LEAST * OVERSAMPLING))
+    first, second = np.triu_indices(max(count - least, 3), 2)
+    first, second = first + least, second + least
+    made = tables(problem, 4 * order * int(second.max() + 1) + 2)
+    gain = np.empty(len(first))
+    lines = pair_scan.harmonics(order)
+    pair_scan.decreases(*made[:4], first, second, lines, _RIDGE, gain)
+    chosen = _peaks(first, second, gain, keep)
+    found = np.stack([first[chosen], second[chosen]], axis=-1) / OVERSAMPLING
+    return found, 1.0 - gain[chosen] / made.total
+
+
+def _peaks(first, second, gain, keep):
+    """Numbers of the best pairs, no two of them neighbours on the grid."""
+    size = int(second.max()) + 4
+    used = np.zeros((size, size), bool)
+    chosen = []
+    for p in np.argsort(-gain, kind="stable"):
+        a, b = first[p], second[p]
+        if not used[a, b]:
+            used[a - 2 : a + 3, b - 2 : b + 3] = True
+            chosen.append(p)
+            if len(chosen) >= keep:
+                break
+    return np.array(chosen)
+
+
+def candidates(
+    found: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
+) -> list[Candidate]:
+    """Rates from pairs (P, 2), the best pair first, without repetition.
+
+    `shifts` are frequencies (turns per span) by which windows of the epochs displace lines, such as
+    one cycle a day.
+    """
+    out: list[Candidate] = []
+    seen = set()
+    for a, b in found:
+        bases = [(a, b), (b, a), (a, b - a), (b, b - a), (a, a + b), (b, a + b)]
+        for shift in shifts:
+            bases += [(a, abs(b - shift)), (abs(a - shift), b), (b, abs(a - shift))]
+            bases += [(abs(b - shift), a), (a, b + shift), (b, a + shift)]
+        for g, h in bases:
+            for rate, f in _rates(g, 0.5 * h, most, modes):
+                key = round(rate / _SAME_RATE), round(f / _SAME_NUTATION)
+                if key not in seen:
+                    seen.add(key)
+                    out.append(Candidate(0.5 * rate, f))
+    return out
+
+
+def _rates(g, f, most, modes):
+    """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
+    for k in range(-2, 2):
+        rate = g + (2 * k + 1) * f
+        if f < LEAST or f > most:
+            continue
+        if "LAM" in modes and rate - f >= LEAST and rate <= most:
+            yield rate, f
+        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < 1.4 * rate:
+            yield rate, -f
+
+
+def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
+    """Frequencies (P,), turns per span, of the best series of one period with four harmonics."""
+    grid = np.arange(max(1, int(LEAST * OVERSAMPLING)), int(most * OVERSAMPLING) + 1)
+    made = tables(problem, 8 * int(grid[-1] + 1))
+    harmonics = np.array([(i, 0) for i in range(5)])
+    gain = np.empty(len(grid))
+    pair_scan.decreases(*made[:4], grid, grid, harmonics, _RIDGE, gain)
+    found: list[float] = []
+    for k in np.argsort(-gain, kind="stable"):
+        here = float(grid[k]) / OVERSAMPLING
+        if all(abs(here - other) > 0.8 for other in found):
+            found.append(here)
+            if len(found) >= keep:
+                break
+    return np.array(found)

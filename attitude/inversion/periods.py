@@ -1,0 +1,187 @@
+"""`periods`: pairs of periods of a light curve by Fourier series in two frequencies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.inversion import curve_problem, lattices, pair_scan
+from attitude.inversion.curve import LightCurve
+
+if TYPE_CHECKING:
+    from astropy.table import QTable
+
+    from attitude.annotations import FilePath, Real
+    from attitude.inversion.problem import CurveProblem
+
+# Error of the model, mag, and inverse variance of amplitudes, 1/mag2.
+_ERROR, _RIDGE = 0.02, 1.0
+# Pairs that a permutation of the magnitudes is fitted with, and turns per span searched at most.
+_PERMUTED, _MOST_TURNS = 20_000, 1500.0
+_DAYS = (1.0 / 86400.0, 1.0 / 86164.0905)
+
+
+class Pair(NamedTuple):
+    """A pair of frequencies, Hz, the share of the variance left, and what it is an alias of.
+
+    The lower frequency is first; ``alias_of`` is the rank of a better pair from which this one
+    differs by a cycle a day, or None.
+    """
+
+    first: float
+    second: float
+    left: float
+    alias_of: int | None
+
+    @property
+    def periods(self) -> tuple[float, float]:
+        """Both periods, s."""
+        return 1.0 / self.first, 1.0 / self.second
+
+
+class Periods(Sequence[Pair]):
+    """Pairs of frequencies, the best first.
+
+    Attributes
+    ----------
+    order : int
+        Of the series.
+    false_alarm : float
+        The share of the variance left by the best pair of 1 of 100 light curves whose magnitudes
+        are exchanged at random among the epochs; a pair that leaves less is significant.
+    """
+
+    def __init__(self, pairs: list[Pair], order: int, false_alarm: float) -> None:
+        self._pairs, self.order, self.false_alarm = pairs, order, false_alarm
+
+    @overload
+    def __getitem__(self, index: int) -> Pair: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Pair]: ...
+
+    def __getitem__(self, index: int | slice) -> Pair | list[Pair]:
+        """The pair of a rank."""
+        return self._pairs[index]
+
+    def __len__(self) -> int:
+        return len(self._pairs)
+
+    def table(self) -> QTable:
+        """A row for each pair."""
+        from astropy import units
+        from astropy.table import QTable
+
+        both = np.array([each[:2] for each in self._pairs]).reshape(-1, 2)
+        return QTable(
+            {
+                "first": 1.0 / both[:, 0] / 86400.0 * units.d,
+                "second": 1.0 / both[:, 1] / 86400.0 * units.d,
+                "left": [each.left for each in self._pairs],
+                "significant": [each.left < self.false_alarm for each in self._pairs],
+                "alias_of": [-1 if each.alias_of is None else each.alias_of for each in self],
+            }
+        )
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure of the pairs in the plane of their frequencies; saved if a path is given."""
+        from attitude.inversion import figures
+
+        return figures.of_pairs(self, path)
+
+    def __repr__(self) -> str:
+        return f"<Periods: {len(self)} pairs of order {self.order}>"
+
+
+def periods(
+    curve: LightCurve, max_frequency: Real, *, order: int = 2, count: int = 20, seed: int = 0
+) -> Periods:
+    """Pairs of periods whose Fourier series fits a light curve best.
+
+    Parameters
+    ----------
+    curve : LightCurve
+    max_frequency : float, Quantity or text
+        Hz, or such as "0.75 /d".
+    order : int
+        1 to 4: lines |i f1 + j f2| with |i|, |j| up to it.
+    count : int
+        Of the pairs returned.
+    seed : int
+        Of the permutations.
+
+    Raises
+    ------
+    AttitudeError
+        For an order out of range, and a curve that spans less than three turns at max_frequency.
+
+    Notes
+    -----
+    A pair (f1, f2) and (f1 +- 2 f2, f2) share their lines but for the order at which the series
+    ends, so that pairs are lattices of lines rather than periods of axes; `spin_states` decides.
+    2 microseconds a pair at order 2, whatever the number of points (benchmarks/inversion.py).
+    """
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    number = validation.count(order, "order")
+    if number > 4:
+        raise AttitudeError(f"order is {number}; give 1 to 4.")
+    most = validation.positive(max_frequency, "max_frequency", unit="1/s")
+    turns = most * curve.span
+    if not 3.0 <= turns <= _MOST_TURNS:
+        raise AttitudeError(
+            f"the light curve spans {turns:.3g} turns at max_frequency; from 3 to "
+            f"{_MOST_TURNS:.0f} are searched."
+        )
+    problem, _ = curve_problem.problem(curve, most, _ERROR, curve.zero_points)
+    found, left = lattices.pairs(problem, turns, validation.count(count, "count"), number)
+    found = np.sort(found, axis=1) / curve.span
+    pairs: list[Pair] = []
+    for (first, second), share in zip(found, left, strict=True):
+        alias = _alias(first, second, pairs, 0.6 / curve.span)
+        pairs.append(Pair(float(first), float(second), float(share), alias))
+    return Periods(pairs, number, _false_alarm(problem, turns, number, seed))
+
+
+def _alias(first: float, second: float, better: list[Pair], near: float) -> int | None:
+    for rank, pair in enumerate(better):
+        for day in _DAYS:
+            ends = [(pair.first, abs(pair.second + s * day)) for s in (-1, 1)]
+            ends += [(abs(pair.first + s * day), pair.second) for s in (-1, 1)]
+            for a, b in ends:
+                low, high = min(a, b), max(a, b)
+                if abs(low - first) < near and abs(high - second) < near:
+                    return rank
+    return None
+
+
+def _false_alarm(problem: CurveProblem, turns: float, order: int, seed: int) -> float:
+    """The share left that 1 of 100 permuted curves reaches, from the distribution of largest."""
+    from attitude.inversion import transforms
+
+    generator = np.random.default_rng(seed)
+    y, weights = problem.detrended, problem.root**2
+    count = int(turns * lattices.OVERSAMPLING) + 1
+    all_pairs = max(count * (count - 1) // 2, 1)
+    tried = min(all_pairs, _PERMUTED if order < 3 else _PERMUTED // 10)
+    pair = generator.integers(2, count, (2, tried))
+    lines = pair_scan.harmonics(order)
+    best = []
+    for _ in range(10):
+        mixed = generator.permutation(len(y))
+        rows = np.stack([weights, weights * y[mixed]])
+        made = transforms.sums(
+            problem.t, rows, 1.0 / lattices.OVERSAMPLING, 4 * order * (count + 1) + 2
+        )
+        tables = [np.ascontiguousarray(part) for each in made for part in (each.real, each.imag)]
+        gain = np.empty(tried)
+        pair_scan.decreases(*tables, pair[0], pair[1], lines, _RIDGE, gain)
+        best.append(float(gain.max() / (weights @ y[mixed] ** 2)))
+    # Gumbel's distribution of the largest of `tried`, extended to all pairs
+    scale = max(np.std(best) * np.sqrt(6.0) / np.pi, 1e-6)
+    place = np.mean(best) - 0.5772 * scale + scale * np.log(all_pairs / tried)
+    return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))

@@ -1,0 +1,109 @@
+"""Refinement with Student's distribution of errors, and the error of the model from residuals.
+
+Photometry of many nights and observers has outliers, and a convex body with one scattering law
+leaves errors of its own.  Weights follow Student's distribution with five degrees of freedom about
+sigma and a model error in quadrature; the model error is what makes the residuals of the best
+solution as large as expected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.inversion import refinement
+
+if TYPE_CHECKING:
+    from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.refinement import Refined
+
+FREEDOM = 5.0
+# Squares of normalised residuals above this do not enter the estimate of the model error, and the
+# mean of the others for normal errors.
+_CUT, _MEAN_BELOW = 9.0, 0.9733
+_LEAST_ERROR = 0.003
+_ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """A refined state with weights of its own.
+
+    Attributes
+    ----------
+    refined : Refined
+    problem : CurveProblem
+        With the weights of this solution.
+    evidence : float
+        Minus twice the logarithm of the posterior density at its maximum, but for constants, plus
+        ln N for each free parameter of the motion.
+    residual : (N,) array
+        Magnitudes, observed less computed, linear terms included.
+    chi_squared : float
+        Mean square of residuals over sigma and the model error.
+    """
+
+    refined: Refined
+    problem: CurveProblem
+    evidence: float
+    residual: FloatArray
+    chi_squared: float
+
+
+def residuals(problem: CurveProblem, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Residuals (N,) of a state and the coefficients (L,) of the linear terms."""
+    magnitude = refinement.model(problem, state).magnitude
+    coefficients = problem.coefficients(magnitude)
+    return problem.magnitude - magnitude - problem.terms @ coefficients, coefficients
+
+
+def model_error(problem: CurveProblem, residual: FloatArray) -> float:
+    """The error, mag, that has to be added to sigma for the residuals to be as expected."""
+    low, high = _LEAST_ERROR, 2.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        squares = residual**2 / (problem.sigma**2 + middle**2)
+        below = squares < _CUT
+        mean = np.mean(squares[below]) if np.any(below) else np.inf
+        low, high = (middle, high) if mean > _MEAN_BELOW else (low, middle)
+    return low if high > _LEAST_ERROR * 1.01 else _LEAST_ERROR
+
+
+def refined(
+    problem: CurveProblem,
+    start: FloatArray,
+    *,
+    tolerance: float,
+    fixed: BoolArray | None = None,
+    iterations: int = 20,
+    gain: float = 1e-4,
+) -> Weighted:
+    """The state of largest posterior density near a start, with Student's errors.
+
+    Parameters
+    ----------
+    problem : CurveProblem
+        With the model error.
+    start, tolerance, fixed
+        As of `refinement.refine`.
+    """
+    state, own = start, problem
+    size = np.hypot(problem.sigma, problem.model_error)
+    for turn in range(_ROUNDS + 1):
+        found = refinement.refine(
+            own, state, tolerance=tolerance, fixed=fixed, iterations=iterations, gain=gain
+        )
+        state = found.state
+        residual, coefficients = residuals(own, state)
+        square = (residual / size) ** 2
+        if turn < _ROUNDS:
+            own = problem.with_sigma(size / np.sqrt((FREEDOM + 1.0) / (FREEDOM + square)))
+    evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
+    evidence += float(np.sum((coefficients / problem.prior) ** 2))
+    evidence += found.cost - found.chi_squared
+    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    evidence += free * float(np.log(len(problem)))
+    return Weighted(found, own, evidence, residual, float(np.mean(square)))

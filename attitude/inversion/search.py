@@ -1,0 +1,331 @@
+"""The blind search: candidate rates, ellipsoids from many starts, convex bodies, robust errors.
+
+Rounds go on, with more pairs and more starts each, until the best solution leaves residuals as
+small as the errors, or the time is over.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.inversion import ellipsoid_search as ellipsoids
+from attitude.inversion import lattices, refinement, robust
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.ellipsoid_search import Pool
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.refinement import Refined
+    from attitude.inversion.robust import Weighted
+
+# Model error, mag, of ellipsoids; that of convex bodies is estimated.
+ELLIPSOID_ERROR = 0.07
+# Standard deviation of the logarithms of the moments of motion and ellipsoid.
+_TIE = 0.15
+# Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
+_PAIRS, _QUICK, _DEEP = 200, 4, 40
+# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
+_CLASSES, _CONVEX, _FINAL = 30, 40, 14
+# Poles of one pair of rates.
+_POLES = 7
+# Precessions of which every nutation is tried.
+_SCANNED = 3
+# Starts of each pair of rates that the windows of the epochs displace.
+_ALIASES = 12
+# Rates that are fitted between looks at the clock.
+_BLOCK = 200
+# Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
+_SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
+# Mean square of residuals over sigma and 0.01 mag at which the search ends.
+FLOOR, FLOOR_ERROR = 1.0, 0.01
+# Without the floor: the share of the variance left, and the difference of evidence to the next
+# periods, of a solution that is accepted.
+LEFT, ALONE = 0.12, 120.0
+_ROUNDS = 4
+_AXIAL_RATES, _AXIAL_STARTS = 12, 12
+
+
+def pole(state: FloatArray) -> FloatArray:
+    """The direction (3,) of the angular momentum, ICRF."""
+    return state[[7, 10, 13]]
+
+
+def is_same(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two states have one mode, the same rates and the same pole."""
+    return has_rates(a, b) and float(pole(a) @ pole(b)) > _SAME_POLE
+
+
+def has_rates(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two states have one mode and the same rates."""
+    if is_axial(a) or is_axial(b):
+        return is_axial(a) and is_axial(b) and 2.0 * abs(a[0] - b[0]) < _SAME_RATE
+    same = 2.0 * abs(a[0] - b[0]) < _SAME_RATE and abs(a[1] - b[1]) < _SAME_RATE
+    return bool(same)
+
+
+def is_axial(state: FloatArray) -> bool:
+    """Whether a state is rotation about one axis."""
+    return bool(state[3] == ellipsoids.AXIAL)
+
+
+@dataclass(eq=False)
+class Search:
+    """A search and what it has found.
+
+    Attributes
+    ----------
+    problem : CurveProblem
+        With the model error of ellipsoids.
+    most : float
+        Largest frequency, turns per span.
+    modes : tuple of str
+    tolerance : float
+        Of the logarithms of the ratios of moments.
+    shifts : tuple of float
+        Turns per span of a day, where the epochs lie at one time of the day.
+    generator : Generator
+    deadline : float
+        `time.monotonic` at which the search ends.
+    progress : callable
+        Called with a text and the share of the time that is over.
+    convex : list of Refined
+        The best first.
+    solutions : list of Weighted
+        The best first; those of the last `finish`.
+    """
+
+    problem: CurveProblem
+    most: float
+    modes: tuple[str, ...]
+    tolerance: float
+    shifts: tuple[float, ...]
+    generator: np.random.Generator
+    deadline: float
+    progress: Callable[[str], object]
+    convex: list[Refined] = field(default_factory=list)
+    solutions: list[Weighted] = field(default_factory=list)
+    rounds: int = 0
+    is_ellipsoid: bool = False
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time is over."""
+        return time.monotonic() > self.deadline
+
+    def run(self) -> None:
+        """Search until the floor is reached or the time is over."""
+        self._axial()
+        for number in range(_ROUNDS):
+            self.rounds = number + 1
+            for pool in self._pools(number):
+                self._refine(pool)
+            if self.shifts and not self.is_over:
+                rates = self._displaced()
+                made = ellipsoids.around(
+                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=_TIE
+                )
+                self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
+            self.finish()
+            if self.is_over or self.has_reached_floor:
+                break
+
+    @property
+    def has_reached_floor(self) -> bool:
+        """Whether the best solution leaves residuals as small as the errors, or stands alone."""
+        if not self.solutions:
+            return False
+        best = self.solutions[0]
+        if floor_ratio(best, self.problem) < FLOOR:
+            return True
+        others = [e for e in self.solutions if not has_rates(e.refined.state, best.refined.state)]
+        gap = min((each.evidence - best.evidence for each in others), default=0.0)
+        left = share_left(best, self.problem)
+        return bool(gap > ALONE and left < LEFT)
+
+    def _pools(self, number: int) -> Iterator[Pool]:
+        """Ellipsoids of a round: of the lattices, then of every nutation at the best precessions."""
+        more = 2**number
+        found, _ = lattices.pairs(self.problem, self.most, _PAIRS * more)
+        rates = lattices.candidates(found, self.most, self.modes, self.shifts)
+        yield self._ellipsoids(rates, more, "periods of the lines")
+        self.convex.sort(key=lambda each: each.cost)
+        yield self._ellipsoids(self._scan(), more, "periods of psi")
+
+    def _ellipsoids(self, rates: list[lattices.Candidate], more: int, name: str) -> Pool:
+        """Ellipsoids of rates, with more starts for the best."""
+        problem = self.problem
+        parts = []
+        for start in range(0, len(rates), _BLOCK):
+            part = rates[start : start + _BLOCK]
+            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=_TIE)
+            parts.append(ellipsoids.best_of_each(made, len(part)))
+            self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
+            if self.is_over:
+                break
+        pool = ellipsoids.in_order(*parts)
+        deep = [pool]
+        for rate in _classes(pool, _CLASSES):
+            if self.is_over:
+                break
+            deep.append(
+                ellipsoids.around(
+                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=_TIE
+                )
+            )
+        return ellipsoids.in_order(*deep)
+
+    def _scan(self) -> list[lattices.Candidate]:
+        """Rates with the precession of the long axis of the best solutions, and every nutation."""
+        rates = []
+        used: list[float] = []
+        for each in self.convex:
+            state = each.state
+            here = 2.0 * float(state[0])
+            if not is_axial(state) and state[1] > 0.0:
+                here -= float(state[1])
+            if any(abs(here - other) < 0.4 for other in used):
+                continue
+            used.append(here)
+            steps = np.arange(lattices.LEAST, 0.6 * self.most, 0.4)
+            if "LAM" in self.modes:
+                rates += [lattices.Candidate(0.5 * (here + f), f) for f in steps]
+            if "SAM" in self.modes:
+                rates += [lattices.Candidate(0.5 * here, -f) for f in steps if f < 1.4 * here]
+            if len(used) == _SCANNED:
+                break
+        return rates
+
+    def _displaced(self) -> list[lattices.Candidate]:
+        """Rates of the best solutions with lines displaced by the windows of the epochs.
+
+        Lines lie at even numbers of psi: a shift of a line moves psi by half of it.
+        """
+        rates: list[lattices.Candidate] = []
+        states: list[FloatArray] = []
+        for each in self.convex:
+            if is_axial(each.state) or any(has_rates(each.state, other) for other in states):
+                continue
+            states.append(each.state)
+            nutation = abs(float(each.state[1]))
+            phi = 2.0 * float(each.state[0]) - max(float(each.state[1]), 0.0)
+            for shift in (0.0, *self.shifts):
+                for part in (-1.0, -0.5, 0.5, 1.0) if shift else (0.0,):
+                    moved = [(phi + part * shift, nutation), (phi, abs(nutation + part * shift))]
+                    rates += [
+                        lattices.Candidate(0.5 * rate, f)
+                        for a, b in moved
+                        for rate, f in ((a + b, b), (a, -b), (a + 2.0 * b, -b))
+                        if min(a, b) > lattices.LEAST
+                        and rate + max(-f, 0.0) < self.most
+                        and ("LAM" if f > 0.0 else "SAM") in self.modes
+                    ]
+            if len(states) == _SCANNED:
+                break
+        return list(dict.fromkeys(rates))
+
+    def _axial(self) -> None:
+        """Rotations about one axis."""
+        found = lattices.lines(self.problem, self.most, _AXIAL_RATES)
+        rates = np.unique(np.concatenate([found, 0.5 * found]))
+        rates = rates[rates > lattices.LEAST]
+        pool = ellipsoids.axial(self.problem, self.generator, rates, _AXIAL_STARTS)
+        self._refine(ellipsoids.in_order(pool), keep=_CONVEX // 2)
+        self.progress("rotations about one axis")
+
+    def _refine(self, pool: Pool, keep: int = _CONVEX) -> None:
+        """Add the convex bodies of the best distinct ellipsoids."""
+        chosen: list[FloatArray] = []
+        for state in pool.states:
+            alike = [other for other in chosen if has_rates(state, other)]
+            if len(alike) < _POLES and not any(is_same(state, other) for other in alike):
+                chosen.append(state)
+                if len(chosen) >= keep:
+                    break
+        for state in chosen:
+            self.convex.append(
+                refinement.refine(
+                    self.problem,
+                    state,
+                    tolerance=self.tolerance,
+                    fixed=self._fixed(state),
+                    gain=3e-3,
+                )
+            )
+            if self.is_over and len(self.convex) > 4:
+                break
+        self.convex.sort(key=lambda each: each.cost)
+        self.progress(f"{len(self.convex)} convex bodies")
+
+    def finish(self) -> None:
+        """Make `solutions` of the best convex bodies, with robust errors."""
+        if not self.convex:
+            return
+        chosen: list[Refined] = []
+        for each in self.convex:
+            alike = [other for other in chosen if has_rates(each.state, other.state)]
+            if len(alike) < _POLES and not any(is_same(each.state, o.state) for o in alike):
+                chosen.append(each)
+                if len(chosen) >= _FINAL:
+                    break
+        residual, _ = robust.residuals(self.problem, chosen[0].state)
+        error = robust.model_error(self.problem, residual)
+        for _ in range(2):
+            best = self._robust(self.problem.with_model_error(error), chosen[0])
+            error = robust.model_error(self.problem, best.residual)
+        problem = self.problem.with_model_error(error)
+        found = [self._robust(problem, each) for each in chosen]
+        found.sort(key=lambda each: each.evidence)
+        self.solutions = []
+        for one in found:
+            if not any(is_same(one.refined.state, o.refined.state) for o in self.solutions):
+                self.solutions.append(one)
+        self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
+
+    def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
+        return robust.refined(
+            problem, given.state, tolerance=self.tolerance, fixed=self._fixed(given.state)
+        )
+
+    def _fixed(self, state: FloatArray) -> BoolArray:
+        """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
+        fixed = np.zeros(refinement.SIZE, bool)
+        if is_axial(state):
+            fixed[:8] = ellipsoids.AXIAL_FIXED[:8]
+        if self.is_ellipsoid:
+            fixed[10:] = True
+        return fixed
+
+
+def share_left(solution: Weighted, problem: CurveProblem) -> float:
+    """Variance of the residuals over that of the magnitudes without the linear terms."""
+    return float(np.var(solution.residual)) / max(float(np.var(problem.detrended)), 1e-12)
+
+
+def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
+    """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
+    squares = solution.residual**2 / (problem.sigma**2 + FLOOR_ERROR**2)
+    return float(np.mean(np.sort(squares)[: max(1, int(0.97 * len(squares)))]))
+
+
+def _classes(pool: Pool, keep: int) -> list[lattices.Candidate]:
+    """The rates of the best states, without repetition."""
+    rates: list[lattices.Candidate] = []
+    for state in pool.states:
+        here = lattices.Candidate(float(state[0]), float(state[1]))
+        if not any(
+            2.0 * abs(here.precession - each.precession) < 0.4
+            and abs(here.nutation - each.nutation) < 0.4
+            for each in rates
+        ):
+            rates.append(here)
+            if len(rates) >= keep:
+                break
+    return rates

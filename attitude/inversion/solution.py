@@ -1,0 +1,289 @@
+"""What an inversion returns: solutions, each with motion, errors, shape and residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from attitude.errors import AttitudeError
+from attitude.free_rotation import FreeRotation
+from attitude.inversion import aliases, minkowski, predictions, refinement, search, states
+from attitude.inversion.facets import sphere
+from attitude.scattering import LommelSeeligerLambert
+
+if TYPE_CHECKING:
+    from astropy.table import QTable
+
+    from attitude.annotations import Epochs, FilePath, FloatArray
+    from attitude.inversion.curve import LightCurve
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.robust import Weighted
+    from attitude.published.published import Published
+    from attitude.shape import Mesh
+
+_DAY = 86400.0
+
+
+class Solution:
+    """One spin state that fits a light curve; made by `spin_states`.
+
+    Attributes
+    ----------
+    rank : int
+        From 0.
+    curve : LightCurve
+    weighted : Weighted
+        Parameters of the search, residuals and weights.
+    evidence : float
+        -2 ln of the posterior density at its maximum plus ln N a parameter, but for a constant.
+    """
+
+    def __init__(
+        self,
+        curve: LightCurve,
+        weighted: Weighted,
+        problem: CurveProblem,
+        zero_points: Any,
+        rank: int,
+    ) -> None:
+        self.curve, self.weighted, self.rank = curve, weighted, rank
+        self._problem, self._zero_points = problem, zero_points
+        self.evidence: float = weighted.evidence
+        self.relation: str = ""
+
+    @property
+    def state(self) -> FloatArray:
+        """Parameters of the search: elements per span, orientation, ellipsoid, modes of areas."""
+        return self.weighted.refined.state
+
+    @property
+    def is_axial(self) -> bool:
+        """Whether the body rotates about one principal axis."""
+        return search.is_axial(self.state)
+
+    @cached_property
+    def motion(self) -> FreeRotation:
+        """The free rotation, with the covariance of its state; moments are relative."""
+        return states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
+
+    @cached_property
+    def _covariances(self) -> tuple[FloatArray, FloatArray]:
+        night = states.nights(self._problem.t * self._problem.span)
+        return states.covariance(self.weighted, night)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(9, 9) of the rotation vector (rad, ICRF axes), rates (rad/s, body axes) and moments."""
+        scale = np.ones(9)
+        scale[3:6] = 1.0 / self.curve.span
+        found: FloatArray = self._covariances[0] * np.outer(scale, scale)
+        return found
+
+    def published(self, convention: str = "L", frame: str = "ecliptic") -> Published:
+        """The state in the form of papers; see `FreeRotation.published`."""
+        return self.motion.published(convention, frame=frame)
+
+    @property
+    def mode(self) -> str:
+        """ "LAM", "SAM", or "PA" for rotation about one axis."""
+        return "PA" if self.is_axial else "LAM" if self.state[1] > 0.0 else "SAM"
+
+    @property
+    def P_psi(self) -> float:
+        """s; infinite for rotation about one axis."""
+        psi = aliases.rates(self.state)[1]
+        return self.curve.span / psi if psi > 0.0 else math.inf
+
+    @property
+    def P_phi(self) -> float:
+        """s, of the long axis about the momentum; the period of rotation about one axis."""
+        return self.curve.span / aliases.rates(self.state)[0]
+
+    @property
+    def periods_sigma(self) -> tuple[float, float]:
+        """Standard errors of P_psi and P_phi (long axis), s."""
+        c = self._covariances[1]
+        phi, psi = aliases.rates(self.state)
+        if self.is_axial:
+            return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
+        sign = 1.0 if self.state[1] > 0.0 else -1.0
+        by = np.array([2.0, -sign if sign > 0.0 else 0.0])
+        variance = float(by @ c[3:5, 3:5] @ by)
+        return (
+            math.sqrt(c[4, 4]) * self.curve.span / psi**2,
+            math.sqrt(variance) * self.curve.span / phi**2,
+        )
+
+    @property
+    def pole(self) -> FloatArray:
+        """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
+        from attitude.frames import matrix_to_icrf
+
+        x, y, z = matrix_to_icrf("ecliptic").T @ search.pole(self.state)
+        return np.array([math.atan2(y, x) % (2.0 * math.pi), math.asin(max(-1.0, min(1.0, z)))])
+
+    @property
+    def pole_sigma(self) -> float:
+        """Standard error of the direction of the momentum, rad, the larger of two."""
+        inner = self._covariances[1][:2, :2]
+        return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
+
+    @cached_property
+    def shape(self) -> Mesh:
+        """The closed convex mesh of the areas, of the volume of the unit sphere, in m."""
+        return minkowski.mesh(self.weighted.refined.areas, sphere().normals)
+
+    @property
+    def law(self) -> LommelSeeligerLambert:
+        """The scattering law without its phase function, which the linear terms replace."""
+        return LommelSeeligerLambert(c=refinement.LAMBERT, a=0.0, k=0.0)
+
+    @property
+    def residuals(self) -> FloatArray:
+        """Observed less computed magnitudes, in the order of the curve (of averages, if many)."""
+        return self.weighted.residual
+
+    @property
+    def rms(self) -> float:
+        """Of the residuals, mag."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    @property
+    def chi_squared(self) -> float:
+        """Mean square of the residuals over the given errors alone."""
+        return float(np.mean((self.residuals / self._problem.sigma) ** 2))
+
+    def sample(self, count: int, seed: int = 0) -> list[FreeRotation]:
+        """Motions drawn from the covariance; see `FreeRotation.sample`."""
+        return self.motion.sample(count, seed)
+
+    def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
+        """Apparent magnitudes at epochs of reception, and their standard errors.
+
+        Parameters
+        ----------
+        times : epochs, or LightCurve, optional
+            Epochs within the curve, where its geometry is interpolated; or a curve with geometry
+            of its own.  By default those of the curve.
+
+        Returns
+        -------
+        magnitude, sigma : (T,) arrays
+            The error of the motion, the shape and the zero points, and the model error.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs outside of the curve.
+        """
+        return predictions.predicted(self, times)
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure: fit by night, residuals, folded by both periods; saved if a path is given."""
+        from attitude.inversion import figures
+
+        return figures.of_solution(self, path)
+
+    def write(self, path: FilePath, **labels: str | None) -> None:
+        """Write the spin file of the motion with its covariance; see `formats.spin_file.write`."""
+        from attitude.formats import spin_file
+
+        note = labels.pop("note", None) or f"by inversion of a light curve: {self!r}"
+        source = labels.pop("source", None) or "attitude.inversion"
+        spin_file.write(path, self.motion, source=source, note=note, **labels)
+
+    def __repr__(self) -> str:
+        psi, phi = self.P_psi / _DAY, self.P_phi / _DAY
+        longitude, latitude = np.degrees(self.pole)
+        periods = f"P {phi:.6g} d" if self.is_axial else f"P_phi(L) {phi:.6g} d, P_psi {psi:.6g} d"
+        return (
+            f"<Solution {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
+            f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
+        )
+
+
+class SpinStates(Sequence[Solution]):
+    """The solutions of a light curve, the best first.
+
+    Attributes
+    ----------
+    verdict : str
+        "solved", "periods only" (the pole is not decided) or "not solved".
+    criterion : str
+        The numbers that led to the verdict.
+    notes : tuple of str
+        What was assumed, and what is doubtful in the curve.
+    """
+
+    def __init__(
+        self, solutions: list[Solution], verdict: str, criterion: str, notes: tuple[str, ...]
+    ) -> None:
+        self._solutions = solutions
+        self.verdict, self.criterion, self.notes = verdict, criterion, notes
+        for each in solutions:
+            each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
+
+    @overload
+    def __getitem__(self, index: int) -> Solution: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Solution]: ...
+
+    def __getitem__(self, index: int | slice) -> Solution | list[Solution]:
+        """The solution of a rank."""
+        if isinstance(index, int) and not self._solutions:
+            raise AttitudeError(f"there is no solution: {self.criterion}")
+        return self._solutions[index]
+
+    def __len__(self) -> int:
+        return len(self._solutions)
+
+    def table(self) -> QTable:
+        """A row for each solution: mode, periods, pole, moments, fit, relation to the best."""
+        from astropy import units
+        from astropy.table import QTable
+
+        rows = self._solutions
+        first = rows[0].evidence if rows else 0.0
+        moments = np.array([np.sort(each.motion.body.moments) for each in rows]).reshape(-1, 3)
+        poles = np.array([each.pole for each in rows]).reshape(-1, 2)
+        return QTable(
+            {
+                "rank": np.arange(len(rows)),
+                "mode": [each.mode for each in rows],
+                "P_phi": np.array([each.P_phi for each in rows]) / _DAY * units.d,
+                "P_psi": np.array([each.P_psi for each in rows]) / _DAY * units.d,
+                "longitude": np.degrees(poles[:, 0]) * units.deg,
+                "latitude": np.degrees(poles[:, 1]) * units.deg,
+                "A/C": moments[:, 0] / moments[:, 2],
+                "B/C": moments[:, 1] / moments[:, 2],
+                "rms": np.array([each.rms for each in rows]) * units.mag,
+                "evidence": np.array([each.evidence - first for each in rows]),
+                "relation": [each.relation for each in rows],
+            }
+        )
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure of the best fit, and of the periods and poles of all solutions."""
+        from attitude.inversion import figures
+
+        return figures.of_states(self, path)
+
+    def __repr__(self) -> str:
+        return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
+
+    def __str__(self) -> str:
+        lines = [f"{self.verdict}: {self.criterion}", *self.notes]
+        for k, each in enumerate(self._solutions[:10]):
+            psi, phi = each.P_psi / _DAY, each.P_phi / _DAY
+            longitude, latitude = np.degrees(each.pole)
+            lines.append(
+                f"{k:2d} {each.mode:3s}  P_phi {phi:10.5f} d  P_psi {psi:10.5f} d  pole "
+                f"{longitude:5.1f} {latitude:+5.1f}  rms {each.rms:.3f}  evidence "
+                f"{each.evidence - self._solutions[0].evidence:+8.1f}  {each.relation}"
+            )
+        return "\n".join(lines)

@@ -1,0 +1,224 @@
+"""`spin_states`: the ranked spin states of a light curve."""
+
+from __future__ import annotations
+
+import math
+import time
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.inversion import (
+    curve_problem,
+    ellipsoid_search,
+    facets,
+    lattices,
+    refinement,
+    search,
+    states,
+    verdicts,
+)
+from attitude.inversion.curve import LightCurve
+from attitude.inversion.solution import Solution, SpinStates
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from attitude.annotations import Real
+    from attitude.inversion.problem import CurveProblem
+
+_MODES = ("LAM", "SAM")
+_DAY = 86400.0
+# Frequencies searched at most, turns per span; more need a shorter curve.
+_MOST_TURNS = 1500.0
+# Standard deviation of the fitted zero points, mag, above which they are searched as free.
+_UNCALIBRATED = 0.15
+# Of the epochs, the share that lies within the same third of the day for one site.
+_ONE_SITE = 0.9
+
+
+def spin_states(
+    curve: LightCurve,
+    max_frequency: Real,
+    *,
+    modes: Sequence[str] = _MODES,
+    shape: str = "convex",
+    moments: str | float = "shape",
+    budget: Real = 60.0,
+    seed: int = 0,
+    threads: int = 1,
+    progress: Callable[[str], object] | None = None,
+) -> SpinStates:
+    """The spin states that a light curve allows, found without a first guess.
+
+    Parameters
+    ----------
+    curve : LightCurve
+    max_frequency : float, Quantity or text
+        Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
+    modes : sequence of str
+        "LAM", "SAM" or both.
+    shape : str
+        "convex", or "ellipsoid".
+    moments : str or float
+        "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
+        to 0.05; a number replaces this tolerance; "free": any moments of a body.
+    budget : float or text
+        Time, s, after which the best so far is returned.
+    seed : int
+        Of the random starts.  The same seed gives the same result if the budget is not exhausted.
+    threads : int
+        Of the linear algebra.
+    progress : callable, optional
+        Called with a text after each stage.
+
+    Returns
+    -------
+    SpinStates
+        A sequence of `Solution`, the best first, with a verdict.
+
+    Raises
+    ------
+    AttitudeError
+        For arguments out of range, and a curve that spans less than a turn at `max_frequency`.
+
+    Notes
+    -----
+    Ctrl-C ends the search, and the best so far is returned.
+    """
+    most, tolerance = _checked(curve, max_frequency, modes, shape, moments)
+    seconds = validation.positive(budget, "budget", unit="s")
+    validation.count(threads, "threads")
+    _compile(curve, most)
+    deadline = time.monotonic() + seconds
+    zero_points = curve.zero_points
+    with _linear_algebra(threads):
+        found = _searched(
+            curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
+        )
+        offsets = _offsets(found)
+        if zero_points == "auto" and len(offsets) > 2 and offsets.std() > _UNCALIBRATED:
+            zero_points = "free"
+            found = _searched(
+                curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
+            )
+    return _results(curve, found, zero_points)
+
+
+def _compile(curve: LightCurve, most: float) -> None:
+    """Run every compiled loop once: the time of compilation is not counted."""
+    generator = np.random.default_rng(0)
+    problem, _ = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, "shared")
+    found, _ = lattices.pairs(problem, 2.0, 1)
+    rate = lattices.Candidate(float(found[0, 0]), -1.0)
+    pool = ellipsoid_search.around(problem, generator, [rate], 1, iterations=1, tie=1.0)
+    refinement.refine(problem, pool.states[0], iterations=1)
+
+
+def _checked(curve, max_frequency, modes, shape, moments):
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    most = validation.positive(max_frequency, "max_frequency", unit="1/s")
+    turns = most * curve.span
+    if turns < 2.0:
+        raise AttitudeError(
+            f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
+            f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
+        )
+    if turns > _MOST_TURNS:
+        raise AttitudeError(
+            f"the light curve spans {turns:.0f} turns at max_frequency; at most {_MOST_TURNS:.0f} "
+            f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
+            "the curve."
+        )
+    if not modes or isinstance(modes, str):
+        raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
+    for mode in modes:
+        validation.one_of(mode, "modes", _MODES)
+    validation.one_of(shape, "shape", ("convex", "ellipsoid"))
+    if moments == "shape":
+        return most, facets.TOLERANCE
+    if moments == "free":
+        return most, math.inf
+    if isinstance(moments, str):
+        raise AttitudeError(f'moments is {moments!r}; give "shape", "free" or a tolerance.')
+    return most, validation.positive(moments, "moments")
+
+
+def _linear_algebra(threads: int) -> AbstractContextManager[object]:
+    """Limit the threads of BLAS: matrices here are so small that threads only wait."""
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        return nullcontext()
+    limits: AbstractContextManager[object] = threadpool_limits(threads)
+    return limits
+
+
+def _searched(curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress):
+    problem, bins = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, zero_points)
+    made = search.Search(
+        problem,
+        most * curve.span,
+        tuple(modes),
+        tolerance,
+        _shifts(curve),
+        np.random.default_rng(seed),
+        deadline,
+        progress or (lambda text: None),
+        is_ellipsoid=shape == "ellipsoid",
+    )
+    made.notes = list(curve.notes)
+    if bins is not None:
+        made.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+    if is_constant(problem):
+        made.notes.append("the brightness is constant within the errors.")
+        return made
+    try:
+        made.run()
+    except KeyboardInterrupt:
+        made.notes.append("the search was interrupted.")
+        if not made.solutions:
+            made.finish()
+    return made
+
+
+def is_constant(problem: CurveProblem) -> bool:
+    """Whether the linear terms alone explain the magnitudes."""
+    residual = problem.detrended
+    return bool(np.mean((residual / problem.sigma) ** 2) < 1.5)
+
+
+def _shifts(curve: LightCurve) -> tuple[float, ...]:
+    """A day in turns per span, if most points lie at one time of the day."""
+    if curve.span < 2.0 * _DAY:
+        return ()
+    angle = 2.0 * np.pi * curve.seconds / _DAY
+    hour = np.mod(angle - np.angle(np.mean(np.exp(1j * angle))) + np.pi, 2.0 * np.pi) - np.pi
+    one_site = np.mean(np.abs(hour) < np.pi / 3.0) > _ONE_SITE
+    return (curve.span / _DAY,) if one_site else ()
+
+
+def _offsets(found):
+    """Fitted zero points of the sessions of the best solution."""
+    if not found.solutions:
+        return np.zeros(0)
+    best = found.solutions[0]
+    magnitude = refinement.model(best.problem, best.refined.state).magnitude
+    coefficients = best.problem.coefficients(magnitude)
+    return coefficients[best.problem.prior == curve_problem.CALIBRATED]
+
+
+def _results(curve, found, zero_points):
+    solutions = [
+        Solution(curve, each, found.problem, zero_points, k)
+        for k, each in enumerate(found.solutions)
+        if states.is_admissible(each.refined.state)
+    ]
+    for k, each in enumerate(solutions):
+        each.rank = k
+    verdict, criterion = verdicts.verdict([each.weighted for each in solutions], found.problem)
+    return SpinStates(solutions, verdict, criterion, tuple(found.notes))

@@ -1,0 +1,140 @@
+"""From the parameters of a search to a motion: moments, attitude and rates at the epoch."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude import quaternion
+from attitude.body import Body
+from attitude.free_rotation import FreeRotation
+from attitude.inversion import facets, many_starts, moments_of_elements, refinement
+from attitude.inversion import normal_form_series as series
+from attitude.inversion.search import is_axial
+from attitude.spin import Spin
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.epochs.instants import Instant
+    from attitude.inversion.robust import Weighted
+
+# Steps of the derivatives of state by parameters, relative to their scales.
+_STEP = 1e-6
+# Epochs closer than this, s, belong to one night: their residuals are taken as correlated.
+_NIGHT = 0.3 * 86400.0
+
+
+class PhysicalState(NamedTuple):
+    """Rotation matrix (3, 3) to ICRF at the middle of the span, rates (rad per span), moments."""
+
+    matrix: FloatArray
+    rates: FloatArray
+    moments: FloatArray
+
+
+def physical(state: FloatArray) -> PhysicalState:
+    """The state of motion of the parameters of a search; the largest moment is 1."""
+    k, r = np.zeros((4, 4, 2)), np.empty((9, 1))
+    series.coefficients(math.exp(state[3]), state[4], k)
+    series.attitudes(state[0], state[1], state[2], k, np.zeros(1), r)
+    body = r.reshape(3, 3)
+    matrix = state[5:14].reshape(3, 3) @ body
+    if is_axial(state):
+        held = facets.constraints(state[14:16], *facets.areas(state[14:16], state[16:]))
+        ratios = np.exp(np.append(held.log_ratios, 0.0))
+        ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
+        return PhysicalState(
+            matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
+        )
+    found = np.empty(4)
+    moments_of_elements.log_ratios(state[0], state[1], state[3], state[4], found)
+    ratios = np.array([math.exp(found[0]), math.exp(found[1]), 1.0])
+    return PhysicalState(matrix, found[3] * body[2] / ratios, ratios / ratios.max())
+
+
+def is_admissible(state: FloatArray) -> bool:
+    """Whether a body has the moments of a state."""
+    if is_axial(state):
+        return True
+    found = np.empty(4)
+    moments_of_elements.log_ratios(state[0], state[1], state[3], state[4], found)
+    return bool(found[2])
+
+
+def motion(
+    state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
+) -> FreeRotation:
+    """The free rotation of a state, its covariance as of `Spin`; the moments are relative."""
+    here = physical(state)
+    wxyz = quaternion.from_matrix(here.matrix)
+    spin = Spin(epoch, wxyz, here.rates / span, covariance=covariance)
+    return FreeRotation(Body(moments=here.moments, relative=True), spin)
+
+
+def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Covariances of the state (9, 9), per span, and of the eight parameters of the motion.
+
+    Variances are those of the normal matrix, or larger if the scores of nights scatter more: the
+    residuals of a night are correlated where the model errs.
+
+    Parameters
+    ----------
+    found : Weighted
+    night : (N,) array of int
+        The night of each point.
+    """
+    inverse = np.linalg.pinv(found.refined.normal, hermitian=True)
+    here = refinement.model(found.problem, found.refined.state)
+    problem = found.problem
+    r = (problem.y - here.magnitude) * problem.root
+    r = r - problem.u.T @ (problem.u @ r)
+    jacobian = here.jacobian * problem.root
+    jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
+    count = int(night.max()) + 1
+    scores = np.stack([np.bincount(night, row * r, count) for row in jacobian])
+    data = jacobian @ jacobian.T
+    meat = scores @ scores.T * (count / max(count - 1.0, 1.0)) + (found.refined.normal - data)
+    wide = inverse @ meat @ inverse
+    held = np.diag(found.refined.normal) == 1.0
+    formal = np.where(held, 0.0, np.diag(inverse))
+    rise = np.sqrt(np.maximum(np.diag(wide) / np.where(formal > 0.0, formal, 1.0), 1.0))
+    size = np.where(formal > 0.0, rise, 0.0)[:8]
+    of_motion = inverse[:8, :8] * np.outer(size, size)
+    slopes = _slopes(found.refined.state)
+    total = slopes @ of_motion @ slopes.T
+    return 0.5 * (total + total.T), of_motion
+
+
+def nights(emission: FloatArray) -> IntArray:
+    """The number of the night of each epoch (s)."""
+    order = np.argsort(emission, kind="stable")
+    number = np.zeros(len(emission), np.int64)
+    number[order[1:]] = np.cumsum(np.diff(emission[order]) > _NIGHT)
+    return number
+
+
+def _slopes(state: FloatArray) -> FloatArray:
+    """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
+    slopes = np.zeros((9, 8))
+    scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
+    for p in range(8):
+        if is_axial(state) and p >= 4:
+            continue
+        ends = []
+        for sign in (1.0, -1.0):
+            step = np.zeros(refinement.SIZE)
+            step[p] = sign * _STEP * scale[p]
+            moved = state.copy()
+            many_starts.moved(state, step, moved)
+            ends.append(physical(moved))
+        turn = ends[0].matrix @ ends[1].matrix.T
+        vector = 0.5 * np.array(
+            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+        )
+        width = 2.0 * _STEP * scale[p]
+        slopes[:3, p] = vector / width
+        slopes[3:6, p] = (ends[0].rates - ends[1].rates) / width
+        slopes[6:, p] = (ends[0].moments - ends[1].moments) / width
+    return slopes

@@ -1,0 +1,69 @@
+"""Whether a light curve decides the spin state: solved, periods only, or not solved.
+
+A solution is accepted if its residuals are as small as the errors (the floor), or, where errors are
+those of a telescope only, if it explains all but a small part of the variance and no other periods
+come near.  Other solutions compete within a difference of evidence.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from attitude.inversion import search
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import FloatArray
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.robust import Weighted
+
+SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
+# Differences of evidence within which other periods, and other poles, compete.
+COMPETING, COMPETING_POLES = 16.0, 12.0
+# Least number of turns of each period.
+_LEAST_TURNS = 1.2
+# ln rho of a nutation that rotation about one axis does not exclude.
+_SLIGHT = -1.6
+
+
+def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]:
+    """The verdict and its criterion in words."""
+    if not found:
+        return OPEN, "No solution was found."
+    best = found[0]
+    state = best.refined.state
+    floor = search.floor_ratio(best, problem)
+    left = search.share_left(best, problem)
+    others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state)]
+    gap = min((each.evidence - best.evidence for each in others), default=math.inf)
+    poles = [
+        each
+        for each in found[1:]
+        if search.has_rates(each.refined.state, state)
+        and each.evidence - best.evidence < COMPETING_POLES
+    ]
+    words = (
+        f"chi2/N is {floor:.2f} with errors of sigma and {search.FLOOR_ERROR:g} mag (floor "
+        f"{search.FLOOR:g}); {100.0 * left:.1f} % of the variance is left; the next periods are "
+        f"{gap:.1f} behind in -2 ln(evidence) ({COMPETING:g} needed)"
+    )
+    accepted = floor < search.FLOOR and gap > COMPETING
+    accepted |= left < search.LEFT and gap > search.ALONE
+    turns = abs(float(state[0]))
+    if not search.is_axial(state):
+        turns = min(turns, abs(float(state[1])))
+    if not accepted or turns < _LEAST_TURNS:
+        return OPEN, words + "."
+    if poles:
+        return PERIODS, f"{words}; {len(poles)} other poles lie within {COMPETING_POLES:g}."
+    return SOLVED, f"{words}; no other pole lies within {COMPETING_POLES:g}."
+
+
+def _is_motion_of(state: FloatArray, best: FloatArray) -> bool:
+    """Whether a state has the rates of the best one, or is its rotation with a slight nutation."""
+    if search.has_rates(state, best):
+        return True
+    slight = search.is_axial(best) and float(state[3]) < _SLIGHT
+    return slight and 2.0 * abs(float(state[0] - best[0])) < 1.0

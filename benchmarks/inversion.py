@@ -1,0 +1,274 @@
+"""How often and how fast does the inversion of a light curve find the spin state?
+
+    python benchmarks/inversion.py speed              a pair of frequencies, a likelihood
+    python benchmarks/inversion.py toutatis           the photometry of 1992-93 against radar
+    python benchmarks/inversion.py tumblers 48 SEED   synthetic tumblers; also "nights", "axial"
+
+Nothing of a truth is in the input; the search goes up to 3.2 turns in a mean rotation.  Processor
+seconds of one core; the first call, which compiles, is not counted.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from astropy import units
+from astropy.time import Time
+
+from attitude import catalog, inversion
+from attitude.frames import matrix_to_icrf
+from attitude.inversion import ellipsoid_magnitudes, pair_scan, search, transforms
+from benchmarks import inversion_cases
+
+# Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
+_NAMES = ("mode", "P", "span", "nights", "hours", "per_hour", "noise")
+STYLES = [
+    dict(zip(_NAMES, row, strict=True))
+    for row in (
+        ("SAM", 1.1, 90, 40, (3, 7), 2, 0.02),
+        ("LAM", 2.2, 120, 45, (3, 7), 2, 0.02),
+        ("LAM", 0.35, 30, 16, (3, 7), 5, 0.03),
+        ("SAM", 0.25, 25, 14, (3, 7), 6, 0.02),
+        ("SAM", 0.8, 60, 25, (2, 6), 3, 0.05),
+        ("LAM", 3.5, 160, 60, (1, 4), 2, 0.05),
+        ("LAM", 0.08, 5, 4, (4, 8), 15, 0.03),
+        ("SAM", 0.5, 60, 30, (2, 6), 3, 0.03),
+        ("LAM", 0.6, 60, 30, (2, 6), 3, 0.03),
+        ("SAM", 1.3, 136, 38, (2, 6), 3, 0.03),
+        ("SAM", 0.12, 6, 5, (4, 8), 12, 0.02),
+        ("LAM", 1.0, 80, 35, (3, 6), 3, 0.03),
+    )
+]
+NIGHTS = [
+    {**style, "noise": 0.05, "zero": 0.3, "one_site": True, "per_hour": 2 * style["per_hour"]}
+    for style in STYLES
+]
+AXIAL = [
+    {**style, "mode": "PA", "P": P}
+    for style, P in zip(
+        STYLES, (0.2, 0.5, 0.3, 0.11, 0.4, 1.3, 0.09, 0.25, 0.6, 0.35, 0.12, 0.8), strict=True
+    )
+]
+
+
+def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCurve:
+    """The light curve of a case."""
+    return inversion.LightCurve(
+        Time(case.jd, format="jd", scale="tdb"),
+        case.magnitude,
+        case.sigma,
+        sun=case.sun * units.au,
+        observer=case.observer * units.au,
+        session=case.session,
+        zero_points=zero_points,
+        frame="ecliptic",
+    )
+
+
+def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool, float]:
+    """Whether mode and periods are right, and the angle to the true pole, deg."""
+    span = np.ptp(case.jd)
+    near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
+    if case.mode != "PA":
+        near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
+    pole = matrix_to_icrf("ecliptic").T @ search.pole(found.state)
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
+    return bool(near and found.mode == case.mode), angle
+
+
+def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarray:
+    """Errors of two periods, the pole and two ratios of moments, in standard errors."""
+    sigma = found.periods_sigma
+    out = [(found.P_phi / 86400.0 - case.P_phi) / (sigma[1] / 86400.0)]
+    pole = judged(found, case)[1]
+    out.append(math.radians(pole) / found.pole_sigma / math.sqrt(1.5))
+    if case.mode != "PA":
+        out.append((found.P_psi / 86400.0 - case.P_psi) / (sigma[0] / 86400.0))
+        moments, cov = found.motion.body.moments, found.covariance[6:, 6:]
+        order = np.argsort(moments)
+        scaled = moments[order] / moments[order[2]]
+        wide = np.sqrt(np.maximum(np.diag(cov)[order], 0.0)) / moments[order[2]]
+        out += [(scaled[k] - case.moments[k]) / max(wide[k], 1e-9) for k in (0, 1)]
+    return np.array(out)
+
+
+def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: float = 200.0) -> None:
+    """Solve `count` cases and print each and the sums."""
+    rows, sigmas = [], []
+    for k in range(count):
+        case = inversion_cases.case(seed + k, styles[k % len(styles)])
+        curve = curve_of(case, zero_points)
+        begin = time.process_time()
+        found = inversion.spin_states(curve, f"{case.most} /d", budget=budget)
+        spent = time.process_time() - begin
+        judgements = [judged(each, case) for each in found]
+        right = [j for j, (near, _) in enumerate(judgements) if near]
+        listed = [
+            angle
+            for each, (near, angle) in zip(found, judgements, strict=True)
+            if near and each.evidence - found[0].evidence < 20.0
+        ]
+        first = right[:1] == [0]
+        pole = min(listed, default=180.0)
+        own = judgements[0][1] if judgements else 180.0
+        rows.append(
+            (
+                first,
+                bool(right and right[0] < 10),
+                pole < 15.0,
+                own < 15.0,
+                spent,
+                found.verdict,
+                k > 0,
+            )
+        )
+        if first and own < 15.0:
+            sigmas.append(errors_of(found[0], case))
+        print(
+            f"{k:2d} {case.mode} P_phi {case.P_phi:.4f} P_psi {case.P_psi:.4f} N {len(curve)}: "
+            f"{'right' if first else 'WRONG'} (rank {right[:1]}), pole {own:.0f} (listed "
+            f"{pole:.0f}) deg, {found.verdict}, {spent:.1f} s"
+            + (f", errors {np.round(sigmas[-1], 1)}" if first and own < 15.0 else ""),
+            flush=True,
+        )
+        if not first:
+            print("   ", str(found).replace("\n", "\n    ")[:900], flush=True)
+    total = len(rows)
+    share = [100.0 * sum(row[j] for row in rows) / total for j in range(4)]
+    claims = sum(row[5] != "not solved" and not row[0] for row in rows)
+    cpu = [row[4] for row in rows if row[6]]
+    within = np.concatenate(sigmas) if sigmas else np.zeros(1)
+    print(
+        f"{total} cases: rank 1 {share[0]:.0f} %, first ten {share[1]:.0f} %, pole or alias listed "
+        f"{share[2]:.0f} %, pole at rank 1 {share[3]:.0f} %, false claims {claims}, not solved "
+        f"{sum(row[5] == 'not solved' for row in rows)}, processor median {np.median(cpu or [0.0]):.1f}, "
+        f"largest {max(cpu, default=0.0):.1f} s; within 3 sigma "
+        f"{100.0 * np.mean(np.abs(within) < 3.0):.0f} %"
+    )
+
+
+def speed() -> None:
+    """Cost of a pair of frequencies at order 2, and of a likelihood with all derivatives."""
+    rng = np.random.default_rng(0)
+    t, w = np.sort(rng.uniform(-0.5, 0.5, 400)), rng.uniform(50.0, 200.0, 400)
+    y = np.cos(150.0 * t) + 0.1 * rng.normal(size=400)
+    made = transforms.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 5000)
+    tables = [np.ascontiguousarray(x) for each in made for x in (each.real, each.imag)]
+    first, second = rng.integers(5, 600, (2, 20000))
+    gain, lines = np.empty(20000), pair_scan.harmonics(2)
+    spent = _best(lambda: pair_scan.decreases(*tables, first, second, lines, 1.0, gain))
+    print(f"pair, order 2: {spent / 20000 * 1e6:.2f} us")
+    sun, observer = rng.normal(size=(2, 3, 400))
+    sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
+    e, flat = np.array([20.3, 14.7, 0.2, -1.0, 0.2]), np.array([2.0, 1.5, 1.0])
+    memory = (
+        np.zeros((4, 4, 2)),
+        np.empty((9, 400)),
+        np.empty((9, 400)),
+        np.empty(400),
+        np.empty((10, 400)),
+    )
+    k, r, g, out, jacobian = memory
+    turn = np.eye(3).ravel()
+    given = (e, turn, k, flat, t, sun, observer, r, g, out, jacobian)
+    spent = _best(lambda: ellipsoid_magnitudes.with_derivatives(*given))
+    print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
+
+
+def _best(call, repeat: int = 20) -> float:
+    call()
+    times = []
+    for _ in range(repeat):
+        begin = time.thread_time()
+        call()
+        times.append(time.thread_time() - begin)
+    return min(times)
+
+
+def toutatis() -> None:
+    """The photometry of 1992-93, blind to 0.75 /d, against radar."""
+    data = Path(__file__).resolve().parents[1] / "data"
+    curve = inversion.LightCurve.read(data / "light_curve" / "toutatis-1992-photometry.csv")
+    inversion.spin_states(curve, "0.75 /d", budget=2.0)
+    begin = time.process_time()
+    found = inversion.spin_states(curve, "0.75 /d")
+    print(f"{time.process_time() - begin:.1f} s\n{found}\n{found[0].published('L')}")
+    sigma = np.array(found[0].periods_sigma) / 86400.0
+    print(
+        f"standard errors: P_psi {sigma[0]:.4f}, P_phi {sigma[1]:.4f} d, "
+        f"pole {math.degrees(found[0].pole_sigma):.1f} deg"
+    )
+    print(catalog.entry("4179 Toutatis").motion().published("L"))
+    rows = [
+        row.split(",")
+        for row in (data / "toutatis-observed.csv").read_text().splitlines()
+        if row[:4] == "1992"
+    ]
+    history = found[0].motion.at([row[0] for row in rows])
+    turn = matrix_to_icrf("ecliptic").T @ history.matrix
+    order = np.argsort(found[0].motion.body.moments)
+    off = []
+    for row, here in zip(rows, turn, strict=True):
+        a, b, c = np.radians([float(each) for each in row[1:4]])
+        radar = _axis(a, 2) @ _axis(b, 0) @ _axis(c, 2)
+        # radar: x intermediate, y greatest, z least; axes are lines, a proper rotation of them
+        mine = here[:, order[[1, 2, 0]]]
+        turns = [
+            mine * np.array(signs)
+            for signs in (
+                (1, 1, 1),
+                (1, -1, -1),
+                (-1, 1, -1),
+                (-1, -1, 1),
+                (-1, -1, -1),
+                (-1, 1, 1),
+                (1, -1, 1),
+                (1, 1, -1),
+            )
+        ]
+        cosines = [
+            0.5 * (np.trace(radar.T @ each) - 1.0) for each in turns if np.linalg.det(each) > 0.0
+        ]
+        off.append(
+            (
+                math.degrees(math.acos(min(1.0, max(cosines)))),
+                math.degrees(math.acos(min(1.0, abs(float(radar[:, 2] @ mine[:, 2]))))),
+            )
+        )
+    print("angles to the radar attitudes, deg:", np.round(off, 0).tolist())
+
+
+def _axis(angle: float, k: int) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    m = np.eye(3)
+    i, j = [(1, 2), (2, 0), (0, 1)][k]
+    m[i, i] = m[j, j] = c
+    m[i, j], m[j, i] = -s, s
+    return m
+
+
+def main(arguments: list[str]) -> None:
+    """Run what the arguments name."""
+    what = arguments[0] if arguments else "speed"
+    if what in ("speed", "toutatis"):
+        {"speed": speed, "toutatis": toutatis}[what]()
+        return
+    count, seed = int(arguments[1]), int(arguments[2])
+    styles, zero = {
+        "tumblers": (STYLES, "shared"),
+        "nights": (NIGHTS, "free"),
+        "axial": (AXIAL, "shared"),
+        "sessions": (STYLES, "auto"),
+    }[what]
+    run(styles, count, seed, zero)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
