@@ -30,6 +30,7 @@ examples:
   attitude convert satellite.aem satellite.toml --fit
   attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
   attitude convert relative-to-lvlh.aem inertial.aem --frame ICRF --orbit satellite.oem
+  attitude convert satellite.toml satellite.aem --for gmat --stop "1 h" --step "1 s"
   attitude convert tumbler.bc tumbler.csv --start 2026-01-01 --stop 2026-01-02 --step "1 min"
 
 endings that OUT may have:
@@ -64,6 +65,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--frame", metavar="NAME", help="axes of OUT, such as ICRF or EME2000")
     parser.add_argument(
         "--time-system", metavar="NAME", help="of CCSDS messages: UTC, TAI, TDB, .."
+    )
+    parser.add_argument(
+        "--for",
+        dest="tool",
+        metavar="TOOL",
+        help="settings of an AEM that a tool accepts: gmat, orekit, stk or brahe",
+    )
+    parser.add_argument(
+        "--rates",
+        choices=("body", "euler"),
+        help="what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
+        "derivatives of the Euler angles",
     )
     orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
@@ -104,6 +117,7 @@ def run(arguments: argparse.Namespace) -> None:
         body=arguments.body,
         kernels=arguments.kernels,
         orbit=path,
+        rates=arguments.rates,
     )
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
@@ -172,7 +186,7 @@ def _write_motion(
     from attitude.formats import detect
 
     sampled = () if arguments.fit else ("start", "stop", "step")
-    _refuse(arguments, (*sampled, "type"), f"a file like {arguments.output}")
+    _refuse(arguments, (*sampled, "type", "tool"), f"a file like {arguments.output}")
     if not _is_free_rotation(motion):
         raise AttitudeError(
             f"{arguments.output} holds a motion, and {arguments.input} attitudes at epochs; give "
@@ -183,6 +197,7 @@ def _write_motion(
         settings = {"frame": arguments.frame, "version": arguments.version or "2.0"}
         settings["time_system"] = arguments.time_system or "UTC"
         settings["inertia"] = not motion.body.relative
+        settings["rates"] = arguments.rates if arguments.version == "1.0" else None
         settings |= _names(labels)
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
@@ -215,10 +230,12 @@ def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
 
     if not _is_free_rotation(source) and not _is_table(source):
         source = _sampled(arguments, source)
-        _refuse(arguments, ("version", "type", "frame", "time_system"), "a C-kernel")
+        _refuse(arguments, ("version", "type", "frame", "time_system", "tool"), "a C-kernel")
         ends = source.span
     else:
-        _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
+        _refuse(
+            arguments, ("step", "version", "type", "frame", "time_system", "tool"), "a C-kernel"
+        )
         start, stop = _ends(arguments, source)
         ends = _moment(source, start), _moment(source, stop)
     made = ck.write(
@@ -279,14 +296,17 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
     """The keyword arguments of the writer."""
     settings: dict[str, Any] = {}
     if kind in ("aem", "aem-xml"):
-        settings = {"version": arguments.version or "2.0", "kind": arguments.type}
+        settings = {"version": arguments.version, "kind": arguments.type}
+        settings |= {"for_": arguments.tool, "rates": arguments.rates}
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
         settings["orbit"] = path
     elif kind == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
+        if arguments.tool not in (None, "stk"):
+            raise AttitudeError(f"--for {arguments.tool} has no meaning for an STK file.")
         settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
     else:
-        _refuse(arguments, ("version", "time_system", "frame", "type"), "a table")
+        _refuse(arguments, ("version", "time_system", "frame", "type", "tool"), "a table")
     return settings
 
 
@@ -294,6 +314,5 @@ def _refuse(arguments: argparse.Namespace, names: Iterable[str], what: str) -> N
     """Raise the AttitudeError for the first given option of these, which `what` does not have."""
     for name in names:
         if getattr(arguments, name) is not None:
-            raise AttitudeError(
-                f"--{name.replace('_', '-')} has no meaning for {what}; leave it out."
-            )
+            option = "for" if name == "tool" else name.replace("_", "-")
+            raise AttitudeError(f"--{option} has no meaning for {what}; leave it out.")

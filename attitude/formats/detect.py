@@ -110,6 +110,7 @@ def read(
     orbit: Path | None = None,
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
+    rates: str | None = None,
 ) -> Motion:
     """The motion in a file of any format; see `opened` for parameters and errors.
 
@@ -119,7 +120,13 @@ def read(
         Close a KernelAttitude after use: its kernels are loaded in SPICE's pool until then.
     """
     return opened(
-        path, tolerance=tolerance, frame=frame, orbit=orbit, body=body, kernels=kernels
+        path,
+        tolerance=tolerance,
+        frame=frame,
+        orbit=orbit,
+        body=body,
+        kernels=kernels,
+        rates=rates,
     ).motion
 
 
@@ -131,13 +138,14 @@ def opened(
     orbit: Path | None = None,
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
+    rates: str | None = None,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
     ----------
     path : str or path
-    tolerance, frame, orbit
+    tolerance, frame, orbit, rates
         As of `aem.read`; formats that do not have them ignore them.
     body : str, optional
         Name of the frame in a C-kernel, "TUMBLER" by default.
@@ -158,11 +166,11 @@ def opened(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        return _table(aem.read(path, frame=frame, orbit=orbit, **lengths))
+        return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
-        message = apm.read(path, frame=frame, orbit=orbit, **lengths)
+        message = apm.read(path, frame=frame, orbit=orbit, rates=rates, **lengths)
         names = ("object_name", "object_id", "center", "comments")
         return OpenedFile(message.motion, {name: message.meta[name] for name in names})
     if kind == "stk":

@@ -17,17 +17,18 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from attitude import quaternion
 from attitude.errors import AttitudeError
-from attitude.formats import sources
+from attitude.formats import recipes, sources
 from attitude.formats.aem import kvn as aem_kvn
 from attitude.formats.aem import xml as aem_xml
 from attitude.formats.aem import xml_writer
 from attitude.formats.aem.message import Options
 from attitude.formats.aem.written import WrittenSegment
 from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds import old_rates
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE
 from attitude.textfiles import kvn
@@ -49,6 +50,7 @@ def read(
     tolerance: float = TOLERANCE,
     frame: str | None = None,
     orbit: Path | None = None,
+    rates: str | None = None,
 ) -> AttitudeTable:
     """A message as an AttitudeTable.
 
@@ -62,6 +64,11 @@ def read(
         The external axes of the file, if their name in the file is not known (see `axes`).
     orbit : Path, optional
         Path of the body about its center, for attitudes relative to LVLH or RTN.
+    rates : str, optional
+        What the rates of QUATERNION/RATE and EULER_ANGLE/RATE of version 1 are: "body", components
+        of the angular velocity over the axes of RATE_FRAME, or "euler", derivatives of the angles
+        of EULER_ROT_SEQ.  By default "body" with a warning, or "euler" where the file names an axis
+        twice (see `old_rates`).
 
     Returns
     -------
@@ -74,7 +81,7 @@ def read(
         For a file that cannot be read or does not follow the standard; the message names file,
         line and keyword.
     """
-    options = Options(tolerance, frame, orbit)
+    options = Options(tolerance, frame, orbit, rates)
     with opened(path) as lines:
         first = kvn.first(lines)
         if first is not None:
@@ -87,13 +94,15 @@ def write(
     source: AttitudeSource,
     *,
     t: Epochs | None = None,
-    version: str = "2.0",
+    for_: str | None = None,
+    version: str | None = None,
     xml: bool = False,
     kind: str | None = None,
     frame: str | None = None,
     time_system: str | None = None,
+    rates: str | None = None,
     rates_over: str = "body",
-    sequence: str = "ZXZ",
+    sequence: str | None = None,
     scalar_first: bool = False,
     object_name: str | None = None,
     object_id: str | None = None,
@@ -117,22 +126,28 @@ def write(
         A motion is evaluated piece by piece, so that long histories need little memory.
     t : epochs, optional
         Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
-    version : str
-        "2.0", or "1.0" (what GMAT and others read).
+    for_ : str, optional
+        The tool that shall read the file: "gmat", "orekit", "stk" or "brahe".  Settings that are
+        left open become those that the tool accepts (see `recipes`).
+    version : str, optional
+        "2.0" by default, or "1.0" (what GMAT and others read).
     xml : bool
         XML instead of KVN.
     kind : str, optional
-        The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, "QUATERNION"
-        for tables without angular velocities.
+        The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, in version 1
+        "QUATERNION/DERIVATIVE"; "QUATERNION" for tables without angular velocities.
     frame : str, optional
         The external axes, by default those of the file that a table was read from, or "ICRF"; see
         `axes`.
     time_system : str, optional
         UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
+    rates : str, optional
+        Version 1.0 with the types QUATERNION/RATE and EULER_ANGLE/RATE, whose readers disagree:
+        "body" or "euler", as of `read`.
     rates_over : str
         "body" or "frame": the axes of angular velocities.
-    sequence : str
-        Axes of Euler angles.
+    sequence : str, optional
+        Axes of Euler angles, "ZXZ" by default.
     scalar_first : bool
         Version 1.0: QC before Q1, Q2, Q3.
     object_name, object_id, center, body_frame, originator : str, optional
@@ -153,26 +168,33 @@ def write(
     ------
     AttitudeError
         For unknown names of versions, types, axes or time systems, for epochs that do not increase,
-        and for a file that cannot be written.
+        for settings that the tool `for_` does not read, and for a file that cannot be written.
     """
-    if version not in VERSIONS:
-        raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
     parts = sources.segments(source, t)
     given = parts[0].meta
-    settings = {
+    settings: dict[str, Any] = {
         "version": version,
+        "xml": xml,
         "kind": kind,
         "frame": frame,
         "time_system": time_system,
+        "rates": old_rates.known(rates),
         "rates_over": rates_over,
-        "sequence": quaternion.known_sequence(sequence).upper(),
+        "sequence": sequence,
         "scalar_first": scalar_first,
         "digits": digits,
         "orbit": orbit,
         "method": method,
         "degree": degree,
-        "names": (object_name, object_id, center, body_frame),
+        "body_frame": body_frame,
+        "for_": for_,
     }
+    settings = recipes.of_aem(for_, settings, all(part.has_rates for part in parts))
+    settings["version"] = version = settings["version"] or "2.0"
+    if version not in VERSIONS:
+        raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
+    settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
+    settings["names"] = (object_name, object_id, center, settings["body_frame"])
     written = [WrittenSegment(part, settings) for part in parts]
     header = {
         "CREATION_DATE": creation_date or ccsds_epochs.now(),

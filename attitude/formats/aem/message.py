@@ -6,14 +6,14 @@ AttitudeTable.  For the conventions see `attitude_types`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
 
@@ -57,14 +57,18 @@ class Options:
         The external axes, if their name in the file is not known.
     orbit : Path or None
         Path of the body about its center, for axes of an orbit.
+    rates : str or None
+        What the rates of version 1 are: "body", "euler", or None: "body" with a warning.
     """
 
     tolerance: float = TOLERANCE
     frame: str | None = None
     orbit: Path | None = None
+    rates: str | None = None
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
+        old_rates.known(self.rates)
 
 
 @dataclass
@@ -80,6 +84,8 @@ class Message:
     comments : list of str
     tables : list of AttitudeTable
         One for each finished segment.
+    warned : bool
+        Whether a warning of the rates of version 1 was given.
     """
 
     path: str
@@ -88,6 +94,7 @@ class Message:
     header: dict[str, str] = field(default_factory=dict)
     comments: list[str] = field(default_factory=list)
     tables: list[AttitudeTable] = field(default_factory=list)
+    warned: bool = False
 
     def table(self) -> AttitudeTable:
         """All segments as one AttitudeTable."""
@@ -186,6 +193,7 @@ class MessageSegment:
             rates_follow=version != "1.0",
             scalar_first=self._scalar_first(),
             sequence=self._sequence(),
+            rates_of_angles=self._old_rates() == "euler",
         )
         self.usable = [self._epoch(f"USEABLE_{end}_TIME") for end in ("START", "STOP")]
         for keyword in ("START_TIME", "STOP_TIME"):
@@ -203,6 +211,7 @@ class MessageSegment:
         """
         if self.rows is None or not self.rows.count:
             raise self.fault("the segment has no attitudes.", line)
+        self.warn_of_rates()
         values, options = self.values, self.message.options
         meta: dict[str, Any] = {
             "format": f"AEM {self.message.version}",
@@ -286,11 +295,32 @@ class MessageSegment:
         choices |= {a: body_is_a, b: not body_is_a}
         return self._one_of(keyword, choices, needed=True)
 
-    def _sequence(self):
-        if not self.kind.startswith("EULER"):
+    def _old_rates(self):
+        """What the rates of version 1 are: "euler" or "body"; None without them."""
+        if self.message.version != "1.0" or not self.kind.endswith("/ANGVEL"):
+            return None
+        return self.message.options.rates or "body"
+
+    def take_derivatives(self) -> None:
+        """Read the rates of version 1 as derivatives of the Euler angles."""
+        if not self.how.rates_of_angles:
+            self.how = replace(self.how, sequence=self._sequence(True), rates_of_angles=True)
+
+    def warn_of_rates(self) -> None:
+        """Warn, once for a message, where the file does not say what its rates of version 1 are."""
+        guessed = self._old_rates() is not None and self.message.options.rates is None
+        if guessed and not self.how.rates_of_angles and not self.message.warned:
+            self.message.warned = True
+            old_rates.warn(self.message.path, f"ATTITUDE_TYPE {self.values['ATTITUDE_TYPE']}")
+
+    def _sequence(self, needed=False):
+        needed = needed or self._old_rates() == "euler"
+        if not self.kind.startswith("EULER") and not needed:
             return None
         if "EULER_ROT_SEQ" not in self.values:
-            raise self.fault("Euler angles need EULER_ROT_SEQ, like 321 or ZYX.", None)
+            raise self.fault(
+                "Euler angles and their rates need EULER_ROT_SEQ, like 321 or ZYX.", None
+            )
         return self._checked("EULER_ROT_SEQ", lambda text: quaternion.known_sequence(text.upper()))
 
     def _one_of(self, keyword, choices, *, needed):

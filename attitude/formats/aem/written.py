@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude.attitude_table import interpolation
 from attitude.errors import AttitudeError
+from attitude.formats import recipes
 from attitude.formats.aem.message import META
 from attitude.formats.ccsds import attitude_types, axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
@@ -34,7 +35,7 @@ class WrittenSegment:
     ----------
     kind : str
         Attitude type, under its name in version 2.
-    scalar_first, sequence : bool, str
+    scalar_first, sequence, rates_of_angles : bool, str, bool
         As of `Convention`.
     keywords : dict of str
         Keyword of the meta data -> value, in their order.
@@ -50,12 +51,20 @@ class WrittenSegment:
     def __init__(self, part: Records, settings: Mapping[str, Any]):
         self._part, self._settings = part, settings
         version = settings["version"]
-        kind = settings["kind"] or ("QUATERNION/ANGVEL" if part.has_rates else "QUATERNION")
+        usual = "QUATERNION/DERIVATIVE" if version == "1.0" else "QUATERNION/ANGVEL"
+        kind = settings["kind"] or (usual if part.has_rates else "QUATERNION")
         self.kind: str = attitude_types.known(kind, "2.0")
         if version == "1.0" and self.kind not in attitude_types.IN_VERSION_1:
             raise AttitudeError(
                 f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
                 f"{', '.join(attitude_types.IN_VERSION_1)}."
+            )
+        old = version == "1.0" and self.kind.endswith("/ANGVEL")
+        if old and settings["rates"] is None:
+            raise AttitudeError(
+                f"{attitude_types.IN_VERSION_1[self.kind]} of AEM 1.0 is read in two ways; give "
+                'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
+                "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
             )
         name = settings["frame"] or part.meta.get("frame") or "ICRF"
         self._axes = axes.named(name)
@@ -69,8 +78,10 @@ class WrittenSegment:
             rates_follow=version != "1.0",
             scalar_first=settings["scalar_first"] and version == "1.0",
             sequence=settings["sequence"],
+            rates_of_angles=old and settings["rates"] == "euler",
         )
         self.scalar_first: bool = self._how.scalar_first
+        self.rates_of_angles: bool = self._how.rates_of_angles
         self.sequence: str = settings["sequence"]
         self.comments: Sequence[str] = part.meta.get("meta_comments", ())
         self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
@@ -106,7 +117,7 @@ class WrittenSegment:
         rate_frame = "REF_FRAME_B" if version == "1.0" else body
         if not self._how.rates_over_body:
             rate_frame = "REF_FRAME_A" if version == "1.0" else frame
-        digits = str.maketrans("XYZ", "123")
+        digits, rated = str.maketrans("XYZ", "123"), self.kind.endswith("/ANGVEL")
         known = {
             "OBJECT_NAME": name or "UNKNOWN",
             "OBJECT_ID": number or "UNKNOWN",
@@ -128,10 +139,10 @@ class WrittenSegment:
             "EULER_ROT_SEQ": (
                 self._how.sequence.translate(digits) if version == "1.0" else self._how.sequence
             )
-            if self.kind.startswith("EULER")
+            if self.kind.startswith("EULER") or (version == "1.0" and rated)
             else None,
-            "RATE_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
-            "ANGVEL_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
+            "RATE_FRAME": rate_frame if rated else None,
+            "ANGVEL_FRAME": rate_frame if rated else None,
             "INTERPOLATION_METHOD": method,
             "INTERPOLATION_DEGREE": str(degree),
         }
@@ -145,7 +156,9 @@ class WrittenSegment:
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
         has_rates = attitude_types.has_rates(self.kind)
-        method, degree = interpolation.settled(method, degree, len(self._part), has_rates)
+        count = len(self._part)
+        method, degree = interpolation.settled(method, degree, count, has_rates)
+        degree = recipes.degree_of(self._settings["for_"], degree, count)
         return "LINEAR" if method == "slerp" else method.upper(), degree
 
     def _usable(self, table):

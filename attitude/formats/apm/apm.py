@@ -23,7 +23,7 @@ from attitude.errors import AttitudeError
 from attitude.formats.apm import written
 from attitude.formats.apm.blocks import read_kvn, read_xml
 from attitude.formats.apm.state import Interpreted
-from attitude.formats.ccsds import axes
+from attitude.formats.ccsds import axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE, known_tolerance
@@ -101,6 +101,7 @@ def read(
     frame: str | None = None,
     orbit: Path | None = None,
     products: str | None = None,
+    rates: str | None = None,
 ) -> Parameters:
     """A message as `Parameters`.
 
@@ -111,6 +112,8 @@ def read(
     products : str, optional
         "tensor" if IXY is the entry of the inertia tensor, "integral" if the entry is -IXY; by
         default as in the book of the message's version (see `inertia`).
+    rates : str, optional
+        What X_RATE, Y_RATE, Z_RATE of version 1 are, as of `aem.read`.
 
     Raises
     ------
@@ -123,7 +126,7 @@ def read(
         message = None if first is None else read_kvn(lines, first)
     if message is None:
         message = read_xml(path)
-    return Parameters(*Interpreted(message, tolerance, frame, orbit, products).result())
+    return Parameters(*Interpreted(message, tolerance, frame, orbit, products, rates).result())
 
 
 def write(
@@ -136,6 +139,7 @@ def write(
     time_system: str = "UTC",
     inertia: bool = True,
     products: str | None = None,
+    rates: str | None = None,
     object_name: str | None = None,
     object_id: str | None = None,
     center: str | None = None,
@@ -147,7 +151,8 @@ def write(
 ) -> None:
     """Write the state and the inertia of a FreeRotation as an APM.
 
-    Version 1 has the rates in the block of Euler angles (321), beside the quaternion.
+    Version 1 has the rates as derivatives of the quaternion; on those of its block of Euler angles
+    readers disagree.
 
     Parameters
     ----------
@@ -159,6 +164,8 @@ def write(
         False leaves the inertia out (relative moments have no unit and cannot be written).
     products : str, optional
         As of `read`: the sign of the products of inertia.
+    rates : str, optional
+        Version 1.0: write the block of Euler angles (321) too, with "body" or "euler" rates.
 
     The other parameters are those of `aem.write`.
 
@@ -205,7 +212,9 @@ def write(
             "TIME_SYSTEM": scale.upper(),
         },
         epoch=ccsds_epochs.texts(spin.epoch, np.zeros(1), None, scale, digits)[0],
-        blocks=written.blocks(version, found.name, body_frame, wxyz, spin.angular_velocity),
+        blocks=written.blocks(
+            version, found.name, body_frame, wxyz, spin.angular_velocity, old_rates.known(rates)
+        ),
     )
     if body is not None:
         message.blocks.append(written.inertia(version, body, body_frame, products))

@@ -52,10 +52,12 @@ class Collected:
     version : str
     fault : callable
         Makes the error for a sentence and the number of a line.
+    path : str
+        Name of the file.
 
     Attributes
     ----------
-    version, fault
+    version, fault, path
         As given.
     header, meta : dict of str
         Keyword -> value; meta holds EPOCH too.
@@ -65,9 +67,10 @@ class Collected:
     blocks : list of Block
     """
 
-    def __init__(self, version: str, fault: Fault):
+    def __init__(self, version: str, fault: Fault, path: str):
         self.version: str = version
         self.fault: Fault = fault
+        self.path: str = path
         self.header: dict[str, str] = {}
         self.meta: dict[str, str] = {}
         self.lines: dict[str, int] = {}

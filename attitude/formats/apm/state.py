@@ -14,7 +14,7 @@ from attitude.errors import AttitudeError
 from attitude.formats.apm.inertia import known_products, tensor
 from attitude.formats.apm.keywords import META
 from attitude.formats.apm.message import needs, number, one_of
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import to_icrf
@@ -34,7 +34,7 @@ class Interpreted:
     Parameters
     ----------
     message : Collected
-    tolerance, frame, orbit, products
+    tolerance, frame, orbit, products, rates
         As of `apm.read`.
 
     Attributes
@@ -52,7 +52,9 @@ class Interpreted:
         frame: str | None,
         orbit: Path | None,
         products: str | None,
+        rates: str | None = None,
     ):
+        self._rates = old_rates.known(rates)
         self._message, self._tolerance = message, tolerance
         self._frame, self._orbit = frame, orbit
         self._old = message.version == "1.0"
@@ -218,16 +220,40 @@ class Interpreted:
 
     def _old_euler(self, block, how, found, body_is_a):
         """Version 1: angles under the names of their axes, rates over the axes of a frame."""
+        letters = [name[0] for name, _, _ in block.order if name.endswith("_RATE")]
+        derivatives = self._rates == "euler" or len(set(letters)) < len(letters)
         angles = self._by_axis(block, "ANGLE", how.sequence)
-        rates = self._by_axis(block, "RATE", None)
+        rates = self._by_axis(block, "RATE", how.sequence if derivatives else None)
         wxyz = None
         if angles is not None:
             wxyz = self._relative("EULER_ANGLE", angles, block, how, found)[0]
         if rates is None:
             return wxyz, None
+        if derivatives:
+            return wxyz, self._of_derivatives(np.radians(rates), how, found)
+        if self._rates is None:
+            old_rates.warn(self._message.path, "the block of Euler angles")
         frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
         over_body = one_of(self._message, block, "RATE_FRAME", frames)
         return wxyz, self._body_rates(np.radians(rates), over_body, found)
+
+    def _of_derivatives(self, change, how, found):
+        """A function: attitude -> rates relative to ICRF, from derivatives of Euler angles."""
+        self._refuse_speed(change)
+
+        def of(wxyz):
+            zero = np.zeros(1)
+            outer = found.to_icrf(self.epoch, zero, zero, self._orbit).reshape(4)
+            inner = quaternion.multiply(quaternion.conjugate(outer), wxyz)
+            rates = attitude_types.of_euler_derivatives(inner[None], change[None], how)[0]
+            own = found.angular_velocity(self.epoch, zero, zero, self._orbit)
+            return (
+                rates
+                if own is None
+                else rates + quaternion.rotate(quaternion.conjugate(wxyz), own[0])
+            )
+
+        return of
 
     def _body_rates(self, rates, over_body, found):
         """A function: attitude -> rates relative to ICRF, over the body axes."""
