@@ -76,9 +76,13 @@ def source(path):
 
 def read_aem(path):
     """Orekit's reading of an AEM: seconds (N,) of TAI since J2000, wxyz (N, 4), rates (N, 3)."""
+    return tuple(np.concatenate(each) for each in zip(*segments_of(path), strict=True))
+
+
+def segments_of(path):
+    """`read_aem` of each segment."""
     message = builder().buildAemParser().parseMessage(source(path))
-    lines = [line for part in message.getSegments() for line in part.getAngularCoordinates()]
-    return arrays(lines)
+    return [arrays(list(part.getAngularCoordinates())) for part in message.getSegments()]
 
 
 def read_apm(path):

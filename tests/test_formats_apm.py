@@ -154,7 +154,11 @@ BAD = [
     (r"EPOCH = 2026", "EPOCH = 20x6", "line 9: EPOCH is"),
     (r"TIME_SYSTEM = UTC", "TIME_SYSTEM = MET", "line 8: TIME_SYSTEM is 'MET'"),
     (r"Q_DIR = A2B", "Q_DIR = UP", "line 12: DIR of the block QUAT is 'UP'"),
-    (r"Q_FRAME_B = ICRF", "Q_FRAME_B = BEAR", "line 10: of the frames SC_BODY_1 and BEAR"),
+    (
+        r"Q_FRAME_B = ICRF",
+        "Q_FRAME_B = BEAR",
+        "line 11: REF_FRAME_A is .SC_BODY_1. and REF_FRAME_B is .BEAR.",
+    ),
     (r"Q_FRAME_B = ICRF\n", "", "the block QUAT lacks REF_FRAME_B"),
     (r"Q3 = -0\.7", "Q3 = -0.9", "line 16: the length of the quaternion is off 1 by"),
     (r"Q1 = 0", "Q1 = zero", "line 13: Q1 is 'zero'"),

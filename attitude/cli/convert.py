@@ -78,6 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
         "derivatives of the Euler angles",
     )
+    parser.add_argument(
+        "--object", metavar="NAME", help="OBJECT_ID or OBJECT_NAME of the segments of IN to read"
+    )
+    parser.add_argument(
+        "--segment", type=int, metavar="N", help="the one segment of IN to read, counted from 0"
+    )
     orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
@@ -118,6 +124,8 @@ def run(arguments: argparse.Namespace) -> None:
         kernels=arguments.kernels,
         orbit=path,
         rates=arguments.rates,
+        object=arguments.object,
+        segment=arguments.segment,
     )
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end

@@ -111,6 +111,8 @@ def read(
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
     rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
 ) -> Motion:
     """The motion in a file of any format; see `opened` for parameters and errors.
 
@@ -127,6 +129,8 @@ def read(
         body=body,
         kernels=kernels,
         rates=rates,
+        object=object,
+        segment=segment,
     ).motion
 
 
@@ -139,13 +143,15 @@ def opened(
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
     rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
     ----------
     path : str or path
-    tolerance, frame, orbit, rates
+    tolerance, frame, orbit, rates, object, segment
         As of `aem.read`; formats that do not have them ignore them.
     body : str, optional
         Name of the frame in a C-kernel, "TUMBLER" by default.
@@ -166,7 +172,8 @@ def opened(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **lengths))
+        one: dict[str, Any] = {"object": object, "segment": segment}
+        return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **one, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 

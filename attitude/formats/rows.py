@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Largest deviation from 1 of the length of a quaternion: some files print few digits.
 TOLERANCE: float = 1e-3
+# Rounding of START_TIME and STOP_TIME, s.
+_ROUNDED = 1e-3
 
 
 def known_tolerance(tolerance: float) -> float:
@@ -128,6 +130,21 @@ class Rows:
         self._values.append(values)
         self._lines.append(np.asarray(lines))
         self.count += len(hi)
+
+    def refuse_outside(self, start: Instant, stop: Instant, fault: Fault) -> None:
+        """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms.
+
+        Files write these times with fewer digits than the epochs of records.
+        """
+        for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
+            for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
+                inside = sign * ((hi - end.seconds) + (lo - end.low))
+                if np.any(inside < -_ROUNDED):
+                    k = int(np.argmax(inside < -_ROUNDED))
+                    raise fault(
+                        f"the record is {-inside[k]:.6g} s {what}_TIME of the meta data.",
+                        int(lines[k]),
+                    )
 
     def table(
         self,

@@ -51,6 +51,8 @@ def read(
     frame: str | None = None,
     orbit: Path | None = None,
     rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
 ) -> AttitudeTable:
     """A message as an AttitudeTable.
 
@@ -69,6 +71,10 @@ def read(
         of the angular velocity over the axes of RATE_FRAME, or "euler", derivatives of the angles
         of EULER_ROT_SEQ.  By default "body" with a warning, or "euler" where the file names an axis
         twice (see `old_rates`).
+    object : str, optional
+        OBJECT_ID or OBJECT_NAME of the segments to read, where the file has several objects.
+    segment : int, optional
+        The place of the one segment to read, counted from 0.
 
     Returns
     -------
@@ -79,9 +85,10 @@ def read(
     ------
     AttitudeError
         For a file that cannot be read or does not follow the standard; the message names file,
-        line and keyword.
+        line and keyword.  For segments of several objects or body frames, and segments that
+        contradict each other where they overlap.
     """
-    options = Options(tolerance, frame, orbit, rates)
+    options = Options(tolerance, frame, orbit, rates, object, segment)
     with opened(path) as lines:
         first = kvn.first(lines)
         if first is not None:

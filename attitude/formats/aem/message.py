@@ -13,9 +13,11 @@ from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
+from attitude.formats.aem import one_object
 from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.epochs import Instant
@@ -59,12 +61,18 @@ class Options:
         Path of the body about its center, for axes of an orbit.
     rates : str or None
         What the rates of version 1 are: "body", "euler", or None: "body" with a warning.
+    object : str or None
+        OBJECT_ID or OBJECT_NAME of the segments that are read.
+    segment : int or None
+        The place of the one segment that is read, counted from 0.
     """
 
     tolerance: float = TOLERANCE
     frame: str | None = None
     orbit: Path | None = None
     rates: str | None = None
+    object: str | None = None
+    segment: int | None = None
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
@@ -97,8 +105,11 @@ class Message:
     warned: bool = False
 
     def table(self) -> AttitudeTable:
-        """All segments as one AttitudeTable."""
-        return AttitudeTable.joined(self.tables)
+        """The segments of one object as one AttitudeTable; see `one_object.chosen`."""
+        options = self.options
+        return one_object.chosen(
+            self.tables, self.path, options.object, options.segment, options.tolerance
+        )
 
 
 class MessageSegment:
@@ -160,7 +171,7 @@ class MessageSegment:
             others = [v for v in META if keyword in META[v]]
             hint = f" (it belongs to version {others[0]})" if others else ""
             raise self.fault(
-                f"{keyword} is not known among the meta data of version "
+                f"{cut(keyword, '')} is not known among the meta data of version "
                 f"{self.message.version}{hint}; known are {', '.join(allowed)}.",
                 line,
             )
@@ -196,8 +207,9 @@ class MessageSegment:
             rates_of_angles=self._old_rates() == "euler",
         )
         self.usable = [self._epoch(f"USEABLE_{end}_TIME") for end in ("START", "STOP")]
-        for keyword in ("START_TIME", "STOP_TIME"):
-            self._epoch(keyword)
+        self._limits = self._epoch("START_TIME"), self._epoch("STOP_TIME")
+        if self._limits[1].since(self._limits[0]) < 0.0:
+            raise self.fault("STOP_TIME is before START_TIME.", self.lines["STOP_TIME"])
         self.method, self.degree = self._interpolation()
         self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
 
@@ -212,6 +224,7 @@ class MessageSegment:
         if self.rows is None or not self.rows.count:
             raise self.fault("the segment has no attitudes.", line)
         self.warn_of_rates()
+        self.rows.refuse_outside(*self._limits, self.fault)
         values, options = self.values, self.message.options
         meta: dict[str, Any] = {
             "format": f"AEM {self.message.version}",
@@ -255,24 +268,10 @@ class MessageSegment:
     def _frames(self):
         """The external axes, the name of the body's axes, and whether the body is A."""
         a, b = self.values["REF_FRAME_A"], self.values["REF_FRAME_B"]
-        known = [axes.known(name) for name in (a, b)]
-        override = self.message.options.frame
-        if override is not None:
-            body_is_a = known[0] is None and known[1] is not None
-            return axes.named(override), a if body_is_a else b, body_is_a
-        if known[0] is not None and known[1] is not None:
-            raise self.fault(
-                f"REF_FRAME_A is {a} and REF_FRAME_B is {b}, both of them known external axes; one "
-                "of them must be the body's.",
-                self.lines["REF_FRAME_B"],
-            )
-        if known[0] is None and known[1] is None:
-            raise self.fault(
-                f"of REF_FRAME_A = {a} and REF_FRAME_B = {b} none is known as ICRF, EME2000, ITRF, "
-                "TEME, RTN or LVLH; give the name of the external axes with frame=.",
-                self.lines["REF_FRAME_A"],
-            )
-        return (known[0], b, False) if known[0] is not None else (known[1], a, True)
+        try:
+            return axes.of_pair(a, b, self.message.options.frame)
+        except AttitudeError as err:
+            raise self.fault(str(err), self.lines["REF_FRAME_B"]) from err
 
     def _to_body(self, body_is_a):
         if self.message.version != "1.0":
@@ -329,13 +328,14 @@ class MessageSegment:
             if needed:
                 raise self.fault(
                     f"the meta data lack {keyword}, which {self.values['ATTITUDE_TYPE']} needs; it "
-                    f"must be one of {', '.join(choices)}.",
+                    f"must be one of {', '.join(cut(each, '') for each in choices)}.",
                     None,
                 )
             return False
         if value.upper() not in choices:
             raise self.fault(
-                f"{keyword} is {value!r}; it must be one of {', '.join(choices)}.",
+                f"{keyword} is {cut(value)}; it must be one of "
+                f"{', '.join(cut(each, '') for each in choices)}.",
                 self.lines[keyword],
             )
         return choices[value.upper()]
@@ -348,7 +348,7 @@ class MessageSegment:
             return ccsds_epochs.instant(value, self.scale)
         except ccsds_epochs.BadEpoch as err:
             raise self.fault(
-                f"{keyword} is {value!r}, no epoch: {err.reason}.", self.lines[keyword]
+                f"{keyword} is {cut(value)}, no epoch: {err.reason}.", self.lines[keyword]
             ) from err
 
     def _interpolation(self):
@@ -360,6 +360,7 @@ class MessageSegment:
             keyword = "INTERPOLATION_" + ("DEGREE" if isinstance(degree, str) else "METHOD")
             reason = str(err) if isinstance(err, AttitudeError) else "give a whole number."
             raise self.fault(
-                f"{keyword} is {self.values.get(keyword)!r}: {reason}", self.lines.get(keyword)
+                f"{keyword} is {cut(self.values.get(keyword))}: {reason}",
+                self.lines.get(keyword),
             ) from err
         return method, degree

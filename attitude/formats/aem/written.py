@@ -107,10 +107,8 @@ class WrittenSegment:
         )
         name, number, center, body = (value or meta.get(key) for value, key in given)
         body = body or "SC_BODY_1"
-        if axes.known(body) is not None:
-            raise AttitudeError(
-                f"body_frame is {body!r}, the name of other axes; give another name."
-            )
+        if (why := axes.body_name_fault(body)) is not None:
+            raise AttitudeError(f"body_frame is {body!r}, which {why}; give another name.")
         frame = axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(part.epoch, *part.first_and_last())
         method, degree = self._interpolation()

@@ -192,10 +192,8 @@ def write(
     found = axes.named(frame or axes.WRITTEN[spin.frame])
     if found.turning:
         raise AttitudeError(f"an APM is written in axes that do not turn, not {found.name}.")
-    if axes.known(body_frame) is not None:
-        raise AttitudeError(
-            f"body_frame is {body_frame!r}, the name of other axes; give another name."
-        )
+    if (why := axes.body_name_fault(body_frame)) is not None:
+        raise AttitudeError(f"body_frame is {body_frame!r}, which {why}; give another name.")
     wxyz = spin.wxyz
     if found.kind != spin.frame:
         outer = quaternion.conjugate(found.to_icrf(spin.epoch, 0.0, None))

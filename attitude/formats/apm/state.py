@@ -13,7 +13,7 @@ from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.formats.apm.inertia import known_products, tensor
 from attitude.formats.apm.keywords import META
-from attitude.formats.apm.message import needs, number, one_of
+from attitude.formats.apm.message import Block, needs, number, one_of
 from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
@@ -111,7 +111,7 @@ class Interpreted:
         attitude = rates = of_attitude = of_rates = None
         for name, meaning in (("QUAT", self._quat), ("EULER", self._euler), ("SPIN", self._spin)):
             for block in self._blocks(name)[:1]:
-                found = meaning(block)
+                found = self._named(meaning, block)
                 if attitude is None and found[0] is not None:
                     attitude, of_attitude = found[0], block
                 if rates is None and found[1] is not None:
@@ -119,7 +119,7 @@ class Interpreted:
         if attitude is None:
             raise self._message.fault("the message has no attitude.", None)
         for block in self._blocks("ANGVEL")[:1]:
-            rates, of_rates = self._angvel(block, attitude), block
+            rates, of_rates = self._named(self._angvel, block, attitude), block
         body = self._bodies[of_attitude.name]
         if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
             raise self._message.fault(
@@ -129,9 +129,19 @@ class Interpreted:
                 of_rates.line,
             )
         if callable(rates):
-            rates = rates(attitude)
+            rates = self._named(rates, attitude)
         self._refuse_speed(rates)
         return attitude, rates, body
+
+    def _named(self, meaning, block, *more):
+        """What a block means; errors of its axes name the file and the line too."""
+        try:
+            return meaning(block, *more)
+        except AttitudeError as err:
+            if str(err).startswith(self._message.path):
+                raise
+            line = block.line if isinstance(block, Block) else None
+            raise self._message.fault(str(err), line) from err
 
     def _refuse_speed(self, rates):
         try:
@@ -149,21 +159,11 @@ class Interpreted:
         for key, name in zip(("REF_FRAME_A", "REF_FRAME_B"), names, strict=True):
             if not name:
                 raise message.fault(f"the block {block.name} lacks {key}.", block.line)
-        known = [axes.known(name) for name in names]
-        if self._frame is not None:
-            body_is_a = known[0] is None and known[1] is not None
-            found = axes.named(self._frame)
-        else:
-            if (known[0] is None) == (known[1] is None):
-                raise message.fault(
-                    f"of the frames {names[0]} and {names[1]} one must be known external axes "
-                    "(ICRF, EME2000, ITRF, TEME, RTN, LVLH), the other the body's; give the name "
-                    "of the external axes with frame=.",
-                    block.lines["REF_FRAME_A"],
-                )
-            body_is_a = known[0] is None
-            found = known[1] if body_is_a else known[0]
-        self._bodies[block.name] = names[0 if body_is_a else 1]
+        try:
+            found, body, body_is_a = axes.of_pair(*names, self._frame)
+        except AttitudeError as err:
+            raise message.fault(str(err), block.lines["REF_FRAME_B"]) from err
+        self._bodies[block.name] = body
         to_body = not body_is_a
         if self._old and one_of(message, block, "DIR", _DIRECTIONS) is False:
             to_body = not to_body

@@ -29,12 +29,13 @@ from attitude import representations as forms
 from attitude.errors import AttitudeError
 from attitude.formats.ccsds import axis_names, earth_axes, orbit_axes
 from attitude.formats.ccsds.axis_names import OF_ORBIT, WRITTEN
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
     from attitude.paths.path import Path
 
-__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named"]
+__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
 
 # Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
 _STEP = 1.0
@@ -152,6 +153,48 @@ def body_name_fault(name: str) -> str | None:
     return None if near is None else f"looks like a misspelled {near}"
 
 
+def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
+    """The external axes of a rotation from A to B, the body's name, and whether the body is A.
+
+    Parameters
+    ----------
+    a, b : str
+        REF_FRAME_A and REF_FRAME_B.
+    frame : str or None
+        The external axes, if their name in the file is not known.
+
+    Raises
+    ------
+    AttitudeError
+        If not one of the two is known external axes and the other a name that a body's own frame
+        can have.
+    """
+    both = [known(name) for name in (a, b)]
+    if frame is not None:
+        body_is_a = both[0] is None and both[1] is not None
+        return named(frame), a if body_is_a else b, body_is_a
+    shown = f"REF_FRAME_A is {cut(a)} and REF_FRAME_B is {cut(b)}"
+    if both[0] is not None and both[1] is not None:
+        raise AttitudeError(
+            f"{shown}, both of them known external axes; one of them must be the body's."
+        )
+    for name in (a, b):
+        why = body_name_fault(name)
+        if known(name) is None and why is not None:
+            raise AttitudeError(
+                f"{shown}; {cut(name)} {why}. If it is the body's own frame, name the external "
+                "axes with frame=."
+            )
+    if both[0] is not None:
+        return both[0], b, False
+    if both[1] is not None:
+        return both[1], a, True
+    raise AttitudeError(
+        f"{shown}, and none is known as ICRF, EME2000, ITRF, TEME, TOD, RTN, LVLH or other "
+        "external axes; give the name of the external axes with frame=."
+    )
+
+
 def named(name: str, keyword: str = "frame") -> Axes:
     """The Axes with a name.
 
@@ -164,9 +207,8 @@ def named(name: str, keyword: str = "frame") -> Axes:
     """
     found = known(name) if isinstance(name, str) else None
     if found is None:
-        shown = repr(name)[:42]
         raise AttitudeError(
-            f"{keyword} is {shown}; known axes are {', '.join(sorted(axis_names.FIXED))}, "
+            f"{keyword} is {cut(name)}; known axes are {', '.join(sorted(axis_names.FIXED))}, "
             f"{', '.join(sorted(axis_names.TURNING))}."
         )
     return found

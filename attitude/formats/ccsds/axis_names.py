@@ -79,8 +79,9 @@ def meaning(name: str) -> tuple[str, bool] | None:
 
 def named_elsewhere(name: str) -> bool:
     """Whether a standard gives this name to axes that this package does not compute."""
-    given = normal(name).removesuffix("INERTIAL").removesuffix("ROTATING")
-    return _ELSEWHERE.fullmatch(given) is not None
+    given = normal(name)
+    stem = given.removesuffix("INERTIAL").removesuffix("ROTATING")
+    return any(map(_ELSEWHERE.fullmatch, (given, stem)))
 
 
 def looks_like(name: str) -> str | None:
@@ -97,6 +98,6 @@ def looks_like(name: str) -> str | None:
     near = difflib.get_close_matches(given, longer, n=1, cutoff=_ALIKE)
     if not near:
         known = "|".join(sorted((*TURNING, *FIXED), key=len, reverse=True))
-        found = re.fullmatch(rf"({known})[A-Z0-9]?", given)
+        found = re.fullmatch(rf"({known})(ROTATING|INERTIAL)?[A-Z0-9]?", given)
         near = [found.group(1)] if found and meaning(name) is None else []
     return near[0] if near else None
