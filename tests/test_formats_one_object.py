@@ -79,9 +79,7 @@ def test_overlaps_that_contradict_each_other(tmp_path):
     )
     t = np.arange(20.0)
     path = two(tmp_path, parts=[MOTION.at(t[:12]), other.at(t[8:])])
-    with pytest.raises(
-        AttitudeError, match=r"segments 0 and 1 overlap, and at 2026-01-01T00:00:0"
-    ):
+    with pytest.raises(AttitudeError, match=r"segments 0 and 1 overlap, and at 2026-01-01T00:00:0"):
         aem.read(path)
     assert len(aem.read(path, segment=0)) == 12
     # The same attitudes twice, and a shared end point, are no contradiction.

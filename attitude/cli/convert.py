@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 HELP: str = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
 EPILOG: str = """\
 examples:
+  attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
   attitude convert toutatis.toml toutatis.aem --stop "30 d" --step "1 h"
   attitude convert satellite.xml satellite.ecsv
   attitude convert satellite.aem satellite.toml --fit
@@ -57,8 +58,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="RAD",
-        help="largest error of a C-kernel between its records (default 1e-9), or of the length of "
-        "quaternions read",
+        help="largest error between the records of OUT, from which the step follows (of a C-kernel "
+        "1e-9 by default); of a table IN, and with --step, of the length of quaternions read",
     )
     parser.add_argument("--version", metavar="1.0|2.0", help="of CCSDS messages (default 2.0)")
     parser.add_argument("--type", metavar="NAME", help="attitude type of an AEM, section of STK")
@@ -109,8 +110,10 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.formats import detect
 
     kind = detect.to_write(arguments.output)
-    # For a C-kernel as output, the tolerance is that of the kernel, not that of lengths read.
-    tolerance = None if kind == "ck" else arguments.tolerance
+    # The tolerance of a C-kernel, or of a motion that is sampled, is not that of lengths read.
+    of_motion = detect.of_file(arguments.input) in (*detect.OF_MOTIONS, "ck")
+    sampled = kind == "ck" or ((of_motion or arguments.fit) and arguments.step is None)
+    tolerance = None if sampled else arguments.tolerance
     path = orbit.path_of(arguments)
     if path is not None and {kind, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
@@ -144,10 +147,48 @@ def _convert(
     elif kind == "ck":
         _write_kernel(arguments, motion)
     else:
+        if _by_tolerance(arguments, found.motion):
+            _write_sampled(arguments, kind, motion, found.said, path)
+            return
         records = _records(arguments, motion)
         if _is_free_rotation(motion):
             records.meta.update(_names(found.said))
         detect.write(arguments.output, records, **_settings(arguments, kind, path))
+
+
+def _by_tolerance(arguments: argparse.Namespace, read: Motion) -> bool:
+    """Whether --tolerance is that of the attitudes between records, and not of lengths read."""
+    given = arguments.tolerance is not None and arguments.step is None
+    return given and (arguments.fit or not _is_table(read))
+
+
+def _write_sampled(
+    arguments: argparse.Namespace,
+    kind: str,
+    motion: Motion,
+    labels: Mapping[str, Any],
+    path: Path | None,
+) -> None:
+    """Write a motion with the step that --tolerance needs; prints the step and the error."""
+    from attitude.formats import detect
+
+    start, stop = _ends(arguments, motion)
+    settings = _settings(arguments, kind, path)
+    if kind in ("aem", "aem-xml"):
+        settings |= _names(labels)
+    made = detect.write(
+        arguments.output,
+        motion,
+        start=_moment(motion, start),
+        stop=_moment(motion, stop),
+        tolerance=arguments.tolerance,
+        **settings,
+    )
+    assert made is not None
+    print(
+        f"{made.records} records at most {made.step:.4g} s apart in {made.segments} "
+        f"segment{'s' if made.segments > 1 else ''}: error {made.error:.2g} rad"
+    )
 
 
 def _is_free_rotation(source: Motion) -> TypeGuard[FreeRotation]:

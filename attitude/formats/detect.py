@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import Epochs, FilePath
+    from attitude.formats.sampling import Sampled
     from attitude.formats.sources import AttitudeSource
     from attitude.free_rotation.free_rotation import FreeRotation
     from attitude.motion import Motion
@@ -219,7 +220,7 @@ def _kernel(path, body, kernels):
 
 def write(
     path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, **settings: Any
-) -> None:
+) -> Sampled | None:
     """Write attitudes at epochs in the format of the file's ending.
 
     Parameters
@@ -229,7 +230,12 @@ def write(
     source, t
         As of `aem.write`.
     settings
-        Further arguments of the writer of the format.
+        Further arguments of the writer of the format, such as start=, stop= and tolerance=.
+
+    Returns
+    -------
+    Sampled or None
+        As `aem.write`.
 
     Raises
     ------
@@ -240,19 +246,18 @@ def write(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        aem.write(path, source, t=t, xml=kind == "aem-xml", **settings)
-    elif kind == "stk":
+        return aem.write(path, source, t=t, xml=kind == "aem-xml", **settings)
+    if kind == "stk":
         from attitude.formats import stk
 
-        stk.write(path, source, t=t, **settings)
-    elif kind == "table":
+        return stk.write(path, source, t=t, **settings)
+    if kind == "table":
         from attitude.formats import tables
 
-        tables.write(path, source, t=t, **settings)
-    else:
-        raise AttitudeError(
-            f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
-        )
+        return tables.write(path, source, t=t, **settings)
+    raise AttitudeError(
+        f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
+    )
 
 
 def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:

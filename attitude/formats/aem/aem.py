@@ -20,15 +20,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from attitude import quaternion
+from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats import recipes, sources
+from attitude.formats import recipes, sampling, sources
 from attitude.formats.aem import kvn as aem_kvn
 from attitude.formats.aem import xml as aem_xml
 from attitude.formats.aem import xml_writer
 from attitude.formats.aem.message import Options
-from attitude.formats.aem.written import WrittenSegment
+from attitude.formats.aem.written import WrittenSegment, written_kind
+from attitude.formats.ccsds import attitude_types, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
-from attitude.formats.ccsds import old_rates
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE
 from attitude.textfiles import kvn
@@ -38,8 +39,8 @@ from attitude.textfiles.lines import opened
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import Epochs, FilePath
-    from attitude.attitude_table.table import AttitudeTable
+    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats.sampling import Sampled
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
@@ -101,6 +102,9 @@ def write(
     source: AttitudeSource,
     *,
     t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
     for_: str | None = None,
     version: str | None = None,
     xml: bool = False,
@@ -122,7 +126,7 @@ def write(
     creation_date: str | None = None,
     digits: int = ccsds_epochs.DIGITS,
     orbit: Path | None = None,
-) -> None:
+) -> Sampled | None:
     """Write attitudes as an AEM.
 
     Parameters
@@ -133,6 +137,12 @@ def write(
         A motion is evaluated piece by piece, so that long histories need little memory.
     t : epochs, optional
         Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
+    start, stop : epochs, or TDB seconds since the epoch of the motion
+        With `tolerance`: the span, by default that of a table.
+    tolerance : float, optional
+        Instead of `t`: largest angle, rad, between the motion and the attitudes that a reader
+        interpolates by the method that the file states; the epochs of the records follow from it
+        (see `sampling`).
     for_ : str, optional
         The tool that shall read the file: "gmat", "orekit", "stk" or "brahe".  Settings that are
         left open become those that the tool accepts (see `recipes`).
@@ -171,14 +181,18 @@ def write(
     orbit : Path, optional
         Path of the body about its center, for LVLH and RTN.
 
+    Returns
+    -------
+    Sampled or None
+        With `tolerance`: the number of records, the step and the error of the file read back.
+
     Raises
     ------
     AttitudeError
         For unknown names of versions, types, axes or time systems, for epochs that do not increase,
         for settings that the tool `for_` does not read, and for a file that cannot be written.
     """
-    parts = sources.segments(source, t)
-    given = parts[0].meta
+    meta, has_rates = sources.known_of(source, t)
     settings: dict[str, Any] = {
         "version": version,
         "xml": xml,
@@ -196,20 +210,43 @@ def write(
         "body_frame": body_frame,
         "for_": for_,
     }
-    settings = recipes.of_aem(for_, settings, all(part.has_rates for part in parts))
+    settings = recipes.of_aem(for_, settings, has_rates)
     settings["version"] = version = settings["version"] or "2.0"
     if version not in VERSIONS:
         raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
     settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
     settings["names"] = (object_name, object_id, center, settings["body_frame"])
-    written = [WrittenSegment(part, settings) for part in parts]
     header = {
         "CREATION_DATE": creation_date or ccsds_epochs.now(),
         "ORIGINATOR": originator,
     }
-    comments = list(given.get("comments", ()) if comments is None else comments)
+    comments = list(meta.get("comments", ()) if comments is None else comments)
     for text in (*header.values(), *comments):
         kvn.refuse_line_breaks(text)
-    write_message = xml_writer.write_message if xml else aem_kvn.write_message
-    with written_whole(path, "the AEM") as file:
-        write_message(file, version, header, comments, written)
+
+    def write_records(target, parts):
+        written = [WrittenSegment(part, settings) for part in parts]
+        write_message = xml_writer.write_message if xml else aem_kvn.write_message
+        with written_whole(target, "the AEM") as file:
+            write_message(file, version, header, comments, written)
+
+    if tolerance is None:
+        sources.refuse_span(start, stop)
+        write_records(path, sources.segments(source, t))
+        return None
+    sources.refuse_epochs(t)
+    motion = sources.one_motion(source)
+    kind_written = written_kind(settings, has_rates)
+    table = motion if isinstance(motion, AttitudeTable) else None
+    used, most = sampling.stated(
+        settings["method"], settings["degree"], attitude_types.has_rates(kind_written), table
+    )
+    settings |= {"method": used, "degree": most}
+    return sampling.write(
+        *(path, motion, start, stop, tolerance),
+        method=used,
+        degree=most,
+        name="the AEM",
+        write_records=write_records,
+        read=lambda target: read(target, orbit=orbit, rates=rates),
+    )

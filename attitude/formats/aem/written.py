@@ -22,6 +22,13 @@ if TYPE_CHECKING:
     from attitude.formats.sources import Records
 
 
+def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:
+    """The attitude type that settings of `aem.write` mean, under its name in version 2."""
+    usual = "QUATERNION/DERIVATIVE" if settings["version"] == "1.0" else "QUATERNION/ANGVEL"
+    kind = settings["kind"] or (usual if has_rates else "QUATERNION")
+    return attitude_types.known(kind, "2.0")
+
+
 class WrittenSegment:
     """A segment to be written: its keywords, and its rows piece by piece.
 
@@ -51,9 +58,7 @@ class WrittenSegment:
     def __init__(self, part: Records, settings: Mapping[str, Any]):
         self._part, self._settings = part, settings
         version = settings["version"]
-        usual = "QUATERNION/DERIVATIVE" if version == "1.0" else "QUATERNION/ANGVEL"
-        kind = settings["kind"] or (usual if part.has_rates else "QUATERNION")
-        self.kind: str = attitude_types.known(kind, "2.0")
+        self.kind: str = written_kind(settings, part.has_rates)
         if version == "1.0" and self.kind not in attitude_types.IN_VERSION_1:
             raise AttitudeError(
                 f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
@@ -160,8 +165,9 @@ class WrittenSegment:
         return "LINEAR" if method == "slerp" else method.upper(), degree
 
     def _usable(self, table):
-        limits, ends = table._limits, self._part.first_and_last()
-        if all((limits[k][0], limits[k][1]) == (ends[0][k], ends[1][k]) for k in (0, 1)):
+        ends = list(zip(*self._part.first_and_last(), strict=True))
+        limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
+        if limits == tuple(ends):
             return {}
         hi, lo = np.array(limits).T
         names = ("USEABLE_START_TIME", "USEABLE_STOP_TIME")

@@ -23,10 +23,11 @@ import numpy as np
 
 from attitude import pairs, quaternion
 from attitude.attitude_table import interpolation
+from attitude.attitude_table.table import AttitudeTable
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import sources
+from attitude.formats import sampling, sources
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds import orbit_axes
 from attitude.formats.ccsds.attitude_types import Convention
@@ -38,8 +39,8 @@ from attitude.textfiles.atomic_write import written_whole
 from attitude.textfiles.lines import NoNumber, numbers, opened
 
 if TYPE_CHECKING:
-    from attitude.annotations import Epochs, FilePath
-    from attitude.attitude_table.table import AttitudeTable
+    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats.sampling import Sampled
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
@@ -214,18 +215,21 @@ def write(
     source: AttitudeSource,
     *,
     t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
     section: str | None = None,
     frame: str = "ICRF",
     sequence: str = "ZXZ",
     center: str = "Earth",
     order: int | None = None,
     orbit: Path | None = None,
-) -> None:
+) -> Sampled | None:
     """Write attitudes as an STK attitude file.
 
     Parameters
     ----------
-    path, source, t
+    path, source, t, start, stop, tolerance
         As of `aem.write`; one segment.
     section : str, optional
         "AttitudeTimeQuatAngVels" by default, "AttitudeTimeQuaternions" without rates; also
@@ -242,46 +246,74 @@ def write(
     orbit : Path, optional
         Path of the body about its center, for VVLH.
 
+    Returns
+    -------
+    Sampled or None
+        As `aem.write`.
+
     Raises
     ------
     AttitudeError
         For several segments, an unknown section, frame, sequence or order, and a file that cannot
         be written.
     """
-    part = sources.only_segment(source, t, "an STK file")
-    section = section or (
-        "AttitudeTimeQuatAngVels" if part.has_rates else "AttitudeTimeQuaternions"
-    )
+    has_rates = sources.known_of(source, t)[1]
+    section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
-    kind, scalar_first = SECTIONS[section].kind, SECTIONS[section].scalar_first
     found = named(frame)
     sequence = quaternion.known_sequence(sequence).upper()
-    how = Convention(scalar_first=scalar_first, sequence=sequence)
+    if order is not None and not (
+        isinstance(order, int) and 1 <= order <= interpolation.MOST_DEGREE
+    ):
+        raise AttitudeError(
+            f"order is {order!r}; give a whole number from 1 to {interpolation.MOST_DEGREE}."
+        )
+    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(found, frame)}
+    if SECTIONS[section].kind == "EULER_ANGLE":
+        head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
+    how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
+    if tolerance is None:
+        sources.refuse_span(start, stop)
+        part = sources.only_segment(source, t, "an STK file")
+        _write(path, part, section, found, how, head, order, orbit)
+        return None
+    sources.refuse_epochs(t)
+    motion = sources.one_motion(source)
+    degree = order or (
+        motion.degree if isinstance(motion, AttitudeTable) else interpolation.USUAL_DEGREE
+    )
+    return sampling.write(
+        *(path, motion, start, stop, tolerance),
+        method="slerp" if degree == 1 else "lagrange",
+        degree=degree,
+        name="an STK file",
+        write_records=lambda target, parts: _write(
+            target, parts[0], section, found, how, head, degree, orbit
+        ),
+        read=lambda target: read(target, orbit=orbit),
+        one_segment=True,
+    )
+
+
+def _write(path, part, section, found, how, head, order, orbit):
+    """Write one segment; `head` are the keywords that do not depend on its records."""
     start, shift = _whole_second(part)
     if order is None:
         order = part.table.degree if part.table is not None else interpolation.USUAL_DEGREE
         order = max(min(order, len(part) - 1), 1)
-    elif not (isinstance(order, int) and 1 <= order <= interpolation.MOST_DEGREE):
-        raise AttitudeError(
-            f"order is {order!r}; give a whole number from 1 to {interpolation.MOST_DEGREE}."
-        )
-    head = {
+    numbers_of = {
         "NumberOfAttitudePoints": len(part),
         "BlockingFactor": 20,
         "InterpolationOrder": order,
-        "CentralBody": center,
-        "ScenarioEpoch": start,
-        "CoordinateAxes": _name_in_stk(found, frame),
     }
-    if kind == "EULER_ANGLE":
-        head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     with written_whole(path, "the STK file") as file:
         file.write("stk.v.11.0\n\nBEGIN Attitude\n\n")
-        file.writelines(f"{key} {value}\n" for key, value in head.items())
+        for key, value in (*numbers_of.items(), ("ScenarioEpoch", start), *head.items()):
+            file.write(f"{key} {value}\n")
         file.write(f"\n{section}\n\n")
         for history in part.pieces():
-            columns = columns_of(history, kind, how, found, orbit)
+            columns = columns_of(history, SECTIONS[section].kind, how, found, orbit)
             seconds = shift(history)
             row = "%r" + " %r" * columns.shape[1] + "\n"
             lists = [seconds.tolist(), *columns.T.tolist()]
