@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import Epochs, FilePath
-    from attitude.formats.sampling import Sampled
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
     from attitude.free_rotation.free_rotation import FreeRotation
     from attitude.motion import Motion
@@ -220,7 +220,7 @@ def _kernel(path, body, kernels):
 
 def write(
     path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, **settings: Any
-) -> Sampled | None:
+) -> SampledFile | None:
     """Write attitudes at epochs in the format of the file's ending.
 
     Parameters
@@ -234,7 +234,7 @@ def write(
 
     Returns
     -------
-    Sampled or None
+    SampledFile or None
         As `aem.write`.
 
     Raises

@@ -41,7 +41,7 @@ _LEAST, _GREATEST = 1e-14, 1.0
 
 
 @dataclass(frozen=True)
-class Sampled:
+class SampledFile:
     """How a motion was written to a tolerance.
 
     Attributes
@@ -92,7 +92,7 @@ def write(
     write_records: Callable[[str, list[Records]], None],
     read: Callable[[str], AttitudeTable],
     one_segment: bool = False,
-) -> Sampled:
+) -> SampledFile:
     """Write a motion to a file whose interpolated attitudes are within a tolerance.
 
     Parameters
@@ -149,7 +149,7 @@ def write(
                 f"more than the tolerance {tolerance:g}; give a larger one, or another method or "
                 "degree of interpolation."
             )
-    return Sampled(sum(map(len, records)), len(records), _longest(records), error)
+    return SampledFile(sum(map(len, records)), len(records), _longest(records), error)
 
 
 def _longest(records):

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from astropy.table import QTable, Table
 
     from attitude.annotations import EpochOrSeconds, Epochs, FilePath
-    from attitude.formats.sampling import Sampled
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
 
 KINDS: dict[str, str] = {
@@ -186,7 +186,7 @@ def write(
     tolerance: float | None = None,
     rates: bool = True,
     sigma: bool = False,
-) -> Sampled | None:
+) -> SampledFile | None:
     """Write attitudes as ECSV, FITS, CSV or parquet, by the ending of the file.
 
     CSV and parquet are written piece by piece; ECSV and FITS are made in memory by astropy.
@@ -204,7 +204,7 @@ def write(
 
     Returns
     -------
-    Sampled or None
+    SampledFile or None
         As `aem.write`.
 
     Raises

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import EpochOrSeconds, Epochs, FilePath
-    from attitude.formats.sampling import Sampled
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
@@ -126,7 +126,7 @@ def write(
     creation_date: str | None = None,
     digits: int = ccsds_epochs.DIGITS,
     orbit: Path | None = None,
-) -> Sampled | None:
+) -> SampledFile | None:
     """Write attitudes as an AEM.
 
     Parameters
@@ -183,7 +183,7 @@ def write(
 
     Returns
     -------
-    Sampled or None
+    SampledFile or None
         With `tolerance`: the number of records, the step and the error of the file read back.
 
     Raises

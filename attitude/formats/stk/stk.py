@@ -40,7 +40,7 @@ from attitude.textfiles.lines import NoNumber, numbers, opened
 
 if TYPE_CHECKING:
     from attitude.annotations import EpochOrSeconds, Epochs, FilePath
-    from attitude.formats.sampling import Sampled
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
@@ -224,7 +224,7 @@ def write(
     center: str = "Earth",
     order: int | None = None,
     orbit: Path | None = None,
-) -> Sampled | None:
+) -> SampledFile | None:
     """Write attitudes as an STK attitude file.
 
     Parameters
@@ -248,7 +248,7 @@ def write(
 
     Returns
     -------
-    Sampled or None
+    SampledFile or None
         As `aem.write`.
 
     Raises
