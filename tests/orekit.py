@@ -120,3 +120,30 @@ def interpolated(path, seconds):
     provider, frame = part.getAttitudeProvider(), part.getReferenceFrame()
     dates = [AbsoluteDate.J2000_EPOCH.shiftedBy(float(second)) for second in seconds]
     return arrays([provider.getAttitude(None, date, frame).getOrientation() for date in dates])[1]
+
+
+def read_acm(path):
+    """Orekit's reading of an ACM: its message."""
+    return builder().buildAcmParser().parseMessage(source(path))
+
+
+def states_of(message):
+    """Of each block of attitudes of an ACM: seconds, wxyz, rates, as `read_aem`."""
+    blocks = message.getSegments().get(0).getData().getAttitudeBlocks()
+    return [arrays(list(block.getAngularCoordinates())) for block in blocks]
+
+
+def write_acm(message, path, xml):
+    """Write a message of Orekit as an ACM."""
+    from java.lang import StringBuilder
+    from org.orekit.files.ccsds.ndm import WriterBuilder
+    from org.orekit.files.ccsds.utils.generation import KvnGenerator, XmlGenerator
+
+    text = StringBuilder()
+    if xml:
+        generator = XmlGenerator(text, 2, "out.xml", 0.0, True, None)
+    else:
+        generator = KvnGenerator(text, 0, "out.kvn", 0.0, 0)
+    WriterBuilder(context()).buildAcmWriter().writeMessage(generator, message)
+    generator.close()
+    path.write_text(str(text.toString()))

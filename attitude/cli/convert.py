@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths.path import Path
 
-HELP: str = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
+HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
 EPILOG: str = """\
 examples:
   attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
@@ -37,14 +37,15 @@ examples:
 endings that OUT may have:
   .toml  spin file, exact     .aem      CCSDS AEM        .a     STK attitude
   .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
-  .spin  DAMIT                .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
+  .acm   CCSDS ACM            .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
+  .spin  DAMIT                .acm.xml  CCSDS ACM, XML
 
 The format of IN follows from its contents. A table is written record by record, or interpolated at
 --start, --stop and --step; motions and C-kernels are evaluated there. --fit turns a table into a
 motion.
 """
 # Formats whose attitudes may be relative to axes of an orbit.
-_WITH_AXES = ("aem", "aem-xml", "apm", "apm-xml", "stk")
+_WITH_AXES = ("acm", "acm-xml", "aem", "aem-xml", "apm", "apm-xml", "stk")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -158,7 +159,10 @@ def _convert(
 
 def _by_tolerance(arguments: argparse.Namespace, read: Motion) -> bool:
     """Whether --tolerance is that of the attitudes between records, and not of lengths read."""
-    given = arguments.tolerance is not None and arguments.step is None
+    from attitude.formats import detect
+
+    acm = detect.to_write(arguments.output) in ("acm", "acm-xml")
+    given = arguments.tolerance is not None and arguments.step is None and not acm
     return given and (arguments.fit or not _is_table(read))
 
 
@@ -349,6 +353,9 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
         settings |= {"for_": arguments.tool, "rates": arguments.rates}
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
         settings["orbit"] = path
+    elif kind in ("acm", "acm-xml"):
+        _refuse(arguments, ("version", "type", "tool"), "an ACM")
+        settings = {"frame": arguments.frame, "time_system": arguments.time_system, "orbit": path}
     elif kind == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
         if arguments.tool not in (None, "stk"):

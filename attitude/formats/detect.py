@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from attitude.errors import AttitudeError
@@ -24,6 +25,8 @@ ENDINGS: dict[str, str] = {
     ".xml": "aem-xml",
     ".apm": "apm",
     ".apm.xml": "apm-xml",
+    ".acm": "acm",
+    ".acm.xml": "acm-xml",
     ".a": "stk",
     ".toml": "spin",
     ".spin": "damit",
@@ -50,16 +53,23 @@ def of_file(path: FilePath) -> str:
     for mark, found in (
         (b"CCSDS_AEM_VERS", "aem"),
         (b"CCSDS_APM_VERS", "apm"),
+        (b"CCSDS_ACM_VERS", "acm"),
         (b"stk.v.", "stk"),
         (b"DAF/CK", "ck"),
     ):
         if text.startswith(mark):
             return found
     if text.startswith(b"<"):
-        return "apm-xml" if b"<apm" in text else "aem-xml"
+        return _of_xml(path, text)
+    other = re.match(rb"CCSDS_([A-Z]{2,4})_VERS", text)
+    if other:
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is an {other.group(1).decode()}, which holds no attitudes; give "
+            "an AEM, APM or ACM."
+        )
     if _ending(path) in ENDINGS:
         return ENDINGS[_ending(path)]
-    if len(text.split(b"\n")[0].split()) == 3:
+    if len(text.split(b"\n")[0].split()) == 3 and b"=" not in text.split(b"\n")[0]:
         return "damit"
     raise AttitudeError(
         f"{os.fspath(path)!r} is in no format that is known: neither its content nor its ending is "
@@ -86,7 +96,22 @@ def to_write(path: FilePath) -> str:
 
 def _ending(path):
     name = os.path.basename(os.fspath(path)).lower()
-    return ".apm.xml" if name.endswith(".apm.xml") else os.path.splitext(name)[1]
+    for ending in (".apm.xml", ".acm.xml"):
+        if name.endswith(ending):
+            return ending
+    return os.path.splitext(name)[1]
+
+
+def _of_xml(path, text):
+    """The format of a file in XML, by the element of its message."""
+    found = re.search(rb"<(?:[\w.-]+:)?(acm|aem|apm|cdm|ocm|oem|omm|opm|rdm|tdm)[\s>]", text)
+    name = found.group(1).decode() if found else "aem"
+    if name not in ("acm", "aem", "apm"):
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is an {name.upper()}, which holds no attitudes; give an AEM, APM "
+            "or ACM."
+        )
+    return f"{name}-xml"
 
 
 class OpenedFile(NamedTuple):
@@ -181,6 +206,10 @@ def opened(
         message = apm.read(path, frame=frame, orbit=orbit, rates=rates, **lengths)
         names = ("object_name", "object_id", "center", "comments")
         return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+    if kind in ("acm", "acm-xml"):
+        from attitude.formats import acm
+
+        return _of_acm(acm.read(path, frame=frame, orbit=orbit, **lengths), path, segment)
     if kind == "stk":
         from attitude.formats import stk
 
@@ -206,6 +235,21 @@ def opened(
 def _table(table):
     names = ("object_name", "object_id", "center", "comments")
     return OpenedFile(table, {name: table.meta[name] for name in names if table.meta.get(name)})
+
+
+def _of_acm(message, path, segment):
+    """The attitudes of an ACM, or its motion if it has none."""
+    if segment is not None:
+        if not 0 <= segment < len(message.tables):
+            raise AttitudeError(
+                f"{os.fspath(path)}: segment is {segment!r}; the message has {len(message.tables)} "
+                "blocks of attitudes, counted from 0."
+            )
+        return _table(message.tables[segment])
+    try:
+        return _table(message.table if message.tables else message.motion)
+    except AttitudeError as err:
+        raise AttitudeError(f"{os.fspath(path)}: {err}") from err
 
 
 def _kernel(path, body, kernels):
@@ -247,6 +291,11 @@ def write(
         from attitude.formats import aem
 
         return aem.write(path, source, t=t, xml=kind == "aem-xml", **settings)
+    if kind in ("acm", "acm-xml"):
+        from attitude.formats import acm
+
+        acm.write(path, source, t=t, xml=kind == "acm-xml", **settings)
+        return None
     if kind == "stk":
         from attitude.formats import stk
 

@@ -186,7 +186,7 @@ class Rows:
         epoch = Instant(float(hi[0]), float(lo[0]))
         seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):
-            _refuse_length(values[:, :4], lines, tolerance, fault)
+            refuse_length(values[:, :4], lines, tolerance, fault)
         with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = attitude_types.decoded(kind, values, how)
         wxyz = forms.unit(wxyz)
@@ -283,7 +283,10 @@ def columns_of(
     return attitude_types.encoded(kind, wxyz, rates, acceleration, how)
 
 
-def _refuse_length(quaternions, lines, tolerance, fault):
+def refuse_length(
+    quaternions: FloatArray, lines: Sequence[int] | IntArray, tolerance: float, fault: Fault
+) -> None:
+    """AttitudeError for quaternions (N, 4) whose length is off 1 by more than the tolerance."""
     with np.errstate(over="ignore"):
         off = np.abs(np.sqrt(np.sum(quaternions * quaternions, axis=1)) - 1.0)
     if np.any(off > tolerance):
