@@ -86,6 +86,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--segment", type=int, metavar="N", help="the one segment of IN to read, counted from 0"
     )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="read an AEM that leaves out parts of the standard; prints what was assumed",
+    )
     orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
@@ -130,7 +135,10 @@ def run(arguments: argparse.Namespace) -> None:
         rates=arguments.rates,
         object=arguments.object,
         segment=arguments.segment,
+        lenient=arguments.lenient,
     )
+    for text in found.motion.meta.get("assumed", ()):
+        print(f"{arguments.input}: assumed: {text}")
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
         _convert(arguments, kind, found, path)

@@ -139,6 +139,7 @@ def read(
     rates: str | None = None,
     object: str | None = None,
     segment: int | None = None,
+    lenient: bool = False,
 ) -> Motion:
     """The motion in a file of any format; see `opened` for parameters and errors.
 
@@ -157,6 +158,7 @@ def read(
         rates=rates,
         object=object,
         segment=segment,
+        lenient=lenient,
     ).motion
 
 
@@ -171,13 +173,14 @@ def opened(
     rates: str | None = None,
     object: str | None = None,
     segment: int | None = None,
+    lenient: bool = False,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
     ----------
     path : str or path
-    tolerance, frame, orbit, rates, object, segment
+    tolerance, frame, orbit, rates, object, segment, lenient
         As of `aem.read`; formats that do not have them ignore them.
     body : str, optional
         Name of the frame in a C-kernel, "TUMBLER" by default.
@@ -198,7 +201,7 @@ def opened(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        one: dict[str, Any] = {"object": object, "segment": segment}
+        one: dict[str, Any] = {"object": object, "segment": segment, "lenient": lenient}
         return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **one, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm

@@ -91,7 +91,7 @@ class Rows:
         try:
             hi, lo = ccsds_epochs.parsed(tokens, self.scale)
         except ccsds_epochs.BadEpoch as err:
-            shown = tokens[err.index][:60].decode("ascii", "replace")
+            shown = tokens[err.index][:38].decode("ascii", "replace")
             raise fault(
                 f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
@@ -131,13 +131,15 @@ class Rows:
         self._lines.append(np.asarray(lines))
         self.count += len(hi)
 
-    def refuse_outside(self, start: Instant, stop: Instant, fault: Fault) -> None:
+    def refuse_outside(self, start: Instant | None, stop: Instant | None, fault: Fault) -> None:
         """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms.
 
         Files write these times with fewer digits than the epochs of records.
         """
         for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
             for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
+                if end is None:
+                    continue
                 inside = sign * ((hi - end.seconds) + (lo - end.low))
                 if np.any(inside < -_ROUNDED):
                     k = int(np.argmax(inside < -_ROUNDED))

@@ -70,7 +70,7 @@ def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], 
         As `segments`.
     """
     of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
-    if t is None and not isinstance(source, of_records):
+    if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
         return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
     parts = segments(source, t)
     return dict(parts[0].meta), all(part.has_rates for part in parts)

@@ -9,6 +9,7 @@ from attitude import quaternion
 from attitude.arcs.changes import Impulse
 from attitude.errors import AttitudeError
 from attitude.formats.ccsds import axes
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,21 +56,21 @@ class Maneuver:
         """The angular momentum to be reached, and whether it is over body axes; else over ICRF."""
         if self.target_momentum is None:
             raise AttitudeError(
-                f"the maneuver {self.purpose!r} has no TARGET_MOMENTUM, from which an impulse or a "
-                "torque would follow."
+                f"the maneuver {cut(self.purpose)} has no TARGET_MOMENTUM, from which an impulse "
+                "or a torque would follow."
             )
         found = axes.known(self.momentum_frame or "")
         if found is None:
             if self.momentum_frame is None:
                 raise AttitudeError(
-                    f"the maneuver {self.purpose!r} has no TARGET_MOM_FRAME, the axes of its "
+                    f"the maneuver {cut(self.purpose)} has no TARGET_MOM_FRAME, the axes of its "
                     "TARGET_MOMENTUM; give the impulse yourself."
                 )
             return self.target_momentum, True
         if found.turning:
             raise AttitudeError(
-                f"TARGET_MOM_FRAME is {found.name}, axes that turn; they must be fixed, or the "
-                "body's."
+                f"TARGET_MOM_FRAME is {cut(found.name, '')}, axes that turn; they must be fixed, "
+                "or the body's."
             )
         turn = found.to_icrf(self.begin, 0.0, None)
         return quaternion.rotate(turn, self.target_momentum), False
@@ -109,7 +110,7 @@ class Maneuver:
         duration = self.end.since(self.begin)
         if not duration > 0.0:
             raise AttitudeError(
-                f"the maneuver {self.purpose!r} has no duration, and an infinite torque; take "
+                f"the maneuver {cut(self.purpose)} has no duration, and an infinite torque; take "
                 "impulse()."
             )
         torque: FloatArray = (self._target()[0] - momentum) / duration

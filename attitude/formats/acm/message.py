@@ -12,6 +12,7 @@ from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.spin import Spin
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -75,8 +76,8 @@ class AttitudeCovariance:
             )
         if self.frame is not None and self.frame.upper() != body.upper():
             raise AttitudeError(
-                f"COV_REF_FRAME is {self.frame}, and the attitudes are those of {body}; the "
-                "variances cannot be turned to ICRF."
+                f"COV_REF_FRAME is {cut(self.frame, '')}, and the attitudes are those of "
+                f"{cut(body, '')}; the variances cannot be turned to ICRF."
             )
         shift = self.epoch.since(table.epoch)
         matrix = table.at(self.seconds + shift, self.low).matrix
@@ -140,8 +141,8 @@ class Comprehensive:
         first, inertia = rated[0], self.meta["inertia_frame"]
         if inertia is not None and inertia.upper() != first.meta["body_frame"].upper():
             raise AttitudeError(
-                f"the inertia is over the axes {inertia}, but the attitudes are those of "
-                f"{first.meta['body_frame']}; give a Body over these axes."
+                f"the inertia is over the axes {cut(inertia, '')}, but the attitudes are those of "
+                f"{cut(first.meta['body_frame'], '')}; give a Body over these axes."
             )
         assert first.angular_velocity is not None
         spin = Spin(

@@ -54,6 +54,7 @@ def read(
     rates: str | None = None,
     object: str | None = None,
     segment: int | None = None,
+    lenient: bool = False,
 ) -> AttitudeTable:
     """A message as an AttitudeTable.
 
@@ -76,6 +77,10 @@ def read(
         OBJECT_ID or OBJECT_NAME of the segments to read, where the file has several objects.
     segment : int, optional
         The place of the one segment to read, counted from 0.
+    lenient : bool
+        Read a message in KVN whose operator leaves out DATA_START, DATA_STOP, OBJECT_ID, START_TIME
+        or others, adds keywords, or has the columns of MMS (see `lenient`);
+        ``table.meta["assumed"]`` lists what was assumed.
 
     Returns
     -------
@@ -89,7 +94,7 @@ def read(
         line and keyword.  For segments of several objects or body frames, and segments that
         contradict each other where they overlap.
     """
-    options = Options(tolerance, frame, orbit, rates, object, segment)
+    options = Options(tolerance, frame, orbit, rates, object, segment, lenient)
     with opened(path) as lines:
         first = kvn.first(lines)
         if first is not None:

@@ -13,7 +13,7 @@ from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats.aem import one_object
+from attitude.formats.aem import lenient, one_object
 from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
@@ -65,6 +65,8 @@ class Options:
         OBJECT_ID or OBJECT_NAME of the segments that are read.
     segment : int or None
         The place of the one segment that is read, counted from 0.
+    lenient : bool
+        Whether missing parts of a message in KVN are assumed.
     """
 
     tolerance: float = TOLERANCE
@@ -73,6 +75,7 @@ class Options:
     rates: str | None = None
     object: str | None = None
     segment: int | None = None
+    lenient: bool = False
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
@@ -94,6 +97,8 @@ class Message:
         One for each finished segment.
     warned : bool
         Whether a warning of the rates of version 1 was given.
+    assumed : list of str
+        What a lenient reading has assumed.
     """
 
     path: str
@@ -103,6 +108,7 @@ class Message:
     comments: list[str] = field(default_factory=list)
     tables: list[AttitudeTable] = field(default_factory=list)
     warned: bool = False
+    assumed: list[str] = field(default_factory=list)
 
     def table(self) -> AttitudeTable:
         """The segments of one object as one AttitudeTable; see `one_object.chosen`."""
@@ -167,6 +173,9 @@ class MessageSegment:
     def add(self, keyword: str, value: str, line: int) -> None:
         """Add a keyword of the meta data; AttitudeError if it is unknown or repeated."""
         allowed = META[self.message.version]
+        if keyword not in allowed and self.message.options.lenient:
+            self.assume(f"{cut(keyword, '')} is not known: left out")
+            return
         if keyword not in allowed:
             others = [v for v in META if keyword in META[v]]
             hint = f" (it belongs to version {others[0]})" if others else ""
@@ -190,8 +199,11 @@ class MessageSegment:
             For missing keywords and values that are not known.
         """
         version, values = self.message.version, self.values
+        if self.message.options.lenient:
+            lenient.fill(self)
         for keyword in _NEEDED:
-            if not values.get(keyword):
+            known = self.message.options.lenient and keyword in ("START_TIME", "STOP_TIME")
+            if not values.get(keyword) and not known:
                 raise self.fault(
                     f"the meta data end without {keyword}, which they must have.", line
                 )
@@ -208,9 +220,21 @@ class MessageSegment:
         )
         self.usable = [self._epoch(f"USEABLE_{end}_TIME") for end in ("START", "STOP")]
         self._limits = self._epoch("START_TIME"), self._epoch("STOP_TIME")
-        if self._limits[1].since(self._limits[0]) < 0.0:
+        if None not in self._limits and self._limits[1].since(self._limits[0]) < 0.0:
             raise self.fault("STOP_TIME is before START_TIME.", self.lines["STOP_TIME"])
         self.method, self.degree = self._interpolation()
+        self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
+
+    def assume(self, what: str) -> None:
+        """Note what is assumed of the segment, once."""
+        if what not in self.message.assumed:
+            self.message.assumed.append(what)
+
+    def take_columns_of_mms(self) -> None:
+        """Read the rows as those of MMS: quaternions, scalar last, and rates over body axes."""
+        self.assume("21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body")
+        self.kind = "QUATERNION/ANGVEL"
+        self.how = replace(self.how, rates_over_body=True, scalar_first=False)
         self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
 
     def finish(self, line: int) -> None:
@@ -239,6 +263,7 @@ class MessageSegment:
             "frame": self.axes.name,
             "body_frame": self.body,
             "time_system": values["TIME_SYSTEM"].upper(),
+            **({"assumed": tuple(self.message.assumed)} if options.lenient else {}),
         }
         try:
             table = self.rows.table(
@@ -307,7 +332,8 @@ class MessageSegment:
 
     def warn_of_rates(self) -> None:
         """Warn, once for a message, where the file does not say what its rates of version 1 are."""
-        guessed = self._old_rates() is not None and self.message.options.rates is None
+        stated = self.values["ATTITUDE_TYPE"].upper().endswith("/RATE")
+        guessed = stated and self._old_rates() is not None and self.message.options.rates is None
         if guessed and not self.how.rates_of_angles and not self.message.warned:
             self.message.warned = True
             old_rates.warn(self.message.path, f"ATTITUDE_TYPE {self.values['ATTITUDE_TYPE']}")

@@ -16,7 +16,7 @@ from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.aem.xml_records import pattern_of
 from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
-from attitude.textfiles.lines import NoNumber, numbers
+from attitude.textfiles.lines import NoNumber, cut, numbers
 from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ class _AemReader(ElementReader):
             )
         given, unit = self._attributes.get("units"), elements.unit(name)
         if given and given != unit:
-            raise self.fault(f"{name} is given in {given!r}; it must be in {unit or 'no unit'}.")
+            raise self.fault(f"{name} is given in {cut(given)}; it must be in {unit or 'no unit'}.")
         try:
             self._record[name] = float(text)
         except ValueError as err:

@@ -32,7 +32,7 @@ from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.spin import Spin
 from attitude.textfiles import kvn
 from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import opened
+from attitude.textfiles.lines import cut, opened
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,8 +48,8 @@ class Parameters:
     Attributes
     ----------
     epoch : Instant
-    wxyz : (4,) array
-        Attitude, body to ICRF, scalar first.
+    wxyz : (4,) array or None
+        Attitude, body to ICRF, scalar first; None in a message with an inertia alone.
     angular_velocity : (3,) array or None
         rad/s over the body axes, relative to inertial space.
     body : Body or None
@@ -59,14 +59,19 @@ class Parameters:
     """
 
     epoch: Instant
-    wxyz: FloatArray
+    wxyz: FloatArray | None
     angular_velocity: FloatArray | None
     body: Body | None
     meta: dict[str, Any] = field(repr=False)
 
     @property
     def spin(self) -> Spin:
-        """The Spin, in ICRF; AttitudeError if the message has no angular velocity."""
+        """The Spin, in ICRF; AttitudeError if the message has no attitude or angular velocity."""
+        if self.wxyz is None:
+            raise AttitudeError(
+                "the message has no attitude; a Spin needs one: "
+                "Spin(epoch=..., wxyz=..., angular_velocity=...)."
+            )
         if self.angular_velocity is None:
             raise AttitudeError(
                 "the message has no angular velocity; a Spin needs one: "
@@ -87,10 +92,13 @@ class Parameters:
     def refuse_other_axes(self) -> None:
         """AttitudeError if the inertia is over other axes than those whose attitude is given."""
         inertia, body = self.meta["inertia_frame"], self.meta["body_frame"]
+        if body is None:
+            return
         if inertia.upper() != body.upper():
             raise AttitudeError(
-                f"the inertia is over the axes {inertia}, but the attitude is that of {body}; give "
-                f"a Body over the axes {body}: FreeRotation(body, parameters.spin)."
+                f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
+                f"{cut(body, '')}; give a Body over the axes of the attitude: "
+                "FreeRotation(body, parameters.spin)."
             )
 
 

@@ -18,6 +18,7 @@ from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import to_icrf
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -64,7 +65,7 @@ class Interpreted:
 
     def result(
         self,
-    ) -> tuple[Instant, FloatArray, FloatArray | None, Body | None, dict[str, Any]]:
+    ) -> tuple[Instant, FloatArray | None, FloatArray | None, Body | None, dict[str, Any]]:
         """The fields of `Parameters`: epoch, attitude, angular velocity, body, meta.
 
         Raises
@@ -81,7 +82,7 @@ class Interpreted:
             self.epoch = ccsds_epochs.instant(needs(message, "EPOCH"), scale)
         except ccsds_epochs.BadEpoch as err:
             raise message.fault(
-                f"EPOCH is {message.meta['EPOCH'][:60]!r}, no epoch: {err.reason}.",
+                f"EPOCH is {message.meta['EPOCH'][:38]!r}, no epoch: {err.reason}.",
                 message.lines["EPOCH"],
             ) from err
         except AttitudeError as err:
@@ -116,6 +117,8 @@ class Interpreted:
                     attitude, of_attitude = found[0], block
                 if rates is None and found[1] is not None:
                     rates, of_rates = found[1], block
+        if attitude is None and self._blocks("INERTIA") and not self._blocks("ANGVEL"):
+            return None, None, None
         if attitude is None:
             raise self._message.fault("the message has no attitude.", None)
         for block in self._blocks("ANGVEL")[:1]:
@@ -123,8 +126,9 @@ class Interpreted:
         body = self._bodies[of_attitude.name]
         if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
             raise self._message.fault(
-                f"the block {of_rates.name} has the rates of {self._bodies[of_rates.name]}, but "
-                f"the block {of_attitude.name} the attitude of {body}; a message is read for one "
+                f"the block {of_rates.name} has the rates of "
+                f"{cut(self._bodies[of_rates.name], '')}, but the block {of_attitude.name} the "
+                f"attitude of {cut(body, '')}; a message is read for one "
                 "body: delete one of the blocks.",
                 of_rates.line,
             )

@@ -33,6 +33,7 @@ import numpy as np
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.errors import AttitudeError
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -117,7 +118,7 @@ def known(name: str, version: str) -> str:
     given = OUT_OF_VERSION_1.get(given, given)
     if given not in COLUMNS:
         raise AttitudeError(
-            f"ATTITUDE_TYPE is {name!r}; it must be one of "
+            f"ATTITUDE_TYPE is {cut(name)}; it must be one of "
             f"{', '.join(IN_VERSION_1.values() if version.startswith('1') else COLUMNS)}."
         )
     return given

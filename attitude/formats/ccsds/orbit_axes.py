@@ -21,6 +21,7 @@ from attitude import epochs
 from attitude import representations as forms
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,8 +85,8 @@ def known_path(orbit: object, name: str) -> Path:
         return orbit
     given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
     raise AttitudeError(
-        f"the attitude refers to {name}, axes of the orbit{given}; give orbit=, the path of the "
-        "body about its center (on the command line --orbit, a file with the path)."
+        f"the attitude refers to {cut(name, '')}, axes of the orbit{given}; give orbit=, the path "
+        "of the body about its center (on the command line --orbit, a file with the path)."
     )
 
 
