@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths, shape
 from attitude.formats import aem, apm, damit, detect, spin_file, stk, tables
 
+# A warning of the rates of version 1 is no exception of another type.
+pytestmark = pytest.mark.filterwarnings("ignore::attitude.errors.AttitudeWarning")
 DATA = Path(__file__).parent / "data"
 PATHS = Path(__file__).parent.parent / "data" / "paths"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))

@@ -46,7 +46,7 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
     method = "slerp" if method in ("linear", "sphericallinear", "spherical linear") else method
     if method not in METHODS:
         raise AttitudeError(
-            f"the interpolation method is {method!r}; it must be one of {', '.join(METHODS)}."
+            f"the interpolation method is {method[:40]!r}; it must be one of {', '.join(METHODS)}."
         )
     degree = USUAL_DEGREE if degree is None else degree
     whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)

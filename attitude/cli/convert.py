@@ -22,27 +22,30 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths.path import Path
 
-HELP: str = "convert between spin files, CCSDS AEM and APM, STK, SPICE CK and tables"
+HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
 EPILOG: str = """\
 examples:
+  attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
   attitude convert toutatis.toml toutatis.aem --stop "30 d" --step "1 h"
   attitude convert satellite.xml satellite.ecsv
   attitude convert satellite.aem satellite.toml --fit
   attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
   attitude convert relative-to-lvlh.aem inertial.aem --frame ICRF --orbit satellite.oem
+  attitude convert satellite.toml satellite.aem --for gmat --stop "1 h" --step "1 s"
   attitude convert tumbler.bc tumbler.csv --start 2026-01-01 --stop 2026-01-02 --step "1 min"
 
 endings that OUT may have:
   .toml  spin file, exact     .aem      CCSDS AEM        .a     STK attitude
   .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
-  .spin  DAMIT                .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
+  .acm   CCSDS ACM            .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
+  .spin  DAMIT                .acm.xml  CCSDS ACM, XML
 
 The format of IN follows from its contents. A table is written record by record, or interpolated at
 --start, --stop and --step; motions and C-kernels are evaluated there. --fit turns a table into a
 motion.
 """
 # Formats whose attitudes may be relative to axes of an orbit.
-_WITH_AXES = ("aem", "aem-xml", "apm", "apm-xml", "stk")
+_WITH_AXES = ("acm", "acm-xml", "aem", "aem-xml", "apm", "apm-xml", "stk")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,14 +59,37 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=float,
         metavar="RAD",
-        help="largest error of a C-kernel between its records (default 1e-9), or of the length of "
-        "quaternions read",
+        help="largest error between the records of OUT, from which the step follows (of a C-kernel "
+        "1e-9 by default); of a table IN, and with --step, of the length of quaternions read",
     )
     parser.add_argument("--version", metavar="1.0|2.0", help="of CCSDS messages (default 2.0)")
     parser.add_argument("--type", metavar="NAME", help="attitude type of an AEM, section of STK")
     parser.add_argument("--frame", metavar="NAME", help="axes of OUT, such as ICRF or EME2000")
     parser.add_argument(
         "--time-system", metavar="NAME", help="of CCSDS messages: UTC, TAI, TDB, .."
+    )
+    parser.add_argument(
+        "--for",
+        dest="tool",
+        metavar="TOOL",
+        help="settings of an AEM that a tool accepts: gmat, orekit, stk or brahe",
+    )
+    parser.add_argument(
+        "--rates",
+        choices=("body", "euler"),
+        help="what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
+        "derivatives of the Euler angles",
+    )
+    parser.add_argument(
+        "--object", metavar="NAME", help="OBJECT_ID or OBJECT_NAME of the segments of IN to read"
+    )
+    parser.add_argument(
+        "--segment", type=int, metavar="N", help="the one segment of IN to read, counted from 0"
+    )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="read an AEM that leaves out parts of the standard; prints what was assumed",
     )
     orbit.add_arguments(parser)
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
@@ -90,8 +116,10 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.formats import detect
 
     kind = detect.to_write(arguments.output)
-    # For a C-kernel as output, the tolerance is that of the kernel, not that of lengths read.
-    tolerance = None if kind == "ck" else arguments.tolerance
+    # The tolerance of a C-kernel, or of a motion that is sampled, is not that of lengths read.
+    of_motion = detect.of_file(arguments.input) in (*detect.OF_MOTIONS, "ck")
+    sampled = kind == "ck" or ((of_motion or arguments.fit) and arguments.step is None)
+    tolerance = None if sampled else arguments.tolerance
     path = orbit.path_of(arguments)
     if path is not None and {kind, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
@@ -104,7 +132,13 @@ def run(arguments: argparse.Namespace) -> None:
         body=arguments.body,
         kernels=arguments.kernels,
         orbit=path,
+        rates=arguments.rates,
+        object=arguments.object,
+        segment=arguments.segment,
+        lenient=arguments.lenient,
     )
+    for text in found.motion.meta.get("assumed", ()):
+        print(f"{arguments.input}: assumed: {text}")
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
         _convert(arguments, kind, found, path)
@@ -122,10 +156,51 @@ def _convert(
     elif kind == "ck":
         _write_kernel(arguments, motion)
     else:
+        if _by_tolerance(arguments, found.motion):
+            _write_sampled(arguments, kind, motion, found.said, path)
+            return
         records = _records(arguments, motion)
         if _is_free_rotation(motion):
             records.meta.update(_names(found.said))
         detect.write(arguments.output, records, **_settings(arguments, kind, path))
+
+
+def _by_tolerance(arguments: argparse.Namespace, read: Motion) -> bool:
+    """Whether --tolerance is that of the attitudes between records, and not of lengths read."""
+    from attitude.formats import detect
+
+    acm = detect.to_write(arguments.output) in ("acm", "acm-xml")
+    given = arguments.tolerance is not None and arguments.step is None and not acm
+    return given and (arguments.fit or not _is_table(read))
+
+
+def _write_sampled(
+    arguments: argparse.Namespace,
+    kind: str,
+    motion: Motion,
+    labels: Mapping[str, Any],
+    path: Path | None,
+) -> None:
+    """Write a motion with the step that --tolerance needs; prints the step and the error."""
+    from attitude.formats import detect
+
+    start, stop = _ends(arguments, motion)
+    settings = _settings(arguments, kind, path)
+    if kind in ("aem", "aem-xml"):
+        settings |= _names(labels)
+    made = detect.write(
+        arguments.output,
+        motion,
+        start=_moment(motion, start),
+        stop=_moment(motion, stop),
+        tolerance=arguments.tolerance,
+        **settings,
+    )
+    assert made is not None
+    print(
+        f"{made.records} records at most {made.step:.4g} s apart in {made.segments} "
+        f"segment{'s' if made.segments > 1 else ''}: error {made.error:.2g} rad"
+    )
 
 
 def _is_free_rotation(source: Motion) -> TypeGuard[FreeRotation]:
@@ -172,7 +247,7 @@ def _write_motion(
     from attitude.formats import detect
 
     sampled = () if arguments.fit else ("start", "stop", "step")
-    _refuse(arguments, (*sampled, "type"), f"a file like {arguments.output}")
+    _refuse(arguments, (*sampled, "type", "tool"), f"a file like {arguments.output}")
     if not _is_free_rotation(motion):
         raise AttitudeError(
             f"{arguments.output} holds a motion, and {arguments.input} attitudes at epochs; give "
@@ -183,6 +258,7 @@ def _write_motion(
         settings = {"frame": arguments.frame, "version": arguments.version or "2.0"}
         settings["time_system"] = arguments.time_system or "UTC"
         settings["inertia"] = not motion.body.relative
+        settings["rates"] = arguments.rates if arguments.version == "1.0" else None
         settings |= _names(labels)
     else:
         _refuse(arguments, ("version", "frame", "time_system"), f"a file like {arguments.output}")
@@ -215,10 +291,12 @@ def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
 
     if not _is_free_rotation(source) and not _is_table(source):
         source = _sampled(arguments, source)
-        _refuse(arguments, ("version", "type", "frame", "time_system"), "a C-kernel")
+        _refuse(arguments, ("version", "type", "frame", "time_system", "tool"), "a C-kernel")
         ends = source.span
     else:
-        _refuse(arguments, ("step", "version", "type", "frame", "time_system"), "a C-kernel")
+        _refuse(
+            arguments, ("step", "version", "type", "frame", "time_system", "tool"), "a C-kernel"
+        )
         start, stop = _ends(arguments, source)
         ends = _moment(source, start), _moment(source, stop)
     made = ck.write(
@@ -279,14 +357,20 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
     """The keyword arguments of the writer."""
     settings: dict[str, Any] = {}
     if kind in ("aem", "aem-xml"):
-        settings = {"version": arguments.version or "2.0", "kind": arguments.type}
+        settings = {"version": arguments.version, "kind": arguments.type}
+        settings |= {"for_": arguments.tool, "rates": arguments.rates}
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
         settings["orbit"] = path
+    elif kind in ("acm", "acm-xml"):
+        _refuse(arguments, ("version", "type", "tool"), "an ACM")
+        settings = {"frame": arguments.frame, "time_system": arguments.time_system, "orbit": path}
     elif kind == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
+        if arguments.tool not in (None, "stk"):
+            raise AttitudeError(f"--for {arguments.tool} has no meaning for an STK file.")
         settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
     else:
-        _refuse(arguments, ("version", "time_system", "frame", "type"), "a table")
+        _refuse(arguments, ("version", "time_system", "frame", "type", "tool"), "a table")
     return settings
 
 
@@ -294,6 +378,5 @@ def _refuse(arguments: argparse.Namespace, names: Iterable[str], what: str) -> N
     """Raise the AttitudeError for the first given option of these, which `what` does not have."""
     for name in names:
         if getattr(arguments, name) is not None:
-            raise AttitudeError(
-                f"--{name.replace('_', '-')} has no meaning for {what}; leave it out."
-            )
+            option = "for" if name == "tool" else name.replace("_", "-")
+            raise AttitudeError(f"--{option} has no meaning for {what}; leave it out.")

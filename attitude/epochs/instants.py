@@ -59,6 +59,10 @@ class Instant:
         tai = pairs.add(tt, -time_scales.TT_MINUS_TAI)
         return text.utc_text(*map(float, time_scales.utc_day_from_tai(*tai)))
 
+    def since(self, other: Instant) -> float:
+        """TDB seconds from another Instant to this one, rounded to a double."""
+        return (self.seconds - other.seconds) + (self.low - other.low)
+
     def after(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> Instant:
         """The instant that is seconds + low of TDB later."""
         hi, lo = pairs.add((self.seconds, self.low), float(seconds), float(low))

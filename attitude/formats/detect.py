@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from attitude.errors import AttitudeError
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import Epochs, FilePath
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
     from attitude.free_rotation.free_rotation import FreeRotation
     from attitude.motion import Motion
@@ -23,6 +25,8 @@ ENDINGS: dict[str, str] = {
     ".xml": "aem-xml",
     ".apm": "apm",
     ".apm.xml": "apm-xml",
+    ".acm": "acm",
+    ".acm.xml": "acm-xml",
     ".a": "stk",
     ".toml": "spin",
     ".spin": "damit",
@@ -49,16 +53,23 @@ def of_file(path: FilePath) -> str:
     for mark, found in (
         (b"CCSDS_AEM_VERS", "aem"),
         (b"CCSDS_APM_VERS", "apm"),
+        (b"CCSDS_ACM_VERS", "acm"),
         (b"stk.v.", "stk"),
         (b"DAF/CK", "ck"),
     ):
         if text.startswith(mark):
             return found
     if text.startswith(b"<"):
-        return "apm-xml" if b"<apm" in text else "aem-xml"
+        return _of_xml(path, text)
+    other = re.match(rb"CCSDS_([A-Z]{2,4})_VERS", text)
+    if other:
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is an {other.group(1).decode()}, which holds no attitudes; give "
+            "an AEM, APM or ACM."
+        )
     if _ending(path) in ENDINGS:
         return ENDINGS[_ending(path)]
-    if len(text.split(b"\n")[0].split()) == 3:
+    if len(text.split(b"\n")[0].split()) == 3 and b"=" not in text.split(b"\n")[0]:
         return "damit"
     raise AttitudeError(
         f"{os.fspath(path)!r} is in no format that is known: neither its content nor its ending is "
@@ -85,7 +96,22 @@ def to_write(path: FilePath) -> str:
 
 def _ending(path):
     name = os.path.basename(os.fspath(path)).lower()
-    return ".apm.xml" if name.endswith(".apm.xml") else os.path.splitext(name)[1]
+    for ending in (".apm.xml", ".acm.xml"):
+        if name.endswith(ending):
+            return ending
+    return os.path.splitext(name)[1]
+
+
+def _of_xml(path, text):
+    """The format of a file in XML, by the element of its message."""
+    found = re.search(rb"<(?:[\w.-]+:)?(acm|aem|apm|cdm|ocm|oem|omm|opm|rdm|tdm)[\s>]", text)
+    name = found.group(1).decode() if found else "aem"
+    if name not in ("acm", "aem", "apm"):
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is an {name.upper()}, which holds no attitudes; give an AEM, APM "
+            "or ACM."
+        )
+    return f"{name}-xml"
 
 
 class OpenedFile(NamedTuple):
@@ -110,6 +136,10 @@ def read(
     orbit: Path | None = None,
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
+    rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
+    lenient: bool = False,
 ) -> Motion:
     """The motion in a file of any format; see `opened` for parameters and errors.
 
@@ -119,7 +149,16 @@ def read(
         Close a KernelAttitude after use: its kernels are loaded in SPICE's pool until then.
     """
     return opened(
-        path, tolerance=tolerance, frame=frame, orbit=orbit, body=body, kernels=kernels
+        path,
+        tolerance=tolerance,
+        frame=frame,
+        orbit=orbit,
+        body=body,
+        kernels=kernels,
+        rates=rates,
+        object=object,
+        segment=segment,
+        lenient=lenient,
     ).motion
 
 
@@ -131,13 +170,17 @@ def opened(
     orbit: Path | None = None,
     body: str | None = None,
     kernels: Sequence[FilePath] = (),
+    rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
+    lenient: bool = False,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file.
 
     Parameters
     ----------
     path : str or path
-    tolerance, frame, orbit
+    tolerance, frame, orbit, rates, object, segment, lenient
         As of `aem.read`; formats that do not have them ignore them.
     body : str, optional
         Name of the frame in a C-kernel, "TUMBLER" by default.
@@ -158,13 +201,18 @@ def opened(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        return _table(aem.read(path, frame=frame, orbit=orbit, **lengths))
+        one: dict[str, Any] = {"object": object, "segment": segment, "lenient": lenient}
+        return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **one, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
-        message = apm.read(path, frame=frame, orbit=orbit, **lengths)
+        message = apm.read(path, frame=frame, orbit=orbit, rates=rates, **lengths)
         names = ("object_name", "object_id", "center", "comments")
         return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+    if kind in ("acm", "acm-xml"):
+        from attitude.formats import acm
+
+        return _of_acm(acm.read(path, frame=frame, orbit=orbit, **lengths), path, segment)
     if kind == "stk":
         from attitude.formats import stk
 
@@ -192,6 +240,21 @@ def _table(table):
     return OpenedFile(table, {name: table.meta[name] for name in names if table.meta.get(name)})
 
 
+def _of_acm(message, path, segment):
+    """The attitudes of an ACM, or its motion if it has none."""
+    if segment is not None:
+        if not 0 <= segment < len(message.tables):
+            raise AttitudeError(
+                f"{os.fspath(path)}: segment is {segment!r}; the message has {len(message.tables)} "
+                "blocks of attitudes, counted from 0."
+            )
+        return _table(message.tables[segment])
+    try:
+        return _table(message.table if message.tables else message.motion)
+    except AttitudeError as err:
+        raise AttitudeError(f"{os.fspath(path)}: {err}") from err
+
+
 def _kernel(path, body, kernels):
     from attitude.formats import ck
 
@@ -204,7 +267,7 @@ def _kernel(path, body, kernels):
 
 def write(
     path: FilePath, source: AttitudeSource, *, t: Epochs | None = None, **settings: Any
-) -> None:
+) -> SampledFile | None:
     """Write attitudes at epochs in the format of the file's ending.
 
     Parameters
@@ -214,7 +277,12 @@ def write(
     source, t
         As of `aem.write`.
     settings
-        Further arguments of the writer of the format.
+        Further arguments of the writer of the format, such as start=, stop= and tolerance=.
+
+    Returns
+    -------
+    SampledFile or None
+        As `aem.write`.
 
     Raises
     ------
@@ -225,19 +293,23 @@ def write(
     if kind in ("aem", "aem-xml"):
         from attitude.formats import aem
 
-        aem.write(path, source, t=t, xml=kind == "aem-xml", **settings)
-    elif kind == "stk":
+        return aem.write(path, source, t=t, xml=kind == "aem-xml", **settings)
+    if kind in ("acm", "acm-xml"):
+        from attitude.formats import acm
+
+        acm.write(path, source, t=t, xml=kind == "acm-xml", **settings)
+        return None
+    if kind == "stk":
         from attitude.formats import stk
 
-        stk.write(path, source, t=t, **settings)
-    elif kind == "table":
+        return stk.write(path, source, t=t, **settings)
+    if kind == "table":
         from attitude.formats import tables
 
-        tables.write(path, source, t=t, **settings)
-    else:
-        raise AttitudeError(
-            f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
-        )
+        return tables.write(path, source, t=t, **settings)
+    raise AttitudeError(
+        f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
+    )
 
 
 def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:

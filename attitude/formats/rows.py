@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Largest deviation from 1 of the length of a quaternion: some files print few digits.
 TOLERANCE: float = 1e-3
+# Rounding of START_TIME and STOP_TIME, s.
+_ROUNDED = 1e-3
 
 
 def known_tolerance(tolerance: float) -> float:
@@ -89,7 +91,7 @@ class Rows:
         try:
             hi, lo = ccsds_epochs.parsed(tokens, self.scale)
         except ccsds_epochs.BadEpoch as err:
-            shown = tokens[err.index][:60].decode("ascii", "replace")
+            shown = tokens[err.index][:38].decode("ascii", "replace")
             raise fault(
                 f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
@@ -128,6 +130,23 @@ class Rows:
         self._values.append(values)
         self._lines.append(np.asarray(lines))
         self.count += len(hi)
+
+    def refuse_outside(self, start: Instant | None, stop: Instant | None, fault: Fault) -> None:
+        """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms.
+
+        Files write these times with fewer digits than the epochs of records.
+        """
+        for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
+            for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
+                if end is None:
+                    continue
+                inside = sign * ((hi - end.seconds) + (lo - end.low))
+                if np.any(inside < -_ROUNDED):
+                    k = int(np.argmax(inside < -_ROUNDED))
+                    raise fault(
+                        f"the record is {-inside[k]:.6g} s {what}_TIME of the meta data.",
+                        int(lines[k]),
+                    )
 
     def table(
         self,
@@ -169,7 +188,7 @@ class Rows:
         epoch = Instant(float(hi[0]), float(lo[0]))
         seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):
-            _refuse_length(values[:, :4], lines, tolerance, fault)
+            refuse_length(values[:, :4], lines, tolerance, fault)
         with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = attitude_types.decoded(kind, values, how)
         wxyz = forms.unit(wxyz)
@@ -266,7 +285,10 @@ def columns_of(
     return attitude_types.encoded(kind, wxyz, rates, acceleration, how)
 
 
-def _refuse_length(quaternions, lines, tolerance, fault):
+def refuse_length(
+    quaternions: FloatArray, lines: Sequence[int] | IntArray, tolerance: float, fault: Fault
+) -> None:
+    """AttitudeError for quaternions (N, 4) whose length is off 1 by more than the tolerance."""
     with np.errstate(over="ignore"):
         off = np.abs(np.sqrt(np.sum(quaternions * quaternions, axis=1)) - 1.0)
     if np.any(off > tolerance):

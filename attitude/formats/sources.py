@@ -7,7 +7,7 @@ after: readers interpolate within segments.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
@@ -57,6 +57,56 @@ def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Recor
             "AEM, ECSV or FITS."
         )
     return parts[0]
+
+
+def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
+    """Names and comments of what a writer was given, and whether it has angular velocities.
+
+    Of a motion without epochs too, for writers that choose the epochs themselves.
+
+    Raises
+    ------
+    AttitudeError
+        As `segments`.
+    """
+    of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
+    if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
+        return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
+    parts = segments(source, t)
+    return dict(parts[0].meta), all(part.has_rates for part in parts)
+
+
+def one_motion(source: AttitudeSource) -> Motion:
+    """The motion that a writer was given to write to a tolerance.
+
+    Raises
+    ------
+    AttitudeError
+        For records at epochs, which have no attitudes in between.
+    """
+    if isinstance(source, (Records, AttitudeHistory, list, tuple)):
+        raise AttitudeError(
+            f"{type(source).__name__} is given with tolerance=; give the motion or the "
+            "AttitudeTable, with start= and stop=."
+        )
+    return motion_of(cast("HasAttitudes", source), "source")
+
+
+def refuse_epochs(t: object) -> None:
+    """AttitudeError for epochs of records beside a tolerance."""
+    if t is not None:
+        raise AttitudeError(
+            "t and tolerance are given; the epochs of records follow from the tolerance: give one "
+            "of both."
+        )
+
+
+def refuse_span(start: object, stop: object) -> None:
+    """AttitudeError for a span without a tolerance."""
+    if start is not None or stop is not None:
+        raise AttitudeError(
+            "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
+        )
 
 
 def refuse_breaks(motion: object, holder: str) -> None:

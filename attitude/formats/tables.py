@@ -26,7 +26,7 @@ from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import csv_table, parquet, sources
+from attitude.formats import csv_table, parquet, sampling, sources
 from attitude.formats.csv_rows import ATTITUDE, RATES
 from attitude.formats.rows import TOLERANCE, known_tolerance
 from attitude.textfiles.atomic_write import written_whole
@@ -35,7 +35,8 @@ from attitude.textfiles.lines import whole
 if TYPE_CHECKING:
     from astropy.table import QTable, Table
 
-    from attitude.annotations import Epochs, FilePath
+    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
 
 KINDS: dict[str, str] = {
@@ -198,9 +199,12 @@ def write(
     source: AttitudeSource,
     *,
     t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
     rates: bool = True,
     sigma: bool = False,
-) -> None:
+) -> SampledFile | None:
     """Write attitudes as ECSV, FITS, CSV or parquet, by the ending of the file.
 
     CSV and parquet are written piece by piece; ECSV and FITS are made in memory by astropy.
@@ -209,12 +213,17 @@ def write(
     ----------
     path : str or path
         Appears whole or not at all.
-    source, t
+    source, t, start, stop, tolerance
         As of `aem.write`; CSV holds one segment.
     rates : bool
         False leaves angular velocities out.
     sigma : bool
         Add standard deviations, as in `qtable`.
+
+    Returns
+    -------
+    SampledFile or None
+        As `aem.write`.
 
     Raises
     ------
@@ -223,6 +232,28 @@ def write(
         `qtable`.
     """
     kind = kind_of(path)
+    if tolerance is None:
+        sources.refuse_span(start, stop)
+        _write(path, kind, source, t, rates, sigma)
+        return None
+    sources.refuse_epochs(t)
+    motion = sources.one_motion(source)
+    has_rates = rates and sources.known_of(source, None)[1]
+    # CSV and the other tables of motions state no interpolation: readers take the usual one.
+    table = motion if isinstance(motion, AttitudeTable) and kind != "csv" else None
+    method, degree = sampling.stated(None, None, has_rates, table)
+    return sampling.write(
+        *(path, motion, start, stop, tolerance),
+        method=method,
+        degree=degree,
+        name="CSV" if kind == "csv" else "the table",
+        write_records=lambda target, parts: _write(target, kind, parts, None, rates, sigma),
+        read=read,
+        one_segment=kind == "csv",
+    )
+
+
+def _write(path, kind, source, t, rates, sigma):
     if kind == "csv":
         part = sources.only_segment(source, t, "CSV")
         csv_table.write(path, part, rates=rates and part.has_rates, sigma=sigma)

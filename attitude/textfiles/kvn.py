@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from attitude.errors import AttitudeError
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -114,11 +115,10 @@ def refuse_line_breaks(text: object) -> None:
     """AttitudeError for a name or comment that is not one line of printable text."""
     if not isinstance(text, str) or not text.isprintable() or len(text) > 4000:
         raise AttitudeError(
-            f"{str(text)[:60]!r} cannot be a name or a comment in a message; give one line of text."
+            f"{cut(str(text))} cannot be a name or a comment in a message; give one line of text."
         )
 
 
 def shown(text: str) -> str:
-    """A line as it appears in an error message: in quotes, at most 60 characters."""
-    text = repr(text.strip())
-    return text if len(text) <= 60 else text[:56] + "...'"
+    """A line as it appears in an error message: in quotes, at most 40 characters."""
+    return cut(text.strip())

@@ -189,6 +189,22 @@ def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArra
     return np.array([list(map(float, tokens[place::step])) for place in places]).T
 
 
+# Characters of a value that a sentence quotes.
+_QUOTED = 40
+
+
+def cut(value: object, mark: str | None = None) -> str:
+    """A value as a sentence quotes it: at most 40 characters.
+
+    In the quotation marks of Python, or in `mark`, which may be empty.
+
+    >>> cut("SC_BODY_1"), cut("x" * 50, "")
+    ("'SC_BODY_1'", 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...')
+    """
+    text = repr(value) if mark is None else f"{mark}{value}{mark}"
+    return text if len(text) <= _QUOTED else text[: _QUOTED - 3] + "..."
+
+
 class NoNumber(Exception):
     """An entry of a column that is not a number.
 

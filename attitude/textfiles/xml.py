@@ -31,6 +31,8 @@ OUTSIDE: tuple[str, ...] = ("ndm", "COMMENT", "MESSAGE_ID")
 class ElementReader:
     """Base of readers of XML: calls `begin` and `end` of a subclass for each element.
 
+    Tags are given without the prefix of their namespace: ``<n:aem xmlns:n="...">`` is ``aem``.
+
     A subclass may interpret parts of the file without the parser: it overrides `take`, and adds the
     lines of these parts to `skipped`.
 
@@ -159,13 +161,13 @@ class ElementReader:
         if self._depth > _DEEPEST:
             raise self.fault(f"its elements are nested deeper than {_DEEPEST}.")
         self._text, self._length = [], 0
-        self.begin(tag, attributes)
+        self.begin(tag.rpartition(":")[2], attributes)
 
     def _stop(self, tag):
         self._depth -= 1
         text = "".join(self._text).strip() if self._text else ""
         self._text, self._length = [], 0
-        self.end(tag, text)
+        self.end(tag.rpartition(":")[2], text)
 
     def _characters(self, text):
         self._length += len(text)

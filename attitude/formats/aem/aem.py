@@ -17,16 +17,18 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from attitude import quaternion
+from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats import sources
+from attitude.formats import recipes, sampling, sources
 from attitude.formats.aem import kvn as aem_kvn
 from attitude.formats.aem import xml as aem_xml
 from attitude.formats.aem import xml_writer
 from attitude.formats.aem.message import Options
-from attitude.formats.aem.written import WrittenSegment
+from attitude.formats.aem.written import WrittenSegment, written_kind
+from attitude.formats.ccsds import attitude_types, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE
@@ -37,8 +39,8 @@ from attitude.textfiles.lines import opened
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import Epochs, FilePath
-    from attitude.attitude_table.table import AttitudeTable
+    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
@@ -49,6 +51,10 @@ def read(
     tolerance: float = TOLERANCE,
     frame: str | None = None,
     orbit: Path | None = None,
+    rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
+    lenient: bool = False,
 ) -> AttitudeTable:
     """A message as an AttitudeTable.
 
@@ -62,6 +68,19 @@ def read(
         The external axes of the file, if their name in the file is not known (see `axes`).
     orbit : Path, optional
         Path of the body about its center, for attitudes relative to LVLH or RTN.
+    rates : str, optional
+        What the rates of QUATERNION/RATE and EULER_ANGLE/RATE of version 1 are: "body", components
+        of the angular velocity over the axes of RATE_FRAME, or "euler", derivatives of the angles
+        of EULER_ROT_SEQ.  By default "body" with a warning, or "euler" where the file names an axis
+        twice (see `old_rates`).
+    object : str, optional
+        OBJECT_ID or OBJECT_NAME of the segments to read, where the file has several objects.
+    segment : int, optional
+        The place of the one segment to read, counted from 0.
+    lenient : bool
+        Read a message in KVN whose operator leaves out DATA_START, DATA_STOP, OBJECT_ID, START_TIME
+        or others, adds keywords, or has the columns of MMS (see `lenient`);
+        ``table.meta["assumed"]`` lists what was assumed.
 
     Returns
     -------
@@ -72,9 +91,10 @@ def read(
     ------
     AttitudeError
         For a file that cannot be read or does not follow the standard; the message names file,
-        line and keyword.
+        line and keyword.  For segments of several objects or body frames, and segments that
+        contradict each other where they overlap.
     """
-    options = Options(tolerance, frame, orbit)
+    options = Options(tolerance, frame, orbit, rates, object, segment, lenient)
     with opened(path) as lines:
         first = kvn.first(lines)
         if first is not None:
@@ -87,13 +107,18 @@ def write(
     source: AttitudeSource,
     *,
     t: Epochs | None = None,
-    version: str = "2.0",
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
+    for_: str | None = None,
+    version: str | None = None,
     xml: bool = False,
     kind: str | None = None,
     frame: str | None = None,
     time_system: str | None = None,
+    rates: str | None = None,
     rates_over: str = "body",
-    sequence: str = "ZXZ",
+    sequence: str | None = None,
     scalar_first: bool = False,
     object_name: str | None = None,
     object_id: str | None = None,
@@ -106,7 +131,7 @@ def write(
     creation_date: str | None = None,
     digits: int = ccsds_epochs.DIGITS,
     orbit: Path | None = None,
-) -> None:
+) -> SampledFile | None:
     """Write attitudes as an AEM.
 
     Parameters
@@ -117,22 +142,34 @@ def write(
         A motion is evaluated piece by piece, so that long histories need little memory.
     t : epochs, optional
         Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
-    version : str
-        "2.0", or "1.0" (what GMAT and others read).
+    start, stop : epochs, or TDB seconds since the epoch of the motion
+        With `tolerance`: the span, by default that of a table.
+    tolerance : float, optional
+        Instead of `t`: largest angle, rad, between the motion and the attitudes that a reader
+        interpolates by the method that the file states; the epochs of the records follow from it
+        (see `sampling`).
+    for_ : str, optional
+        The tool that shall read the file: "gmat", "orekit", "stk" or "brahe".  Settings that are
+        left open become those that the tool accepts (see `recipes`).
+    version : str, optional
+        "2.0" by default, or "1.0" (what GMAT and others read).
     xml : bool
         XML instead of KVN.
     kind : str, optional
-        The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, "QUATERNION"
-        for tables without angular velocities.
+        The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, in version 1
+        "QUATERNION/DERIVATIVE"; "QUATERNION" for tables without angular velocities.
     frame : str, optional
         The external axes, by default those of the file that a table was read from, or "ICRF"; see
         `axes`.
     time_system : str, optional
         UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
+    rates : str, optional
+        Version 1.0 with the types QUATERNION/RATE and EULER_ANGLE/RATE, whose readers disagree:
+        "body" or "euler", as of `read`.
     rates_over : str
         "body" or "frame": the axes of angular velocities.
-    sequence : str
-        Axes of Euler angles.
+    sequence : str, optional
+        Axes of Euler angles, "ZXZ" by default.
     scalar_first : bool
         Version 1.0: QC before Q1, Q2, Q3.
     object_name, object_id, center, body_frame, originator : str, optional
@@ -149,38 +186,72 @@ def write(
     orbit : Path, optional
         Path of the body about its center, for LVLH and RTN.
 
+    Returns
+    -------
+    SampledFile or None
+        With `tolerance`: the number of records, the step and the error of the file read back.
+
     Raises
     ------
     AttitudeError
         For unknown names of versions, types, axes or time systems, for epochs that do not increase,
-        and for a file that cannot be written.
+        for settings that the tool `for_` does not read, and for a file that cannot be written.
     """
-    if version not in VERSIONS:
-        raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
-    parts = sources.segments(source, t)
-    given = parts[0].meta
-    settings = {
+    meta, has_rates = sources.known_of(source, t)
+    settings: dict[str, Any] = {
         "version": version,
+        "xml": xml,
         "kind": kind,
         "frame": frame,
         "time_system": time_system,
+        "rates": old_rates.known(rates),
         "rates_over": rates_over,
-        "sequence": quaternion.known_sequence(sequence).upper(),
+        "sequence": sequence,
         "scalar_first": scalar_first,
         "digits": digits,
         "orbit": orbit,
         "method": method,
         "degree": degree,
-        "names": (object_name, object_id, center, body_frame),
+        "body_frame": body_frame,
+        "for_": for_,
     }
-    written = [WrittenSegment(part, settings) for part in parts]
+    settings = recipes.of_aem(for_, settings, has_rates)
+    settings["version"] = version = settings["version"] or "2.0"
+    if version not in VERSIONS:
+        raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
+    settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
+    settings["names"] = (object_name, object_id, center, settings["body_frame"])
     header = {
         "CREATION_DATE": creation_date or ccsds_epochs.now(),
         "ORIGINATOR": originator,
     }
-    comments = list(given.get("comments", ()) if comments is None else comments)
+    comments = list(meta.get("comments", ()) if comments is None else comments)
     for text in (*header.values(), *comments):
         kvn.refuse_line_breaks(text)
-    write_message = xml_writer.write_message if xml else aem_kvn.write_message
-    with written_whole(path, "the AEM") as file:
-        write_message(file, version, header, comments, written)
+
+    def write_records(target, parts):
+        written = [WrittenSegment(part, settings) for part in parts]
+        write_message = xml_writer.write_message if xml else aem_kvn.write_message
+        with written_whole(target, "the AEM") as file:
+            write_message(file, version, header, comments, written)
+
+    if tolerance is None:
+        sources.refuse_span(start, stop)
+        write_records(path, sources.segments(source, t))
+        return None
+    sources.refuse_epochs(t)
+    motion = sources.one_motion(source)
+    kind_written = written_kind(settings, has_rates)
+    table = motion if isinstance(motion, AttitudeTable) else None
+    used, most = sampling.stated(
+        settings["method"], settings["degree"], attitude_types.has_rates(kind_written), table
+    )
+    settings |= {"method": used, "degree": most}
+    return sampling.write(
+        *(path, motion, start, stop, tolerance),
+        method=used,
+        degree=most,
+        name="the AEM",
+        write_records=write_records,
+        read=lambda target: read(target, orbit=orbit, rates=rates),
+    )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import IO, TYPE_CHECKING
 
+from attitude.formats.aem import lenient
 from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
@@ -71,14 +73,25 @@ def _read_meta(lines, segment):
 
 
 def _read_data(lines, segment):
+    options, first = segment.message.options, []
     for line in lines:
         if line.strip() == b"DATA_START":
+            break
+        if options.lenient and line.strip()[:1].isdigit():
+            segment.assume("DATA_START is missing: the data begin with the first epoch")
+            first = [line]
             break
         if line.strip():
             raise lines.fault(f"{kvn.shown(lines.text(line))} stands where DATA_START must be.")
     batch, width = _Batch(segment), segment.rows.width
-    for line in lines:
+    of_mms = False
+    for line in chain(first, lines):
         tokens = line.split()
+        if options.lenient and len(tokens) == lenient.MMS and tokens[0] != b"COMMENT":
+            if not of_mms and not batch.numbers and not segment.rows.count:
+                segment.take_columns_of_mms()
+                batch, width, of_mms = _Batch(segment), segment.rows.width, True
+            tokens = lenient.of_mms(tokens) if of_mms else tokens
         if len(tokens) == width + 1:
             if tokens[0] == b"COMMENT":
                 segment.data_comments.append(kvn.comment_of(lines.text(line)))
@@ -100,7 +113,11 @@ def _read_data(lines, segment):
                     f"and {width} numbers: {', '.join(attitude_types.COLUMNS[segment.kind])}."
                 )
             segment.data_comments.append(comment)
-    raise lines.fault("the file ends before DATA_STOP; is it cut off?")
+    if not options.lenient:
+        raise lines.fault("the file ends before DATA_STOP; is it cut off?")
+    segment.assume("DATA_STOP is missing: the data end with the file")
+    batch.take()
+    segment.finish(lines.number)
 
 
 class _Batch:

@@ -6,16 +6,18 @@ AttitudeTable.  For the conventions see `attitude_types`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.aem import lenient, one_object
+from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.epochs import Instant
@@ -57,14 +59,27 @@ class Options:
         The external axes, if their name in the file is not known.
     orbit : Path or None
         Path of the body about its center, for axes of an orbit.
+    rates : str or None
+        What the rates of version 1 are: "body", "euler", or None: "body" with a warning.
+    object : str or None
+        OBJECT_ID or OBJECT_NAME of the segments that are read.
+    segment : int or None
+        The place of the one segment that is read, counted from 0.
+    lenient : bool
+        Whether missing parts of a message in KVN are assumed.
     """
 
     tolerance: float = TOLERANCE
     frame: str | None = None
     orbit: Path | None = None
+    rates: str | None = None
+    object: str | None = None
+    segment: int | None = None
+    lenient: bool = False
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
+        old_rates.known(self.rates)
 
 
 @dataclass
@@ -80,6 +95,10 @@ class Message:
     comments : list of str
     tables : list of AttitudeTable
         One for each finished segment.
+    warned : bool
+        Whether a warning of the rates of version 1 was given.
+    assumed : list of str
+        What a lenient reading has assumed.
     """
 
     path: str
@@ -88,10 +107,15 @@ class Message:
     header: dict[str, str] = field(default_factory=dict)
     comments: list[str] = field(default_factory=list)
     tables: list[AttitudeTable] = field(default_factory=list)
+    warned: bool = False
+    assumed: list[str] = field(default_factory=list)
 
     def table(self) -> AttitudeTable:
-        """All segments as one AttitudeTable."""
-        return AttitudeTable.joined(self.tables)
+        """The segments of one object as one AttitudeTable; see `one_object.chosen`."""
+        options = self.options
+        return one_object.chosen(
+            self.tables, self.path, options.object, options.segment, options.tolerance
+        )
 
 
 class MessageSegment:
@@ -149,11 +173,14 @@ class MessageSegment:
     def add(self, keyword: str, value: str, line: int) -> None:
         """Add a keyword of the meta data; AttitudeError if it is unknown or repeated."""
         allowed = META[self.message.version]
+        if keyword not in allowed and self.message.options.lenient:
+            self.assume(f"{cut(keyword, '')} is not known: left out")
+            return
         if keyword not in allowed:
             others = [v for v in META if keyword in META[v]]
             hint = f" (it belongs to version {others[0]})" if others else ""
             raise self.fault(
-                f"{keyword} is not known among the meta data of version "
+                f"{cut(keyword, '')} is not known among the meta data of version "
                 f"{self.message.version}{hint}; known are {', '.join(allowed)}.",
                 line,
             )
@@ -172,8 +199,11 @@ class MessageSegment:
             For missing keywords and values that are not known.
         """
         version, values = self.message.version, self.values
+        if self.message.options.lenient:
+            lenient.fill(self)
         for keyword in _NEEDED:
-            if not values.get(keyword):
+            known = self.message.options.lenient and keyword in ("START_TIME", "STOP_TIME")
+            if not values.get(keyword) and not known:
                 raise self.fault(
                     f"the meta data end without {keyword}, which they must have.", line
                 )
@@ -186,11 +216,25 @@ class MessageSegment:
             rates_follow=version != "1.0",
             scalar_first=self._scalar_first(),
             sequence=self._sequence(),
+            rates_of_angles=self._old_rates() == "euler",
         )
         self.usable = [self._epoch(f"USEABLE_{end}_TIME") for end in ("START", "STOP")]
-        for keyword in ("START_TIME", "STOP_TIME"):
-            self._epoch(keyword)
+        self._limits = self._epoch("START_TIME"), self._epoch("STOP_TIME")
+        if None not in self._limits and self._limits[1].since(self._limits[0]) < 0.0:
+            raise self.fault("STOP_TIME is before START_TIME.", self.lines["STOP_TIME"])
         self.method, self.degree = self._interpolation()
+        self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
+
+    def assume(self, what: str) -> None:
+        """Note what is assumed of the segment, once."""
+        if what not in self.message.assumed:
+            self.message.assumed.append(what)
+
+    def take_columns_of_mms(self) -> None:
+        """Read the rows as those of MMS: quaternions, scalar last, and rates over body axes."""
+        self.assume("21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body")
+        self.kind = "QUATERNION/ANGVEL"
+        self.how = replace(self.how, rates_over_body=True, scalar_first=False)
         self.rows = Rows(self.scale, len(attitude_types.COLUMNS[self.kind]))
 
     def finish(self, line: int) -> None:
@@ -203,6 +247,8 @@ class MessageSegment:
         """
         if self.rows is None or not self.rows.count:
             raise self.fault("the segment has no attitudes.", line)
+        self.warn_of_rates()
+        self.rows.refuse_outside(*self._limits, self.fault)
         values, options = self.values, self.message.options
         meta: dict[str, Any] = {
             "format": f"AEM {self.message.version}",
@@ -217,6 +263,7 @@ class MessageSegment:
             "frame": self.axes.name,
             "body_frame": self.body,
             "time_system": values["TIME_SYSTEM"].upper(),
+            **({"assumed": tuple(self.message.assumed)} if options.lenient else {}),
         }
         try:
             table = self.rows.table(
@@ -246,24 +293,10 @@ class MessageSegment:
     def _frames(self):
         """The external axes, the name of the body's axes, and whether the body is A."""
         a, b = self.values["REF_FRAME_A"], self.values["REF_FRAME_B"]
-        known = [axes.known(name) for name in (a, b)]
-        override = self.message.options.frame
-        if override is not None:
-            body_is_a = known[0] is None and known[1] is not None
-            return axes.named(override), a if body_is_a else b, body_is_a
-        if known[0] is not None and known[1] is not None:
-            raise self.fault(
-                f"REF_FRAME_A is {a} and REF_FRAME_B is {b}, both of them known external axes; one "
-                "of them must be the body's.",
-                self.lines["REF_FRAME_B"],
-            )
-        if known[0] is None and known[1] is None:
-            raise self.fault(
-                f"of REF_FRAME_A = {a} and REF_FRAME_B = {b} none is known as ICRF, EME2000, ITRF, "
-                "TEME, RTN or LVLH; give the name of the external axes with frame=.",
-                self.lines["REF_FRAME_A"],
-            )
-        return (known[0], b, False) if known[0] is not None else (known[1], a, True)
+        try:
+            return axes.of_pair(a, b, self.message.options.frame)
+        except AttitudeError as err:
+            raise self.fault(str(err), self.lines["REF_FRAME_B"]) from err
 
     def _to_body(self, body_is_a):
         if self.message.version != "1.0":
@@ -286,11 +319,33 @@ class MessageSegment:
         choices |= {a: body_is_a, b: not body_is_a}
         return self._one_of(keyword, choices, needed=True)
 
-    def _sequence(self):
-        if not self.kind.startswith("EULER"):
+    def _old_rates(self):
+        """What the rates of version 1 are: "euler" or "body"; None without them."""
+        if self.message.version != "1.0" or not self.kind.endswith("/ANGVEL"):
+            return None
+        return self.message.options.rates or "body"
+
+    def take_derivatives(self) -> None:
+        """Read the rates of version 1 as derivatives of the Euler angles."""
+        if not self.how.rates_of_angles:
+            self.how = replace(self.how, sequence=self._sequence(True), rates_of_angles=True)
+
+    def warn_of_rates(self) -> None:
+        """Warn, once for a message, where the file does not say what its rates of version 1 are."""
+        stated = self.values["ATTITUDE_TYPE"].upper().endswith("/RATE")
+        guessed = stated and self._old_rates() is not None and self.message.options.rates is None
+        if guessed and not self.how.rates_of_angles and not self.message.warned:
+            self.message.warned = True
+            old_rates.warn(self.message.path, f"ATTITUDE_TYPE {self.values['ATTITUDE_TYPE']}")
+
+    def _sequence(self, needed=False):
+        needed = needed or self._old_rates() == "euler"
+        if not self.kind.startswith("EULER") and not needed:
             return None
         if "EULER_ROT_SEQ" not in self.values:
-            raise self.fault("Euler angles need EULER_ROT_SEQ, like 321 or ZYX.", None)
+            raise self.fault(
+                "Euler angles and their rates need EULER_ROT_SEQ, like 321 or ZYX.", None
+            )
         return self._checked("EULER_ROT_SEQ", lambda text: quaternion.known_sequence(text.upper()))
 
     def _one_of(self, keyword, choices, *, needed):
@@ -299,13 +354,14 @@ class MessageSegment:
             if needed:
                 raise self.fault(
                     f"the meta data lack {keyword}, which {self.values['ATTITUDE_TYPE']} needs; it "
-                    f"must be one of {', '.join(choices)}.",
+                    f"must be one of {', '.join(cut(each, '') for each in choices)}.",
                     None,
                 )
             return False
         if value.upper() not in choices:
             raise self.fault(
-                f"{keyword} is {value!r}; it must be one of {', '.join(choices)}.",
+                f"{keyword} is {cut(value)}; it must be one of "
+                f"{', '.join(cut(each, '') for each in choices)}.",
                 self.lines[keyword],
             )
         return choices[value.upper()]
@@ -318,7 +374,7 @@ class MessageSegment:
             return ccsds_epochs.instant(value, self.scale)
         except ccsds_epochs.BadEpoch as err:
             raise self.fault(
-                f"{keyword} is {value!r}, no epoch: {err.reason}.", self.lines[keyword]
+                f"{keyword} is {cut(value)}, no epoch: {err.reason}.", self.lines[keyword]
             ) from err
 
     def _interpolation(self):
@@ -330,6 +386,7 @@ class MessageSegment:
             keyword = "INTERPOLATION_" + ("DEGREE" if isinstance(degree, str) else "METHOD")
             reason = str(err) if isinstance(err, AttitudeError) else "give a whole number."
             raise self.fault(
-                f"{keyword} is {self.values.get(keyword)!r}: {reason}", self.lines.get(keyword)
+                f"{keyword} is {cut(self.values.get(keyword))}: {reason}",
+                self.lines.get(keyword),
             ) from err
         return method, degree

@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude.attitude_table import interpolation
 from attitude.errors import AttitudeError
+from attitude.formats import recipes
 from attitude.formats.aem.message import META
 from attitude.formats.ccsds import attitude_types, axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
@@ -19,6 +20,13 @@ if TYPE_CHECKING:
 
     from attitude.annotations import FloatArray
     from attitude.formats.sources import Records
+
+
+def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:
+    """The attitude type that settings of `aem.write` mean, under its name in version 2."""
+    usual = "QUATERNION/DERIVATIVE" if settings["version"] == "1.0" else "QUATERNION/ANGVEL"
+    kind = settings["kind"] or (usual if has_rates else "QUATERNION")
+    return attitude_types.known(kind, "2.0")
 
 
 class WrittenSegment:
@@ -34,7 +42,7 @@ class WrittenSegment:
     ----------
     kind : str
         Attitude type, under its name in version 2.
-    scalar_first, sequence : bool, str
+    scalar_first, sequence, rates_of_angles : bool, str, bool
         As of `Convention`.
     keywords : dict of str
         Keyword of the meta data -> value, in their order.
@@ -50,12 +58,18 @@ class WrittenSegment:
     def __init__(self, part: Records, settings: Mapping[str, Any]):
         self._part, self._settings = part, settings
         version = settings["version"]
-        kind = settings["kind"] or ("QUATERNION/ANGVEL" if part.has_rates else "QUATERNION")
-        self.kind: str = attitude_types.known(kind, "2.0")
+        self.kind: str = written_kind(settings, part.has_rates)
         if version == "1.0" and self.kind not in attitude_types.IN_VERSION_1:
             raise AttitudeError(
                 f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
                 f"{', '.join(attitude_types.IN_VERSION_1)}."
+            )
+        old = version == "1.0" and self.kind.endswith("/ANGVEL")
+        if old and settings["rates"] is None:
+            raise AttitudeError(
+                f"{attitude_types.IN_VERSION_1[self.kind]} of AEM 1.0 is read in two ways; give "
+                'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
+                "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
             )
         name = settings["frame"] or part.meta.get("frame") or "ICRF"
         self._axes = axes.named(name)
@@ -69,8 +83,10 @@ class WrittenSegment:
             rates_follow=version != "1.0",
             scalar_first=settings["scalar_first"] and version == "1.0",
             sequence=settings["sequence"],
+            rates_of_angles=old and settings["rates"] == "euler",
         )
         self.scalar_first: bool = self._how.scalar_first
+        self.rates_of_angles: bool = self._how.rates_of_angles
         self.sequence: str = settings["sequence"]
         self.comments: Sequence[str] = part.meta.get("meta_comments", ())
         self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
@@ -96,17 +112,15 @@ class WrittenSegment:
         )
         name, number, center, body = (value or meta.get(key) for value, key in given)
         body = body or "SC_BODY_1"
-        if axes.known(body) is not None:
-            raise AttitudeError(
-                f"body_frame is {body!r}, the name of other axes; give another name."
-            )
+        if (why := axes.body_name_fault(body)) is not None:
+            raise AttitudeError(f"body_frame is {body!r}, which {why}; give another name.")
         frame = axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(part.epoch, *part.first_and_last())
         method, degree = self._interpolation()
         rate_frame = "REF_FRAME_B" if version == "1.0" else body
         if not self._how.rates_over_body:
             rate_frame = "REF_FRAME_A" if version == "1.0" else frame
-        digits = str.maketrans("XYZ", "123")
+        digits, rated = str.maketrans("XYZ", "123"), self.kind.endswith("/ANGVEL")
         known = {
             "OBJECT_NAME": name or "UNKNOWN",
             "OBJECT_ID": number or "UNKNOWN",
@@ -128,10 +142,10 @@ class WrittenSegment:
             "EULER_ROT_SEQ": (
                 self._how.sequence.translate(digits) if version == "1.0" else self._how.sequence
             )
-            if self.kind.startswith("EULER")
+            if self.kind.startswith("EULER") or (version == "1.0" and rated)
             else None,
-            "RATE_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
-            "ANGVEL_FRAME": rate_frame if self.kind.endswith("/ANGVEL") else None,
+            "RATE_FRAME": rate_frame if rated else None,
+            "ANGVEL_FRAME": rate_frame if rated else None,
             "INTERPOLATION_METHOD": method,
             "INTERPOLATION_DEGREE": str(degree),
         }
@@ -145,12 +159,15 @@ class WrittenSegment:
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
         has_rates = attitude_types.has_rates(self.kind)
-        method, degree = interpolation.settled(method, degree, len(self._part), has_rates)
+        count = len(self._part)
+        method, degree = interpolation.settled(method, degree, count, has_rates)
+        degree = recipes.degree_of(self._settings["for_"], degree, count)
         return "LINEAR" if method == "slerp" else method.upper(), degree
 
     def _usable(self, table):
-        limits, ends = table._limits, self._part.first_and_last()
-        if all((limits[k][0], limits[k][1]) == (ends[0][k], ends[1][k]) for k in (0, 1)):
+        ends = list(zip(*self._part.first_and_last(), strict=True))
+        limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
+        if limits == tuple(ends):
             return {}
         hi, lo = np.array(limits).T
         names = ("USEABLE_START_TIME", "USEABLE_STOP_TIME")

@@ -16,7 +16,7 @@ from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.aem.xml_records import pattern_of
 from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
-from attitude.textfiles.lines import NoNumber, numbers
+from attitude.textfiles.lines import NoNumber, cut, numbers
 from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class _AemReader(ElementReader):
         elif tag == "attitudeState":
             if self._segment is None or self._segment.rows is None:
                 raise self.fault("<attitudeState> stands outside of <data>.")
-            self._record, self._epoch = {}, None
+            self._record, self._epoch, self._letters = {}, None, {}
             self._columns = attitude_types.COLUMNS[self._segment.kind]
         self._attributes = attributes
         self._tags.append(tag)
@@ -201,8 +201,9 @@ class _AemReader(ElementReader):
         if tag in ("rotation1", "rotation2", "rotation3"):
             if above == "rotationAngles":
                 return f"ANGLE_{tag[-1]}"
-            label = self._attributes.get("rate", "XYZ"[int(tag[-1]) - 1])
-            return f"ANGVEL_{label[:1].upper()}"
+            place = int(tag[-1]) - 1
+            self._letters[place] = self._attributes.get("rate", "")[:1].upper()
+            return f"ANGVEL_{'XYZ'[place]}"
         return tag
 
     def _put(self, name, text):
@@ -213,7 +214,7 @@ class _AemReader(ElementReader):
             )
         given, unit = self._attributes.get("units"), elements.unit(name)
         if given and given != unit:
-            raise self.fault(f"{name} is given in {given!r}; it must be in {unit or 'no unit'}.")
+            raise self.fault(f"{name} is given in {cut(given)}; it must be in {unit or 'no unit'}.")
         try:
             self._record[name] = float(text)
         except ValueError as err:
@@ -231,6 +232,8 @@ class _AemReader(ElementReader):
             if self._epoch is None:
                 lacking.insert(0, "EPOCH")
             raise self.fault(f"the record lacks {', '.join(lacking)}.")
+        if self._letters:
+            self._name_rates()
         names = self._names()
         self._rows.append([self._record[name] for name in names])
         self._tokens.append(self._epoch)
@@ -241,6 +244,20 @@ class _AemReader(ElementReader):
         self._record = None
         if len(self._rows) == _BATCH:
             self._flush()
+
+    def _name_rates(self):
+        """Give the rates of version 1, which stand in the record by number, the axes they name."""
+        segment = self._segment
+        letters = "".join(self._letters.get(k, "") for k in range(3))
+        if len(letters) == 3 and len(set(letters)) < 3:
+            segment.take_derivatives()
+        usual = segment.how.sequence.upper() if segment.how.rates_of_angles else "XYZ"
+        letters = letters or usual
+        places = attitude_types.rates_by_axis(letters, usual)
+        if places is None:
+            raise self.fault(f"the rates are those of {', '.join(letters)}, not of {usual}.")
+        names = {f"ANGVEL_{'XYZ'[k]}": f"ANGVEL_{'XYZ'[places.index(k)]}" for k in range(3)}
+        self._record = {names.get(name, name): value for name, value in self._record.items()}
 
     def _names(self):
         """The columns in the order of the rows."""

@@ -68,7 +68,8 @@ def _template(segment, version):
     kind, columns = segment.kind, attitude_types.COLUMNS[segment.kind]
     lines = ["<EPOCH>%s</EPOCH>"]
     for group, names in _groups(kind, columns, version):
-        inner = [_leaf(name, version, k + 1, segment.sequence) for k, name in enumerate(names)]
+        rates = segment.sequence if segment.rates_of_angles else "XYZ"
+        inner = [_leaf(n, version, k, segment.sequence[k % 3], rates) for k, n in enumerate(names)]
         lines += [f"<{group}>", *inner, f"</{group}>"] if group else inner
     element = elements.ELEMENTS[version][kind]
     lines = [f"<{element}>", *lines, f"</{element}>"]
@@ -99,12 +100,15 @@ def _groups(kind, columns, version):
     return groups
 
 
-def _leaf(name, version, number, sequence):
-    """The element of one column; `number` is its place in its group, counted from 1."""
+def _leaf(name, version, place, axis, rates):
+    """The element of one column; `place` is its place in its group, `axis` that of its angle.
+
+    `rates` are the axes of the rates of version 1.
+    """
+    tag = f"rotation{place + 1}"
     if version == "1.0" and name.startswith("ANGLE"):
-        label = f"{sequence[number - 1]}_ANGLE"
-        return f'<rotation{number} angle="{label}" units="deg">%r</rotation{number}>'
+        return f'<{tag} angle="{axis}_ANGLE" units="deg">%r</{tag}>'
     if version == "1.0" and name.startswith("ANGVEL"):
-        return f'<rotation{number} rate="{name[-1]}_RATE" units="deg/s">%r</rotation{number}>'
+        return f'<{tag} rate="{rates[place]}_RATE" units="deg/s">%r</{tag}>'
     unit = elements.unit(name)
     return f'<{name} units="{unit}">%r</{name}>' if unit else f"<{name}>%r</{name}>"

@@ -23,7 +23,7 @@ from attitude.errors import AttitudeError
 from attitude.formats.apm import written
 from attitude.formats.apm.blocks import read_kvn, read_xml
 from attitude.formats.apm.state import Interpreted
-from attitude.formats.ccsds import axes
+from attitude.formats.ccsds import axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE, known_tolerance
@@ -32,7 +32,7 @@ from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.spin import Spin
 from attitude.textfiles import kvn
 from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import opened
+from attitude.textfiles.lines import cut, opened
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,8 +48,8 @@ class Parameters:
     Attributes
     ----------
     epoch : Instant
-    wxyz : (4,) array
-        Attitude, body to ICRF, scalar first.
+    wxyz : (4,) array or None
+        Attitude, body to ICRF, scalar first; None in a message with an inertia alone.
     angular_velocity : (3,) array or None
         rad/s over the body axes, relative to inertial space.
     body : Body or None
@@ -59,14 +59,19 @@ class Parameters:
     """
 
     epoch: Instant
-    wxyz: FloatArray
+    wxyz: FloatArray | None
     angular_velocity: FloatArray | None
     body: Body | None
     meta: dict[str, Any] = field(repr=False)
 
     @property
     def spin(self) -> Spin:
-        """The Spin, in ICRF; AttitudeError if the message has no angular velocity."""
+        """The Spin, in ICRF; AttitudeError if the message has no attitude or angular velocity."""
+        if self.wxyz is None:
+            raise AttitudeError(
+                "the message has no attitude; a Spin needs one: "
+                "Spin(epoch=..., wxyz=..., angular_velocity=...)."
+            )
         if self.angular_velocity is None:
             raise AttitudeError(
                 "the message has no angular velocity; a Spin needs one: "
@@ -87,10 +92,13 @@ class Parameters:
     def refuse_other_axes(self) -> None:
         """AttitudeError if the inertia is over other axes than those whose attitude is given."""
         inertia, body = self.meta["inertia_frame"], self.meta["body_frame"]
+        if body is None:
+            return
         if inertia.upper() != body.upper():
             raise AttitudeError(
-                f"the inertia is over the axes {inertia}, but the attitude is that of {body}; give "
-                f"a Body over the axes {body}: FreeRotation(body, parameters.spin)."
+                f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
+                f"{cut(body, '')}; give a Body over the axes of the attitude: "
+                "FreeRotation(body, parameters.spin)."
             )
 
 
@@ -101,6 +109,7 @@ def read(
     frame: str | None = None,
     orbit: Path | None = None,
     products: str | None = None,
+    rates: str | None = None,
 ) -> Parameters:
     """A message as `Parameters`.
 
@@ -111,6 +120,8 @@ def read(
     products : str, optional
         "tensor" if IXY is the entry of the inertia tensor, "integral" if the entry is -IXY; by
         default as in the book of the message's version (see `inertia`).
+    rates : str, optional
+        What X_RATE, Y_RATE, Z_RATE of version 1 are, as of `aem.read`.
 
     Raises
     ------
@@ -123,7 +134,7 @@ def read(
         message = None if first is None else read_kvn(lines, first)
     if message is None:
         message = read_xml(path)
-    return Parameters(*Interpreted(message, tolerance, frame, orbit, products).result())
+    return Parameters(*Interpreted(message, tolerance, frame, orbit, products, rates).result())
 
 
 def write(
@@ -136,6 +147,7 @@ def write(
     time_system: str = "UTC",
     inertia: bool = True,
     products: str | None = None,
+    rates: str | None = None,
     object_name: str | None = None,
     object_id: str | None = None,
     center: str | None = None,
@@ -147,7 +159,8 @@ def write(
 ) -> None:
     """Write the state and the inertia of a FreeRotation as an APM.
 
-    Version 1 has the rates in the block of Euler angles (321), beside the quaternion.
+    Version 1 has the rates as derivatives of the quaternion; on those of its block of Euler angles
+    readers disagree.
 
     Parameters
     ----------
@@ -159,6 +172,8 @@ def write(
         False leaves the inertia out (relative moments have no unit and cannot be written).
     products : str, optional
         As of `read`: the sign of the products of inertia.
+    rates : str, optional
+        Version 1.0: write the block of Euler angles (321) too, with "body" or "euler" rates.
 
     The other parameters are those of `aem.write`.
 
@@ -185,10 +200,8 @@ def write(
     found = axes.named(frame or axes.WRITTEN[spin.frame])
     if found.turning:
         raise AttitudeError(f"an APM is written in axes that do not turn, not {found.name}.")
-    if axes.known(body_frame) is not None:
-        raise AttitudeError(
-            f"body_frame is {body_frame!r}, the name of other axes; give another name."
-        )
+    if (why := axes.body_name_fault(body_frame)) is not None:
+        raise AttitudeError(f"body_frame is {body_frame!r}, which {why}; give another name.")
     wxyz = spin.wxyz
     if found.kind != spin.frame:
         outer = quaternion.conjugate(found.to_icrf(spin.epoch, 0.0, None))
@@ -205,7 +218,9 @@ def write(
             "TIME_SYSTEM": scale.upper(),
         },
         epoch=ccsds_epochs.texts(spin.epoch, np.zeros(1), None, scale, digits)[0],
-        blocks=written.blocks(version, found.name, body_frame, wxyz, spin.angular_velocity),
+        blocks=written.blocks(
+            version, found.name, body_frame, wxyz, spin.angular_velocity, old_rates.known(rates)
+        ),
     )
     if body is not None:
         message.blocks.append(written.inertia(version, body, body_frame, products))

@@ -29,7 +29,7 @@ def read_kvn(lines: Lines, first: bytes) -> Collected:
         For lines that are not KVN, and unknown, misplaced or repeated keywords.
     """
     version = kvn.version(lines, first, "APM", VERSIONS)
-    message = Collected(version, lines.fault)
+    message = Collected(version, lines.fault, lines.path)
     current: Block | None = None
     for line in lines:
         if line.strip() in (b"", b"META_START", b"META_STOP"):
@@ -116,7 +116,8 @@ class _ApmReader(ElementReader):
 
     def begin(self, tag, attributes):
         if tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
-            self.message = Collected(self.version(tag, attributes, "apm", VERSIONS), self.fault)
+            version = self.version(tag, attributes, "apm", VERSIONS)
+            self.message = Collected(version, self.fault, self.path)
             self.message.comments.extend(self._comments)
         elif self._tags[-1:] == ["data"] and tag in XML_BLOCKS:
             self._block = Block(XML_BLOCKS[tag], self.line)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 from attitude.formats.apm.keywords import META, REPEATED, UNITS
 from attitude.formats.ccsds.attitude_types import HEADER
 from attitude.textfiles import kvn
-from attitude.textfiles.lines import is_number
+from attitude.textfiles.lines import cut, is_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,10 +52,12 @@ class Collected:
     version : str
     fault : callable
         Makes the error for a sentence and the number of a line.
+    path : str
+        Name of the file.
 
     Attributes
     ----------
-    version, fault
+    version, fault, path
         As given.
     header, meta : dict of str
         Keyword -> value; meta holds EPOCH too.
@@ -65,9 +67,10 @@ class Collected:
     blocks : list of Block
     """
 
-    def __init__(self, version: str, fault: Fault):
+    def __init__(self, version: str, fault: Fault, path: str):
         self.version: str = version
         self.fault: Fault = fault
+        self.path: str = path
         self.header: dict[str, str] = {}
         self.meta: dict[str, str] = {}
         self.lines: dict[str, int] = {}
@@ -129,7 +132,7 @@ def number(message: Collected, block: Block, keyword: str, kind: str | None = No
     allowed = () if kind is None else UNITS[kind]
     if unit and unit.replace(" ", "") not in allowed:
         known = f"; it must be in {allowed[0]}" if allowed else ", but it has no unit"
-        raise message.fault(f"{keyword} is in {unit!r}{known}.", line)
+        raise message.fault(f"{keyword} is in {cut(unit)}{known}.", line)
     found = float(value) if is_number(value.encode("ascii", "replace")) else math.nan
     if not math.isfinite(found):
         raise message.fault(f"{keyword} is {value[:40]!r}, which is no finite number.", line)
@@ -149,7 +152,7 @@ def one_of(
     """The meaning of a keyword's value, out of some choices; AttitudeError for another value."""
     value = block.get(keyword)
     if value is None or value.upper() not in choices:
-        given = "is not given" if value is None else f"is {value!r}"
+        given = "is not given" if value is None else f"is {cut(value)}"
         raise message.fault(
             f"{keyword} of the block {block.name} {given}; it must be one of {', '.join(choices)}.",
             block.lines.get(keyword, block.line),

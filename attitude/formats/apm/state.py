@@ -13,11 +13,12 @@ from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.formats.apm.inertia import known_products, tensor
 from attitude.formats.apm.keywords import META
-from attitude.formats.apm.message import needs, number, one_of
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.apm.message import Block, needs, number, one_of
+from attitude.formats.ccsds import attitude_types, axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import to_icrf
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -34,7 +35,7 @@ class Interpreted:
     Parameters
     ----------
     message : Collected
-    tolerance, frame, orbit, products
+    tolerance, frame, orbit, products, rates
         As of `apm.read`.
 
     Attributes
@@ -52,7 +53,9 @@ class Interpreted:
         frame: str | None,
         orbit: Path | None,
         products: str | None,
+        rates: str | None = None,
     ):
+        self._rates = old_rates.known(rates)
         self._message, self._tolerance = message, tolerance
         self._frame, self._orbit = frame, orbit
         self._old = message.version == "1.0"
@@ -62,7 +65,7 @@ class Interpreted:
 
     def result(
         self,
-    ) -> tuple[Instant, FloatArray, FloatArray | None, Body | None, dict[str, Any]]:
+    ) -> tuple[Instant, FloatArray | None, FloatArray | None, Body | None, dict[str, Any]]:
         """The fields of `Parameters`: epoch, attitude, angular velocity, body, meta.
 
         Raises
@@ -79,7 +82,7 @@ class Interpreted:
             self.epoch = ccsds_epochs.instant(needs(message, "EPOCH"), scale)
         except ccsds_epochs.BadEpoch as err:
             raise message.fault(
-                f"EPOCH is {message.meta['EPOCH'][:60]!r}, no epoch: {err.reason}.",
+                f"EPOCH is {message.meta['EPOCH'][:38]!r}, no epoch: {err.reason}.",
                 message.lines["EPOCH"],
             ) from err
         except AttitudeError as err:
@@ -109,27 +112,40 @@ class Interpreted:
         attitude = rates = of_attitude = of_rates = None
         for name, meaning in (("QUAT", self._quat), ("EULER", self._euler), ("SPIN", self._spin)):
             for block in self._blocks(name)[:1]:
-                found = meaning(block)
+                found = self._named(meaning, block)
                 if attitude is None and found[0] is not None:
                     attitude, of_attitude = found[0], block
                 if rates is None and found[1] is not None:
                     rates, of_rates = found[1], block
+        if attitude is None and self._blocks("INERTIA") and not self._blocks("ANGVEL"):
+            return None, None, None
         if attitude is None:
             raise self._message.fault("the message has no attitude.", None)
         for block in self._blocks("ANGVEL")[:1]:
-            rates, of_rates = self._angvel(block, attitude), block
+            rates, of_rates = self._named(self._angvel, block, attitude), block
         body = self._bodies[of_attitude.name]
         if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
             raise self._message.fault(
-                f"the block {of_rates.name} has the rates of {self._bodies[of_rates.name]}, but "
-                f"the block {of_attitude.name} the attitude of {body}; a message is read for one "
+                f"the block {of_rates.name} has the rates of "
+                f"{cut(self._bodies[of_rates.name], '')}, but the block {of_attitude.name} the "
+                f"attitude of {cut(body, '')}; a message is read for one "
                 "body: delete one of the blocks.",
                 of_rates.line,
             )
         if callable(rates):
-            rates = rates(attitude)
+            rates = self._named(rates, attitude)
         self._refuse_speed(rates)
         return attitude, rates, body
+
+    def _named(self, meaning, block, *more):
+        """What a block means; errors of its axes name the file and the line too."""
+        try:
+            return meaning(block, *more)
+        except AttitudeError as err:
+            if str(err).startswith(self._message.path):
+                raise
+            line = block.line if isinstance(block, Block) else None
+            raise self._message.fault(str(err), line) from err
 
     def _refuse_speed(self, rates):
         try:
@@ -147,21 +163,11 @@ class Interpreted:
         for key, name in zip(("REF_FRAME_A", "REF_FRAME_B"), names, strict=True):
             if not name:
                 raise message.fault(f"the block {block.name} lacks {key}.", block.line)
-        known = [axes.known(name) for name in names]
-        if self._frame is not None:
-            body_is_a = known[0] is None and known[1] is not None
-            found = axes.named(self._frame)
-        else:
-            if (known[0] is None) == (known[1] is None):
-                raise message.fault(
-                    f"of the frames {names[0]} and {names[1]} one must be known external axes "
-                    "(ICRF, EME2000, ITRF, TEME, RTN, LVLH), the other the body's; give the name "
-                    "of the external axes with frame=.",
-                    block.lines["REF_FRAME_A"],
-                )
-            body_is_a = known[0] is None
-            found = known[1] if body_is_a else known[0]
-        self._bodies[block.name] = names[0 if body_is_a else 1]
+        try:
+            found, body, body_is_a = axes.of_pair(*names, self._frame)
+        except AttitudeError as err:
+            raise message.fault(str(err), block.lines["REF_FRAME_B"]) from err
+        self._bodies[block.name] = body
         to_body = not body_is_a
         if self._old and one_of(message, block, "DIR", _DIRECTIONS) is False:
             to_body = not to_body
@@ -218,16 +224,40 @@ class Interpreted:
 
     def _old_euler(self, block, how, found, body_is_a):
         """Version 1: angles under the names of their axes, rates over the axes of a frame."""
+        letters = [name[0] for name, _, _ in block.order if name.endswith("_RATE")]
+        derivatives = self._rates == "euler" or len(set(letters)) < len(letters)
         angles = self._by_axis(block, "ANGLE", how.sequence)
-        rates = self._by_axis(block, "RATE", None)
+        rates = self._by_axis(block, "RATE", how.sequence if derivatives else None)
         wxyz = None
         if angles is not None:
             wxyz = self._relative("EULER_ANGLE", angles, block, how, found)[0]
         if rates is None:
             return wxyz, None
+        if derivatives:
+            return wxyz, self._of_derivatives(np.radians(rates), how, found)
+        if self._rates is None:
+            old_rates.warn(self._message.path, "the block of Euler angles")
         frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
         over_body = one_of(self._message, block, "RATE_FRAME", frames)
         return wxyz, self._body_rates(np.radians(rates), over_body, found)
+
+    def _of_derivatives(self, change, how, found):
+        """A function: attitude -> rates relative to ICRF, from derivatives of Euler angles."""
+        self._refuse_speed(change)
+
+        def of(wxyz):
+            zero = np.zeros(1)
+            outer = found.to_icrf(self.epoch, zero, zero, self._orbit).reshape(4)
+            inner = quaternion.multiply(quaternion.conjugate(outer), wxyz)
+            rates = attitude_types.of_euler_derivatives(inner[None], change[None], how)[0]
+            own = found.angular_velocity(self.epoch, zero, zero, self._orbit)
+            return (
+                rates
+                if own is None
+                else rates + quaternion.rotate(quaternion.conjugate(wxyz), own[0])
+            )
+
+        return of
 
     def _body_rates(self, rates, over_body, found):
         """A function: attitude -> rates relative to ICRF, over the body axes."""

@@ -45,7 +45,12 @@ class WrittenMessage:
 
 
 def blocks(
-    version: str, frame: str, body: str, wxyz: FloatArray, rates: FloatArray
+    version: str,
+    frame: str,
+    body: str,
+    wxyz: FloatArray,
+    rates: FloatArray,
+    meaning: str | None = None,
 ) -> list[WrittenBlock]:
     """The blocks of attitude and rates.
 
@@ -58,34 +63,21 @@ def blocks(
         Body to the external axes, scalar first.
     rates : (3,) array
         Angular velocity, rad/s over the body axes.
+    meaning : str or None
+        Version 1: "body" or "euler" adds the block of Euler angles, with rates of this meaning.
     """
     quaternions: list[tuple[str, str | float, str]] = [
         (k, float(q), "") for k, q in zip(("Q1", "Q2", "Q3", "QC"), np.roll(wxyz, -1), strict=True)
     ]
     speeds = [float(rate) for rate in np.degrees(rates)]
     if version == "1.0":
-        angles = np.degrees(forms.to_euler("ZYX", wxyz)).tolist()
-        return [
-            (
-                "QUAT",
-                [
-                    ("Q_FRAME_A", frame, ""),
-                    ("Q_FRAME_B", body, ""),
-                    ("Q_DIR", "A2B", ""),
-                    *quaternions,
-                ],
-            ),
-            (
-                "EULER",
-                [
-                    *(("EULER_FRAME_A", frame, ""), ("EULER_FRAME_B", body, "")),
-                    *(("EULER_DIR", "A2B", ""), ("EULER_ROT_SEQ", "321", "")),
-                    ("RATE_FRAME", "EULER_FRAME_B", ""),
-                    *((f"{a}_ANGLE", angle, "deg") for a, angle in zip("ZYX", angles, strict=True)),
-                    *((f"{a}_RATE", speeds["XYZ".index(a)], "deg/s") for a in "ZYX"),
-                ],
-            ),
-        ]
+        dots = np.roll(forms.quaternion_rate(wxyz, rates), -1).tolist()
+        names = ("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT")
+        first: list[tuple[str, str | float, str]]
+        first = [("Q_FRAME_A", frame, ""), ("Q_FRAME_B", body, ""), ("Q_DIR", "A2B", "")]
+        turning = [(name, dot, "1/s") for name, dot in zip(names, dots, strict=True)]
+        found: list[WrittenBlock] = [("QUAT", [*first, *quaternions, *turning])]
+        return found if meaning is None else [*found, _euler(frame, body, wxyz, rates, meaning)]
     frames: list[tuple[str, str | float, str]]
     frames = [("REF_FRAME_A", frame, ""), ("REF_FRAME_B", body, "")]
     components = [(f"ANGVEL_{a}", rate, "deg/s") for a, rate in zip("XYZ", speeds, strict=True)]
@@ -93,6 +85,27 @@ def blocks(
         ("QUAT", [*frames, *quaternions]),
         ("ANGVEL", [*frames, ("ANGVEL_FRAME", body, ""), *components]),
     ]
+
+
+def _euler(frame, body, wxyz, rates, meaning):
+    """The block of Euler angles of version 1."""
+    angles = forms.to_euler("ZYX", wxyz)
+    speeds = np.degrees(rates)[::-1]
+    if meaning == "euler":
+        speeds = np.degrees(forms.euler_rates("ZYX", angles, rates))
+    return (
+        "EULER",
+        [
+            *(("EULER_FRAME_A", frame, ""), ("EULER_FRAME_B", body, "")),
+            *(("EULER_DIR", "A2B", ""), ("EULER_ROT_SEQ", "321", "")),
+            ("RATE_FRAME", "EULER_FRAME_B", ""),
+            *(
+                (f"{a}_ANGLE", float(x), "deg")
+                for a, x in zip("ZYX", np.degrees(angles), strict=True)
+            ),
+            *((f"{a}_RATE", float(x), "deg/s") for a, x in zip("ZYX", speeds, strict=True)),
+        ],
+    )
 
 
 def inertia(version: str, body: Body, frame: str, products: str | None) -> WrittenBlock:
@@ -180,7 +193,12 @@ def write_xml(file: IO[str], message: WrittenMessage) -> None:
 
 def _write_entries(file, leaf, entries):
     """Write the keywords of a block; quaternion, angles and rates each have a group element."""
-    groups = {"Q1": "quaternion", "Z_ANGLE": "rotationAngles", "Z_RATE": "rotationRates"}
+    groups = {
+        "Q1": "quaternion",
+        "Q1_DOT": "quaternionRate",
+        "Z_ANGLE": "rotationAngles",
+        "Z_RATE": "rotationRates",
+    }
     inside, count = None, 0
     for key, value, unit in entries:
         if key in groups and inside is None:
@@ -190,11 +208,11 @@ def _write_entries(file, leaf, entries):
             leaf(10, key, value, unit)
             continue
         count += 1
-        if inside == "quaternion":
+        if inside.startswith("quaternion"):
             leaf(12, key, value, unit)
         else:
             kind = "angle" if inside == "rotationAngles" else "rate"
             leaf(12, f"rotation{count}", value, unit, f' {kind}="{key}"')
-        if count == (4 if inside == "quaternion" else 3):
+        if count == (4 if inside.startswith("quaternion") else 3):
             file.write(f"          </{inside}>\n")
             inside = None

@@ -8,7 +8,9 @@ a, b, c is body to inertial = Rz(a) Rx(b) Rz(c).
 
 Rates are those of the body relative to the external axes, except in version 2 messages whose
 REF_FRAME_A is the body: there the standard defines them as those of B relative to A, the negative.
-The components of ANGVEL and RATE are over the axes that ANGVEL_FRAME or RATE_FRAME names.
+The components of ANGVEL are over the axes that ANGVEL_FRAME names.  The three numbers of RATE, in
+version 1, are such components over the axes of RATE_FRAME, or the derivatives of the Euler angles
+of EULER_ROT_SEQ: tools differ, and `Convention.rates_of_angles` says which.
 
 The spin types give the pole of body z and the angle about it, as `representations.from_pole`, of
 the body relative to the external axes, for either direction.  SPIN has no rate across body z:
@@ -31,6 +33,7 @@ import numpy as np
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.errors import AttitudeError
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -89,6 +92,9 @@ class Convention:
         Axes of the Euler angles, such as "ZXZ".
     in_radians : bool
         Whether ANGVEL components are rad/s, as in CSV tables, or deg/s, as in CCSDS messages.
+    rates_of_angles : bool
+        Whether the three numbers of ANGVEL are derivatives of the Euler angles of `sequence` of the
+        rotation of the file (version 1).
     """
 
     to_body: bool = True
@@ -97,6 +103,7 @@ class Convention:
     scalar_first: bool = False
     sequence: str | None = None
     in_radians: bool = False
+    rates_of_angles: bool = False
 
 
 def known(name: str, version: str) -> str:
@@ -111,7 +118,7 @@ def known(name: str, version: str) -> str:
     given = OUT_OF_VERSION_1.get(given, given)
     if given not in COLUMNS:
         raise AttitudeError(
-            f"ATTITUDE_TYPE is {name!r}; it must be one of "
+            f"ATTITUDE_TYPE is {cut(name)}; it must be one of "
             f"{', '.join(IN_VERSION_1.values() if version.startswith('1') else COLUMNS)}."
         )
     return given
@@ -149,7 +156,9 @@ def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, F
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
         family
     ](kind, rows, how)
-    if kind.endswith("/ANGVEL"):
+    if kind.endswith("/ANGVEL") and how.rates_of_angles:
+        rates = of_euler_derivatives(wxyz, np.radians(rows[:, -3:]), how)
+    elif kind.endswith("/ANGVEL"):
         rates = rows[:, -3:] if how.in_radians else np.radians(rows[:, -3:])
         if not how.rates_over_body:
             rates = quaternion.rotate(quaternion.conjugate(forms.unit(wxyz)), rates)
@@ -195,7 +204,12 @@ def encoded(
         assert how.sequence is not None
         angles = forms.to_euler(how.sequence, given)
         columns = [np.degrees(angles)]
-    if kind.endswith("/ANGVEL"):
+    if kind == "EULER_ANGLE/DERIVATIVE" or (kind.endswith("/ANGVEL") and how.rates_of_angles):
+        assert rates is not None and how.sequence is not None
+        angles = forms.to_euler(how.sequence, given)
+        over = rates if how.to_body else -quaternion.rotate(wxyz, rates)
+        columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
+    elif kind.endswith("/ANGVEL"):
         assert rates is not None
         over = rates if how.rates_over_body else quaternion.rotate(wxyz, rates)
         columns.append(np.degrees(-over if how.rates_follow and not how.to_body else over))
@@ -203,10 +217,6 @@ def encoded(
         assert rates is not None
         change = forms.quaternion_rate(wxyz, rates)
         columns.append(_ordered(change if how.to_body else quaternion.conjugate(change), how))
-    elif kind == "EULER_ANGLE/DERIVATIVE":
-        assert rates is not None and how.sequence is not None
-        over = rates if how.to_body else -quaternion.rotate(wxyz, rates)
-        columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
     return np.concatenate(columns, axis=1)
 
 
@@ -224,6 +234,50 @@ def _of_quaternions(kind, rows, how):
         return parts[0], None
     square = np.sum(parts[0] * parts[0], axis=1, keepdims=True)
     return parts[0], forms.angular_velocity_from_quaternion_rate(*parts) / square
+
+
+def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
+    """Angular velocities (N, 3), rad/s over the body axes, relative to the external axes.
+
+    Parameters
+    ----------
+    wxyz : (N, 4) array
+        Body to the external axes, scalar first.
+    change : (N, 3) array
+        Derivatives, rad/s, of the Euler angles of `how.sequence` of the rotation of the file.
+    how : Convention
+        Its `to_body` is the direction of that rotation.
+    """
+    assert how.sequence is not None
+    given = forms.unit(wxyz) if how.to_body else quaternion.conjugate(forms.unit(wxyz))
+    angles = forms.to_euler(how.sequence, given)
+    rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
+    return rates if how.to_body else -quaternion.rotate(given, rates)
+
+
+def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
+    """The places of rates with the names of axes, as derivatives of the angles of a sequence.
+
+    Repeated letters, such as Y, X, Y under sequence 212, are the derivatives in their order.
+
+    Returns
+    -------
+    list of int or None
+        For each angle of the sequence the place of its rate; None if the letters are not those of
+        the sequence.
+
+    >>> rates_by_axis("YXY", "YXY"), rates_by_axis("XYZ", "ZYX"), rates_by_axis("XYZ", "ZXZ")
+    ([0, 1, 2], [2, 1, 0], None)
+    """
+    if sequence is None or sorted(letters) != sorted(sequence):
+        return None
+    left = list(enumerate(letters))
+    places = []
+    for axis in sequence:
+        found = next(item for item in left if item[1] == axis)
+        left.remove(found)
+        places.append(found[0])
+    return places
 
 
 def _of_angles(kind, rows, how):

@@ -7,55 +7,36 @@ for each epoch, and they have an angular velocity.
 icrf                      ICRF, ICRF1 to ICRF3, GCRF, BCRF
 eme2000                   EME2000, J2000 (in CCSDS and STK: with the frame bias of 23 mas)
 ecliptic                  ECLIPTIC, ECLIPTICJ2000, ECLIPJ2000
-itrf                      ITRF, ITRF-97, ITRF2000, ..., ITRS: IAU 2006/2000A with the Earth
-                          orientation of astropy-iers-data
-teme                      TEME, TEMEOFDATE
-rtn                       RTN, RSW, RIC, QSW: x away from the center, z along the orbit's momentum
-lvlh                      LVLH, VVLH: z to the center, y against the orbit's momentum
+b1950                     B1950, EME1950
+itrf, tirs, cirs, gtod    ITRF, ITRF-97, ..., ITRS; TIRS; CIRS; GTOD, TDR: see `earth_axes`
+tod, mod, teme            TOD, TOD_EARTH, TRUEOFDATE; MOD, MOD_EARTH, MEANOFDATE; TEME, TEMEOFDATE
+rtn, lvlh, tnw, ntw, vnc  RTN, RSW, RIC, QSW; LVLH, VVLH; TNW; NTW; VNC: see `orbit_axes`
 ========================  =========================================================================
 
 Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others,
-with _ROTATING or without, have rates relative to the axes as they turn.
-
-Sources: SANA registry of celestial body and orbit-relative reference frames; IERS Conventions
-(2010), chapter 5, as in ERFA's c2t06a; Vallado et al., AIAA 2006-6753 (TEME).
+with _ROTATING or without, have rates relative to the axes as they turn.  Axes of date at one epoch
+are fixed.
 """
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import epochs, frames, pairs, quaternion
 from attitude import representations as forms
-from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.paths.path import Path
+from attitude.formats.ccsds import axis_names, earth_axes, orbit_axes
+from attitude.formats.ccsds.axis_names import OF_ORBIT, WRITTEN
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+    from attitude.paths.path import Path
 
-_FIXED = {
-    **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
-    **dict.fromkeys(("EME2000", "J2000"), "eme2000"),
-    **dict.fromkeys(("ECLIPTIC", "ECLIPTICJ2000", "ECLIPJ2000"), "ecliptic"),
-}
-_TURNING = {
-    **dict.fromkeys(("TEME", "TEMEOFDATE"), "teme"),
-    **dict.fromkeys(("ITRF", "ITRS"), "itrf"),
-    **dict.fromkeys(("RTN", "RSW", "RIC", "QSW"), "rtn"),
-    **dict.fromkeys(("LVLH", "VVLH"), "lvlh"),
-}
-_OF_ORBIT = ("rtn", "lvlh")
-# Kind -> name in written files.
-WRITTEN: dict[str, str] = {
-    **{"icrf": "ICRF", "gcrf": "GCRF", "eme2000": "EME2000", "ecliptic": "ECLIPTICJ2000"},
-    **{"itrf": "ITRF", "teme": "TEME", "rtn": "RTN", "lvlh": "LVLH"},
-}
-# Epochs of two files are equal if they differ by at most the last decimal, s.
-_SAME = 1e-12
+__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
+
 # Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
 _STEP = 1.0
 
@@ -69,21 +50,26 @@ class Axes:
     kind : str
     inertial : bool
         Whether rates in these axes are relative to inertial space.
+    at : Instant, optional
+        Axes of date at this epoch, which are fixed.
 
     Attributes
     ----------
     name : str
         Name in the file.
     kind : str
-        "icrf", "gcrf", "eme2000", "ecliptic", "itrf", "teme", "rtn" or "lvlh".
+        One of the table above, or "gcrf".
     turning : bool
         Whether the axes turn relative to ICRF.
     """
 
-    def __init__(self, name: str, kind: str, *, inertial: bool = False):
+    def __init__(
+        self, name: str, kind: str, *, inertial: bool = False, at: epochs.Instant | None = None
+    ):
         self.name: str = name
         self.kind: str = kind
-        self.turning: bool = kind not in frames.FRAMES
+        self._at = at
+        self.turning: bool = kind not in (*frames.FRAMES, "b1950") and at is None
         self._inertial = inertial
 
     def to_icrf(
@@ -113,6 +99,11 @@ class Axes:
             If axes of an orbit are given no orbit, or an epoch lies outside of its span or of the
             installed table of Earth orientation.
         """
+        if self._at is not None:
+            one = np.array([self._at.seconds]), np.array([self._at.low])
+            return _turned(self.kind, *one, orbit, self.name)[0]
+        if self.kind == "b1950":
+            return earth_axes.b1950()
         if not self.turning:
             return frames.wxyz_to_icrf(self.kind)
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
@@ -133,8 +124,8 @@ class Axes:
             return None
         hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
         side = np.zeros(hi.shape)
-        if self.kind in _OF_ORBIT:
-            side = _sides(hi, lo, _known_path(orbit, self.name))
+        if self.kind in OF_ORBIT:
+            side = _sides(hi, lo, orbit_axes.known_path(orbit, self.name))
         rates = np.empty((*hi.shape, 3))
         for s in np.unique(side):
             some = side == s
@@ -148,16 +139,60 @@ class Axes:
 
 def known(name: str) -> Axes | None:
     """The Axes with a name, or None if the table above does not list it."""
-    given = re.sub(r"[-_ ]", "", name).upper()
-    if given in _FIXED:
-        return Axes(name, _FIXED[given])
-    inertial = given.endswith("INERTIAL")
-    given = given.removesuffix("INERTIAL").removesuffix("ROTATING")
-    if re.fullmatch(r"ITRF(19|20)?\d\d", given):
-        given = "ITRF"
-    if given in _TURNING:
-        return Axes(name, _TURNING[given], inertial=inertial)
-    return None
+    found = axis_names.meaning(name)
+    return None if found is None else Axes(name, found[0], inertial=found[1])
+
+
+def body_name_fault(name: str) -> str | None:
+    """Why a name cannot be that of a body's own axes, as the end of a sentence; None if it can."""
+    if axis_names.meaning(name) is not None:
+        return "is the name of other axes"
+    if axis_names.named_elsewhere(name):
+        return "is the name of reference axes that this package does not compute"
+    near = axis_names.looks_like(name)
+    return None if near is None else f"looks like a misspelled {near}"
+
+
+def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
+    """The external axes of a rotation from A to B, the body's name, and whether the body is A.
+
+    Parameters
+    ----------
+    a, b : str
+        REF_FRAME_A and REF_FRAME_B.
+    frame : str or None
+        The external axes, if their name in the file is not known.
+
+    Raises
+    ------
+    AttitudeError
+        If not one of the two is known external axes and the other a name that a body's own frame
+        can have.
+    """
+    both = [known(name) for name in (a, b)]
+    if frame is not None:
+        body_is_a = both[0] is None and both[1] is not None
+        return named(frame), a if body_is_a else b, body_is_a
+    shown = f"REF_FRAME_A is {cut(a)} and REF_FRAME_B is {cut(b)}"
+    if both[0] is not None and both[1] is not None:
+        raise AttitudeError(
+            f"{shown}, both of them known external axes; one of them must be the body's."
+        )
+    for name in (a, b):
+        why = body_name_fault(name)
+        if known(name) is None and why is not None:
+            raise AttitudeError(
+                f"{shown}; {cut(name)} {why}. If it is the body's own frame, name the external "
+                "axes with frame=."
+            )
+    if both[0] is not None:
+        return both[0], b, False
+    if both[1] is not None:
+        return both[1], a, True
+    raise AttitudeError(
+        f"{shown}, and none is known as ICRF, EME2000, ITRF, TEME, TOD, RTN, LVLH or other "
+        "external axes; give the name of the external axes with frame=."
+    )
 
 
 def named(name: str, keyword: str = "frame") -> Axes:
@@ -173,59 +208,24 @@ def named(name: str, keyword: str = "frame") -> Axes:
     found = known(name) if isinstance(name, str) else None
     if found is None:
         raise AttitudeError(
-            f"{keyword} is {name!r}; known axes are {', '.join(sorted(_FIXED))}, "
-            f"{', '.join(sorted(_TURNING))}."
+            f"{keyword} is {cut(name)}; known axes are {', '.join(sorted(axis_names.FIXED))}, "
+            f"{', '.join(sorted(axis_names.TURNING))}."
         )
     return found
 
 
 def _turned(kind, hi, lo, orbit, name):
-    if kind in _OF_ORBIT:
-        return _orbital(kind, hi, lo, orbit, name)
-    return _earthly(kind, hi, lo)
-
-
-def _orbital(kind, hi, lo, orbit, name):
-    orbit = _known_path(orbit, name)
-    for end, _, inside in _ends(orbit, hi, lo):
-        beyond = (inside < 0.0) & (inside >= -_SAME)
-        hi, lo = np.where(beyond, end.seconds, hi), np.where(beyond, end.low, lo)
-    position, velocity = orbit.state(epochs.Instant(0.0), hi, lo)
-    radial = _unit(position)
-    normal = _unit(np.cross(position, velocity))
-    if kind == "rtn":
-        columns = radial, np.cross(normal, radial), normal
-    else:
-        columns = np.cross(normal, radial), -normal, -radial
-    return forms.from_matrix(np.stack(columns, axis=-1))
-
-
-def _known_path(orbit: object, name: str) -> Path:
-    """The path itself; AttitudeError for anything else."""
-    if isinstance(orbit, Path):
-        return orbit
-    given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
-    raise AttitudeError(
-        f"the attitude refers to {name}, axes of the orbit{given}; give orbit=, the path of the "
-        "body about its center (on the command line --orbit, a file with the path)."
-    )
+    if kind in OF_ORBIT:
+        return orbit_axes.to_icrf(kind, hi, lo, orbit, name)
+    return earth_axes.to_icrf(kind, hi, lo)
 
 
 def _sides(hi, lo, orbit):
     """1 if the path begins less than a step before the epoch, -1 if it ends as soon, else 0."""
     side = np.zeros(hi.shape)
-    for _, sign, inside in _ends(orbit, hi, lo):
+    for _, sign, inside in orbit_axes.ends(orbit, hi, lo):
         side[inside < _STEP] = sign
     return side
-
-
-def _ends(orbit, hi, lo):
-    """Ends of the span of a path, if it has one: (end, sign, seconds of the epochs inside of it).
-
-    The sign is 1 for the first end, -1 for the last.
-    """
-    for end, sign in zip(orbit.span or (), (1.0, -1.0), strict=False):
-        yield end, sign, sign * ((hi - end.seconds) + (lo - end.low))
 
 
 def _central(turned):
@@ -243,31 +243,3 @@ def _one_sided(turned, side):
         forms.to_rotation_vector(quaternion.multiply(turned(k * step), now)) for k in (1, 2)
     )
     return (4.0 * one - two) / (2.0 * step)
-
-
-def _earthly(kind, hi, lo):
-    import erfa
-
-    tt = time_scales.tt_from_tdb(hi, lo)
-    tt1, tt2 = time_scales.jd_from_seconds(*tt)
-    utc1, utc2 = erfa.ufunc.taiutc(
-        *time_scales.jd_from_seconds(*pairs.add(tt, -time_scales.TT_MINUS_TAI))
-    )[:2]
-    table = time_scales.earth_orientation()
-    dut1, status = table.ut1_utc(utc1, utc2, return_status=True)
-    if np.any(status < 0):
-        raise AttitudeError(
-            "an epoch lies outside of the installed table of Earth orientation, which Earth-fixed "
-            "axes need; update the package astropy-iers-data."
-        )
-    ut1, ut2 = erfa.ufunc.utcut1(utc1, utc2, dut1.to_value("s"))[:2]
-    x, y = (angle.to_value("rad") for angle in table.pm_xy(utc1, utc2))
-    to_itrf = erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)
-    if kind == "teme":
-        spin = erfa.rz(erfa.gmst82(ut1, ut2), np.eye(3))
-        to_itrf = np.swapaxes(erfa.pom00(x, y, 0.0) @ spin, -1, -2) @ to_itrf
-    return forms.continuous(forms.from_dcm(to_itrf))
-
-
-def _unit(v):
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)

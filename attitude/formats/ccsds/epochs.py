@@ -15,6 +15,7 @@ import numpy as np
 from attitude import epochs, pairs
 from attitude.epochs import readers, time_scales
 from attitude.errors import AttitudeError
+from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +53,7 @@ def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
     given = time_system.strip().upper() if isinstance(time_system, str) else None
     if given not in TIME_SYSTEMS:
         raise AttitudeError(
-            f"{name} is {time_system!r}, which cannot be converted; it must be one of "
+            f"{name} is {cut(time_system)}, which cannot be converted; it must be one of "
             f"{', '.join(sorted(TIME_SYSTEMS))}."
         )
     return TIME_SYSTEMS[given]

@@ -29,7 +29,7 @@ from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.damit.curve import DamitLightCurve, from_positions
 from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import is_number, opened
+from attitude.textfiles.lines import cut, is_number, opened
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
@@ -211,7 +211,7 @@ def _point(lines, tokens, where):
     for token in tokens[:8]:
         if not is_number(token) or not np.isfinite(float(token)):
             shown = token[:40].decode("utf-8", "replace")
-            raise lines.fault(f"{shown!r} in {where} is not a finite number.")
+            raise lines.fault(f"{cut(shown)} in {where} is not a finite number.")
     numbers = [float(token) for token in tokens[:8]]
     if not numbers[1] > 0.0:
         raise lines.fault(
@@ -227,7 +227,7 @@ def _point(lines, tokens, where):
 def _count(lines, token, name):
     shown = token[:40].decode("utf-8", "replace")
     if not token.isdigit() or not 0 < int(token[:20]) <= _MOST:
-        raise lines.fault(f"{name} is {shown!r}; it must be a whole number above zero.")
+        raise lines.fault(f"{name} is {cut(shown)}; it must be a whole number above zero.")
     return int(token)
 
 
