@@ -98,8 +98,7 @@ def tai_from_utc_day(day: Doubles | float, second: Any, low: Doubles | float = 0
     day : array
         Modified Julian date of the civil day, a whole number in a float64.
     second, low : array
-        From 0 to 86400, or to 86401 on the day of a leap second.
-        Floats give floats, with the bits of arrays and in a tenth of their time.
+        From 0 to 86400, or to 86401 on the day of a leap second.  Floats give floats, faster.
     """
     if type(day) is float and day >= _WHOLE_LEAPS:
         import erfa
