@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude import evaluation
+from attitude import evaluation, validation
 from attitude.blocks import in_blocks
 from attitude.errors import AttitudeError
-from attitude.immutable import read_only
 from attitude.sensitivities import columns
 from attitude.solution.principal import ASYMMETRY, PrincipalAxes
 
@@ -65,7 +64,8 @@ class Batch(NamedTuple):
         Parameters
         ----------
         t, t_low : (1 or B, T) arrays
-            The epochs t + t_low, s; t_low may be None.
+            The epochs t + t_low, s; t_low may be None.  Read-only: to compiled code writable arrays
+            are of another type.
         wxyz : (B, 4, T) array
             Filled: body to inertial.
         rates : (B, 3, T) array or None
@@ -86,43 +86,69 @@ class Batch(NamedTuple):
         span = length if sensitivity else min(max(length, 1), evaluation.EPOCHS)
         pieces = 1 if sensitivity else max(-(-length // span), 1)
         size = max(1, min(_BLOCK, evaluation.EPOCHS // max(span, 1)))
-        given = read_only(t), None if t_low is None else read_only(t_low)
+        blocks = -(-count // size)
+        if threads != 1:
+            threads = validation.count(threads, "threads")
+        if blocks * pieces == 1:
+            # nothing to divide: one body at one epoch takes half the time without slices
+            self._fill(self, t, t_low, wxyz, rates, sensitivity, (0, length))
+            return
 
         def work(begin: int, end: int) -> None:
             for each in range(begin, end):
                 block, piece = divmod(each, pieces)
                 part = slice(block * size, min((block + 1) * size, count))
-                found = self._prepared(part, rates is not None)
                 here = part if len(t) > 1 else slice(None)
-                times = given[0][here], None if given[1] is None else given[1][here]
-                epochs = piece * span, min((piece + 1) * span, length)
-                turning = None if rates is None else rates[part]
-                body = evaluation.evaluated(found.constants, *times, wxyz[part], turning, *epochs)
-                if body >= 0:
-                    few = body if len(t) > 1 else 0, slice(*epochs)
-                    low = None if times[1] is None else times[1][few]
-                    evaluation.refuse_epoch(found.constants[body], times[0][few], low)
-                if sensitivity:
-                    tangents = columns.tangents_of(
-                        found.moments, found.wxyz, found.principal, found.constants
-                    )
-                    outs = (each[part] for each in sensitivity)
-                    columns.evaluate(found.constants, tangents, *times, *outs)
+                self._fill(
+                    Batch(self.inertia[part], self.wxyz[part], self.omega[part]),
+                    t[here],
+                    None if t_low is None else t_low[here],
+                    wxyz[part],
+                    None if rates is None else rates[part],
+                    [each[part] for each in sensitivity],
+                    (piece * span, min((piece + 1) * span, length)),
+                    part.start,
+                )
 
-        in_blocks(work, pieces * -(-count // size), 1, threads)
+        in_blocks(work, pieces * blocks, 1, threads)
 
-    def _prepared(self, part: slice, rates: bool) -> _Prepared:
-        """The constants of some of the bodies."""
-        wxyz, omega = self.wxyz[part], self.omega[part]
+    def _fill(
+        self,
+        block: Batch,
+        t: FloatArray,
+        t_low: FloatArray | None,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        sensitivity: Sequence[FloatArray],
+        span: tuple[int, int],
+        first: int = 0,
+    ) -> None:
+        """As `propagated`, of a block of the bodies and a span of the epochs.
+
+        `first` is the number of the first body of the block.
+        """
+        found = block._prepared(rates is not None, first, len(self.wxyz))
+        body = evaluation.evaluated(found.constants, t, t_low, wxyz, rates, *span)
+        if body >= 0:
+            few = body if len(t) > 1 else 0, slice(*span)
+            low = None if t_low is None else t_low[few]
+            evaluation.refuse_epoch(found.constants[body], t[few], low)
+        if sensitivity:
+            tangents = columns.tangents_of(
+                found.moments, found.wxyz, found.principal, found.constants
+            )
+            columns.evaluate(found.constants, tangents, t, t_low, *sensitivity)
+
+    def _prepared(self, rates: bool, first: int, count: int) -> _Prepared:
+        """The constants of the bodies, of which the first one has the number `first` of `count`."""
+        wxyz, omega = self.wxyz, self.omega
         differences = None
         if self.inertia.ndim == 2:
             moments, turning = np.zeros((2, len(wxyz), 3, 2))
-            moments[..., 0], turning[..., 0] = self.inertia[part], omega
+            moments[..., 0], turning[..., 0] = self.inertia, omega
             principal = _IDENTITY
         else:
-            found = PrincipalAxes.of(
-                symmetric_tensors(self.inertia[part], part.start, len(self.wxyz))
-            )
+            found = PrincipalAxes.of(symmetric_tensors(self.inertia, first, count))
             turning, differences = found.over_axes(evaluation.writable(omega))
             moments, principal = found.moments, found.wxyz
         constants = evaluation.constants_of(
@@ -132,8 +158,8 @@ class Batch(NamedTuple):
             principal,
             differences=differences,
             rates=rates,
-            first=part.start,
-            count=len(self.wxyz),
+            first=first,
+            count=count,
         )
         return _Prepared(constants, moments, wxyz, principal)
 

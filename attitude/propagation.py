@@ -10,7 +10,7 @@ import numpy as np
 from attitude import validation
 from attitude.batches import Batch
 from attitude.errors import AttitudeError
-from attitude.immutable import put
+from attitude.immutable import frozen, put
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Reals
@@ -264,10 +264,10 @@ def _flat(array, lead, count, inner=1):
 
 
 def _epochs(t, lead, count):
-    """(1, T) if all bodies share the epochs, else (B, T)."""
+    """A read-only view (1, T) if all bodies share the epochs, else (B, T)."""
     if t.size == t.shape[-1]:
-        return np.ascontiguousarray(t).reshape(1, t.size)
-    return _flat(t, lead, count)
+        return frozen(np.ascontiguousarray(t).reshape(1, t.size))
+    return frozen(_flat(t, lead, count))
 
 
 def result_memory(
