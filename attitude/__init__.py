@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from attitude.arcs.arcs import InertiaChange as InertiaChange
     from attitude.attitude_table.table import AttitudeTable as AttitudeTable
     from attitude.body import Body as Body
+    from attitude.compilation.status import compilation_status as compilation_status
     from attitude.ensemble.ensemble import Ensemble as Ensemble
     from attitude.fitting import fit as fit
     from attitude.fitting import fit_directions as fit_directions
@@ -49,6 +50,7 @@ _WHERE = {
     "Scene": "attitude.scene.scene",
     "Spin": "attitude.spin",
     "TorquedRotation": "attitude.splitting.torqued_rotation",
+    "compilation_status": "attitude.compilation.status",
     "compare": "attitude.referee.referee",
     "fit": "attitude.fitting",
     "fit_directions": "attitude.fitting",

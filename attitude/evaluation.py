@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen, read_only
 from attitude.solution import codes
@@ -228,12 +227,8 @@ def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> Non
 
 @cache
 def _compiled():
-    with uncollected():
-        from attitude.solution.motion import evaluate_all, prepare_all
+    from attitude.solution.motion import evaluate_all, prepare_all
 
-        # The first call of compiled code makes numba read its registries: here, for no body.
-        pairs, wxyz = np.zeros((0, 3, 2)), np.zeros((0, 4))
-        prepare_all(pairs, wxyz, pairs, wxyz, np.zeros(0, CONSTANTS))
     return prepare_all, evaluate_all
 
 

@@ -33,9 +33,17 @@ HOUSE = (
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("callback_errors", "deferral", "disk_cache", "ieee", "instructions", "simd", "wide"),
-        *("error_free", "simd_lowering", "wide_lowering", "pointers", "lowering", "decorators"),
-        "callbacks",
+        *("callback_errors", "choice", "deferral", "disk_cache", "ieee", "instructions", "simd"),
+        *(
+            "wide",
+            "error_free",
+            "simd_lowering",
+            "wide_lowering",
+            "pointers",
+            "lowering",
+            "decorators",
+        ),
+        *("decorators", "callbacks", "status"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),

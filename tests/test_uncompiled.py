@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from attitude.compilation import instructions, simd
-from attitude.compilation.decorators import entry_point, runs_uncompiled
+from attitude.compilation.choice import mode
+from attitude.compilation.decorators import entry_point
 
 SCRIPT = Path(__file__).with_name("uncompiled_answers.py")
 # Sums over facets and torques of facets, in any order and with fused products: 1e-15 of terms.
@@ -65,11 +66,13 @@ def test_switched_off_without_numba(switch):
 def test_the_switches(monkeypatch):
     for name in ("ATTITUDE_COMPILE", "NUMBA_DISABLE_JIT"):
         monkeypatch.delenv(name, raising=False)
-    assert not runs_uncompiled()
+    assert mode() == "automatic"
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
-    assert not runs_uncompiled()
+    assert mode() == "automatic"
+    monkeypatch.setenv("ATTITUDE_COMPILE", "always")
+    assert mode() == "always"
     monkeypatch.setenv("ATTITUDE_COMPILE", "never")
-    assert runs_uncompiled()
+    assert mode() == "never"
 
 
 @entry_point

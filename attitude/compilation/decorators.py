@@ -7,21 +7,24 @@ only by `instructions.fma`.  The decorators named ``reduction`` are for sums ove
 be added in any order, products and sums may be fused, NaN and infinity keep their meaning.  The
 last digits then depend on the instructions of the machine, but not on blocks or threads.
 
-numba is imported at the first call of an entry point.  ``ATTITUDE_COMPILE=never``, or numba's own
-``NUMBA_DISABLE_JIT=1``, runs everything in Python instead, some thousand times slower, for
-debuggers and coverage.
+numba is imported at the first call of an entry point, but small calls of a `sized_entry_point` run
+in Python while that pays (`choice`).  ``ATTITUDE_COMPILE=never``, or numba's own
+``NUMBA_DISABLE_JIT=1``, runs everything in Python, some thousand times slower, for debuggers and
+coverage.
 """
 
 from __future__ import annotations
 
 import os
 import threading
+from functools import cached_property
+from pathlib import Path
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from attitude.compilation import ieee
+from attitude.compilation import choice, ieee
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -38,6 +41,8 @@ _ANY_ORDER = {
 _INNER = {"no_cpython_wrapper": True}
 
 _lock = threading.RLock()
+# Names of the entry points that Python has called as machine code.
+_compiled: set[str] = set()
 
 
 def _after_fork() -> None:
@@ -50,14 +55,9 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
 
 
-def runs_uncompiled() -> bool:
-    """Whether the environment variables of the process switch compilation off."""
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-        return True
-    return os.environ.get("ATTITUDE_COMPILE", "") == "never"
-
-
-UNCOMPILED: bool = runs_uncompiled()
+UNCOMPILED: bool = choice.MODE == "never"
+# Seconds for each number of the arguments in Python, until a call was measured.
+_FIRST_GUESS = 1e-4
 
 
 class Compilable:
@@ -136,22 +136,56 @@ class EntryPoint(Compilable):
     """
 
     def __init__(
-        self, python: Callable[..., Any], options: Mapping[str, Any], kept: bool = True
+        self,
+        python: Callable[..., Any],
+        options: Mapping[str, Any],
+        kept: bool = True,
+        sized: bool = False,
     ) -> None:
         super().__init__(python, options, kept)
-        self.run: Callable[..., Any] = self._in_python if UNCOMPILED else self._first
+        self.run: Callable[..., Any] = self._first
+        if UNCOMPILED:
+            self.run = self._in_python
+        elif sized and choice.MODE == "automatic":
+            self.run, self._pace = self._by_size, _FIRST_GUESS
 
     def __call__(self, *arguments: Any) -> Any:
         return self.run(*arguments)
 
+    def _by_size(self, *arguments: Any) -> Any:
+        """The result, computed in Python where that pays; the size of the largest array counts."""
+        size = 1 + max((each.size for each in arguments if isinstance(each, np.ndarray)), default=0)
+        if not choice.is_worth_python(size * self._pace, self._is_on_disk):
+            return self._first(*arguments)
+        with choice.InPython() as run:
+            result = self._in_python(*arguments)
+        self._pace = run.seconds / size
+        return result
+
+    @cached_property
+    def _is_on_disk(self) -> bool:
+        """Whether numba keeps machine code of the function, be it of an older source."""
+        source = Path(self.py_func.__code__.co_filename)
+        index = f"{source.stem}.{self.__name__}-*.nbi"
+        chosen = os.environ.get("NUMBA_CACHE_DIR")
+        if chosen:
+            return any(Path(chosen).glob(f"*/{index}"))
+        return any((source.parent / "__pycache__").glob(index))
+
     def _first(self, *arguments: Any) -> Any:
         self.run = self.dispatcher
+        _compiled.add(f"{self.__module__}.{self.__name__}")
         return self.run(*arguments)
 
     def _in_python(self, *arguments: Any) -> Any:
         # Compiled code neither raises nor warns at a division by zero or an overflow.
         with np.errstate(all="ignore"):
             return super().__call__(*map(_with_fields, arguments))
+
+
+def compiled_names() -> set[str]:
+    """Names of the entry points that Python has called as machine code."""
+    return set(_compiled)
 
 
 def _with_ieee_math(given: Callable[..., Any]) -> Callable[..., Any]:
@@ -178,13 +212,18 @@ def entry_point(function: Callable[..., Any]) -> EntryPoint:
     return EntryPoint(function, _EXACT)
 
 
+def sized_entry_point(function: Callable[..., Any]) -> EntryPoint:
+    """As `entry_point`, for loops over entries of arrays: few run in Python (`choice`)."""
+    return EntryPoint(function, _EXACT, sized=True)
+
+
 def inlined_entry_point(function: Callable[..., Any]) -> EntryPoint:
-    """As `entry_point`; compiled callers inline the function.
+    """As `sized_entry_point`; compiled callers inline the function.
 
     Without inlining, the process that compiles caller and function would run a copy of the loop
     that was optimised before the callees of the loop were known, and which is not vectorised.
     """
-    return EntryPoint(function, {**_EXACT, "forceinline": True})
+    return EntryPoint(function, {**_EXACT, "forceinline": True}, sized=True)
 
 
 def subroutine(function: Callable[..., Any]) -> Compilable:

@@ -16,7 +16,7 @@ pi - 1e-8.  Compiled without fastmath, which would reorder sums.
 
 import math
 
-from attitude.compilation.decorators import entry_point, reduction_inlined
+from attitude.compilation.decorators import reduction_inlined, sized_entry_point
 from attitude.compilation.instructions import as_bits, from_bits
 
 _LN2 = 0.6931471805599453
@@ -25,7 +25,7 @@ _ROOT = 0x3FE6A09E667F3BCD
 _EXPONENT = -0x10000000000000
 
 
-@entry_point
+@sized_entry_point
 def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
     """factor times the integral (m2) for each epoch, into out (N,).
 

@@ -17,12 +17,12 @@ Source: Clenshaw's recurrence; Press et al., Numerical Recipes (2007), section 5
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import fma
 from attitude.solution.twofloat import two_sum
 
 
-@entry_point
+@sized_entry_point
 def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
     """Fill piece and x for pieces of one width in seconds.
 
@@ -42,7 +42,7 @@ def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
     return outside
 
 
-@entry_point
+@sized_entry_point
 def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, widths, piece, x):
     """As `place_equal`, where each piece fills one or more cells of one width.
 
@@ -63,7 +63,7 @@ def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, wid
     return outside
 
 
-@entry_point
+@sized_entry_point
 def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
     """As `place_equal`, for pieces between ascending knots (pieces + 1,), seconds in two doubles.
 
@@ -111,7 +111,7 @@ def _ends_after(s, e, knots, knots_low, number):
     return (s - knots[number + 1]) + (e - knots_low[number + 1]) < 0.0
 
 
-@entry_point
+@sized_entry_point
 def values(records, skip, count, piece, x, factor, out):
     """Fill out (3, N) with the vector at each epoch times a factor."""
     for k in range(piece.size):
@@ -128,7 +128,7 @@ def values(records, skip, count, piece, x, factor, out):
         out[2, k] = fma(t, c, records[row, skip + 2 * count] - last_c) * factor
 
 
-@entry_point
+@sized_entry_point
 def values_and_rates(records, skip, count, piece, x, widths, factor, out, rate):
     """As `values`, and fill rate (3, N) with the derivative by time.
 

@@ -2,11 +2,11 @@
 
 import math
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import sized_entry_point
 from attitude.solution.twofloat import two_sum
 
 
-@entry_point
+@sized_entry_point
 def normalised(vectors, sign, begin, unit, length):
     """Unit vectors times a sign, and lengths, of vectors (3, N), into columns from `begin` on."""
     for k in range(vectors.shape[1]):
@@ -18,7 +18,7 @@ def normalised(vectors, sign, begin, unit, length):
         unit[2, begin + k] = sign * z / size
 
 
-@entry_point
+@sized_entry_point
 def earlier(hi, lo, distance, light, out_hi, out_lo):
     """The epochs hi + lo - distance / light as pairs (N,); lo (N,) or (1,), `light` in m/s."""
     step = 0 if lo.size == 1 else 1

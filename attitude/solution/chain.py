@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.kernel import hyperbolic, reach, trigonometric, uniform
 from attitude.solution.twofloat import two_sum
 
 
-@entry_point
+@sized_entry_point
 def evaluate_arcs(constants, starts, t, t_low, wxyz, rates, column):
     """Attitudes, and angular velocities unless rates is None, at epochs in any order.
 

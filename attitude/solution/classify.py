@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import larger
 from attitude.solution import codes
 from attitude.solution.twofloat import (
@@ -41,7 +41,7 @@ _CANCELLED = 0.0625
 _MOST_PARTS = 2 * 2 * 4 * 4 * 8
 
 
-@entry_point
+@sized_entry_point
 def classify_all(moments, wxyz, omega, constants):
     """Check, scale and sort B states.
 
@@ -76,7 +76,7 @@ def refine_all(constants: NDArray[Any]) -> None:
     _refine_all(constants, np.empty(_MOST_PARTS))
 
 
-@entry_point
+@sized_entry_point
 def _refine_all(constants, expansion):
     """`refine_all`, with the memory of an expansion of _MOST_PARTS."""
     for b in range(len(constants)):

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.phases import phase, sincos
 from attitude.solution.series import (
@@ -35,7 +35,7 @@ COS_ODD = np.array(
 )
 
 
-@entry_point
+@sized_entry_point
 def trigonometric_all(constants):
     """Fill the series of alpha and beta, and q_int(0), of the trigonometric ones of B motions."""
     for b in range(len(constants)):
@@ -45,7 +45,7 @@ def trigonometric_all(constants):
             _trigonometric_start(c)
 
 
-@entry_point
+@sized_entry_point
 def hyperbolic_all(constants):
     """Fill the series of alpha and beta, and q_int(0), of the hyperbolic ones of B motions."""
     for b in range(len(constants)):
@@ -151,7 +151,7 @@ def _store(pair, internal):
     internal[0], internal[3], internal[1], internal[2] = pair
 
 
-@entry_point
+@sized_entry_point
 def trigonometric_rates_all(constants):
     """Fill the series of the angular velocity of the trigonometric ones of B motions."""
     for b in range(len(constants)):
@@ -160,7 +160,7 @@ def trigonometric_rates_all(constants):
             _trigonometric_rates(math.sqrt(c.nome), c, c.rates)
 
 
-@entry_point
+@sized_entry_point
 def hyperbolic_rates_all(constants):
     """Fill the series of the angular velocity of the hyperbolic ones of B motions."""
     for b in range(len(constants)):

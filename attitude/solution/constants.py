@@ -7,7 +7,7 @@ section 3.
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.elliptic import complete_and_phase, quarter_and_fraction
 from attitude.solution.series import four
@@ -30,7 +30,7 @@ from attitude.solution.twofloat import (
 )
 
 
-@entry_point
+@sized_entry_point
 def solve_all(constants):
     """Fill the rates and phases of those of B motions that tumble.
 

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import rint
 from attitude.solution import codes
 from attitude.solution.twofloat import (
@@ -64,7 +64,7 @@ _GAUSS = np.array(
 )
 
 
-@entry_point
+@sized_entry_point
 def flow(c, moments, t, q, w):
     """Move a state to time t.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import larger
 from attitude.solution import codes
 from attitude.solution.series import four
@@ -54,7 +54,7 @@ _MATRICES, _QUATERNIONS = _signed_permutations()
 _UNIT = np.eye(4)
 
 
-@entry_point
+@sized_entry_point
 def attach_all(wxyz, wxyz_low, principal, constants):
     """Fill the frame and the axes of those of B motions that tumble.
 

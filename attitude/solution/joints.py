@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution.flow import multiply
 from attitude.solution.twofloat import (
     ONE,
@@ -22,7 +22,7 @@ from attitude.solution.twofloat import (
 )
 
 
-@entry_point
+@sized_entry_point
 def change_axes(q, axes, near, sense):
     """q becomes q times the quaternion of a rotation or, for a sense of -1, times its inverse.
 
@@ -39,7 +39,7 @@ def change_axes(q, axes, near, sense):
     _to_unit_length(q)
 
 
-@entry_point
+@sized_entry_point
 def strike(moments, axes, q, w, in_body, in_space):
     """Add angular momentum to a state.
 
@@ -66,7 +66,7 @@ def strike(moments, axes, q, w, in_body, in_space):
                 put(w[j], (math.inf, 0.0))
 
 
-@entry_point
+@sized_entry_point
 def exchange(moments, axes, new_moments, new_axes, w):
     """Give a body other moments and axes at the same angular momentum.
 

@@ -6,7 +6,7 @@ The labels L and S of the axes, and the order of the turns, are those of
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution.vectors import quaternion_of
 
 # Branches of theta.
@@ -15,7 +15,7 @@ UNKNOWN, ACUTE, OBTUSE = 0, 1, 2
 _ROUNDING = 1e-14
 
 
-@entry_point
+@sized_entry_point
 def rates_all(moments, long_axis, long_labels, branches, places, momenta, angles, rates):
     """Fill theta and the angular velocities over the labelled axes.
 
@@ -66,7 +66,7 @@ def rates_all(moments, long_axis, long_labels, branches, places, momenta, angles
         rates[n, 2] = math.cos(theta) * (momenta[n] / third)
 
 
-@entry_point
+@sized_entry_point
 def states_all(axes, order, long_labels, angles, rates, matrix, wxyz, omega):
     """Fill attitudes and angular velocities of bodies from those of their labelled axes.
 

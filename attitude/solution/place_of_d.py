@@ -5,7 +5,7 @@ Symbols: A <= B <= C the moments.
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution.elliptic import complete_and_phase
 from attitude.solution.twofloat import ONE, ZERO, sqrt
 
@@ -106,7 +106,7 @@ def _solved(a, b, c, long_axis, ratio, nearest, farthest):
     return _place(near, x1)
 
 
-@entry_point
+@sized_entry_point
 def positions_all(moments, long_axis, ratios, out):
     """Fill y, 1 - y and P_psi for L = 1 of given P_psi / P_phi of the long axis.
 
@@ -138,7 +138,7 @@ def positions_all(moments, long_axis, ratios, out):
         out[n, 2] = cycle(a, b, c, long_axis[n], y, rest)[1]
 
 
-@entry_point
+@sized_entry_point
 def cycles_all(moments, long_axis, y, rest, out):
     """Fill (N, 2) with turns of phi of the long axis in a period of psi, and that for L = 1."""
     for n in range(len(out)):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.wide import BITS, WORDS, load, store, wide
 from attitude.solution.diagonal import (
     COLUMNS,
@@ -71,7 +71,7 @@ def _rod(kept, moments):
         moments[0, part], moments[1, part], moments[2, part] = 0.0, mean, mean
 
 
-@entry_point
+@sized_entry_point
 def _principal_all(tensors, w, words, moments, axes, wxyz):
     """Fill the arrays of `PrincipalAxes` of tensors (B, 3, 3); w is memory for NEEDED numbers."""
     for b in range(len(tensors)):
@@ -91,7 +91,7 @@ def _principal_all(tensors, w, words, moments, axes, wxyz):
         quaternion_of(axes[b, :, :, 0], wxyz[b])
 
 
-@entry_point
+@sized_entry_point
 def _over_axes_all(words, omega, rates, differences):
     """Fill the results of `PrincipalAxes.over_axes`."""
     for n in range(len(omega)):

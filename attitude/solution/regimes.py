@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.constants import jacobi
 from attitude.solution.twofloat import HALF_PI, absolute, less, pair, sub
@@ -48,7 +48,7 @@ _STEP = 0.25
 _TAIL = 42.0
 
 
-@entry_point
+@sized_entry_point
 def modes_all(constants, modes):
     """Fill the codes (B,) of the modes of B states with D2 (solution.classify)."""
     for b in range(len(constants)):
@@ -58,7 +58,7 @@ def modes_all(constants, modes):
         modes[b] = c.mode
 
 
-@entry_point
+@sized_entry_point
 def regimes_all(moments, constants, out):
     """Fill the regimes (B,) of B states.
 
@@ -223,7 +223,7 @@ def _between(field, x, y):
     field[0], field[1] = min(x, y), max(x, y)
 
 
-@entry_point
+@sized_entry_point
 def mean_speeds(regimes, out):
     """Fill the time averages (N,) of the magnitude of the angular velocity, rad/s.
 

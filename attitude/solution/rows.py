@@ -3,11 +3,11 @@
 Rows in which the members stand in any order are brought into runs by a counting sort.
 """
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import sized_entry_point
 from attitude.solution.chain import evaluate_part
 
 
-@entry_point
+@sized_entry_point
 def evaluate_runs(constants, starts, t, t_low, wxyz, rates):
     """Attitudes, and angular velocities unless rates is None, of B runs of rows.
 
@@ -28,7 +28,7 @@ def evaluate_runs(constants, starts, t, t_low, wxyz, rates):
     return -1
 
 
-@entry_point
+@sized_entry_point
 def surveyed(member):
     """The least and the greatest of N >= 1 whole numbers, how many runs of equals, of descents."""
     least = greatest = before = member[0]
@@ -42,7 +42,7 @@ def surveyed(member):
     return least, greatest, runs, descents
 
 
-@entry_point
+@sized_entry_point
 def runs_of(member, first, end, who, starts):
     """Fill the member and the first row of each run of the rows first to end, and the end.
 
@@ -58,14 +58,14 @@ def runs_of(member, first, end, who, starts):
     return count
 
 
-@entry_point
+@sized_entry_point
 def counted(member, counts):
     """Add the number of rows of each member to counts."""
     for k in range(len(member)):
         counts[member[k]] += 1
 
 
-@entry_point
+@sized_entry_point
 def placed(member, first, places, order):
     """Fill the order in which rows stand by member, each member's as given.
 

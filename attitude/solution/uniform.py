@@ -2,14 +2,14 @@
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.solution import codes
 from attitude.solution.given_axes import any_of, at_start, plus, product, turned_by
 from attitude.solution.series import four
 from attitude.solution.twofloat import TWO_PI, add, div, less, pair, sqrt, square, sub
 
 
-@entry_point
+@sized_entry_point
 def uniform_all(wxyz, wxyz_low, principal, constants):
     """Fill the constants of those of B motions whose angular velocity is constant.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import sized_entry_point, subroutine
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -45,7 +45,7 @@ def quaternion_of(r, wxyz):
     wxyz[0], wxyz[1], wxyz[2], wxyz[3] = w / size, x / size, y / size, z / size
 
 
-@entry_point
+@sized_entry_point
 def to_body(wxyz, vectors, out):
     """Fill components over the body axes (3, N) of inertial vectors (3, 1 or N): out = q* v q."""
     if vectors.shape[1] == 1:
@@ -90,7 +90,7 @@ def separation(
     return near
 
 
-@entry_point
+@sized_entry_point
 def _halves(ax, ay, az, bx, by, bz, near, far):
     """Fill |a - b| and |a + b|."""
     step_a = 0 if ax.size == 1 else 1

@@ -1,0 +1,80 @@
+"""Whether a call of an entry point runs in Python: where its work is small, as long as that pays.
+
+Importing the compiler and loading machine code from the disk takes half a second, compiling takes
+seconds; one epoch in Python takes 0.2 ms, one body some milliseconds.  A process therefore runs
+small calls in Python, with the same bits, until it has spent as long on them as compiled code would
+have cost to get: it never takes more than twice the time of the better choice.
+``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
+``automatic`` is the default.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from typing import Final
+
+# Seconds of Python in a process, measured on an AMD EPYC (benchmarks/first_use.py): importing numba
+# and loading the loops of a propagation, and compiling them.
+TO_LOAD: Final = 0.5
+TO_COMPILE: Final = 2.0
+
+
+def mode() -> str:
+    """ "always", "never" or "automatic", by the environment variables of the process."""
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return "never"
+    given = os.environ.get("ATTITUDE_COMPILE", "")
+    return given if given in ("always", "never") else "automatic"
+
+
+MODE: Final = mode()
+# Seconds that small calls have taken in Python.
+_spent = 0.0
+_running = threading.local()
+
+
+def is_worth_python(predicted: float, kept: bool) -> bool:
+    """Whether a call that takes `predicted` seconds in Python is to run there.
+
+    `kept` tells whether machine code is on the disk.
+    """
+    if _is_in_python():
+        # The arguments of nested calls have the types of Python, for which nothing is compiled.
+        return True
+    if "numba" in sys.modules and kept:
+        return False
+    return _spent + predicted <= (TO_LOAD if kept else TO_COMPILE)
+
+
+def spent() -> float:
+    """Seconds that the process has spent on small calls in Python."""
+    return _spent
+
+
+class InPython:
+    """A context in which a call runs in Python; its seconds are added to `spent`."""
+
+    def __init__(self, seconds: float = 0.0) -> None:
+        self.seconds = seconds
+
+    def __enter__(self) -> InPython:
+        from time import perf_counter
+
+        _running.depth = getattr(_running, "depth", 0) + 1
+        self._begin = perf_counter()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        from time import perf_counter
+
+        global _spent
+        self.seconds = perf_counter() - self._begin
+        _running.depth -= 1
+        if not _running.depth:
+            _spent += self.seconds
+
+
+def _is_in_python() -> bool:
+    return getattr(_running, "depth", 0) > 0
