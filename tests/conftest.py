@@ -47,6 +47,9 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
+# Small calls are compiled too; tests/test_choice.py tests those that run in Python.
+os.environ.setdefault("ATTITUDE_COMPILE", "always")
+
 # Tables of shadows are computed in each test; those that test the files name a folder.
 os.environ["ATTITUDE_CACHE"] = "off"
 

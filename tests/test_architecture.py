@@ -27,13 +27,22 @@ HOUSE = (
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
     ("ensemble",),
-    ("inversion",),
+    ("inversion", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
 ORDERS = {
     "compilation": (
-        *("callback_errors", "choice", "deferral", "disk_cache", "ieee", "instructions", "simd"),
+        *(
+            "callback_errors",
+            "choice",
+            "deferral",
+            "notice",
+            "disk_cache",
+            "ieee",
+            "instructions",
+            "simd",
+        ),
         *(
             "wide",
             "error_free",

@@ -4,7 +4,7 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
 wrong input.
 
-propagate, describe, geometry, lightcurve, invert, plot, convert, check    the commands
+propagate, describe, geometry, lightcurve, invert, plot, convert, check, warm_up    the commands
 target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
@@ -39,6 +39,7 @@ COMMANDS: tuple[str, ...] = (
     "plot",
     "convert",
     "check",
+    "warm-up",
 )
 
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
@@ -122,7 +123,7 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
         )
     if first in COMMANDS:
         # Parsed by the command's own parser, so that its errors name it.
-        module = import_module(f"attitude.cli.{first}")
+        module = _module(first)
         command = _Parser(
             prog=f"attitude {first}", description=module.HELP, epilog=getattr(module, "EPILOG", "")
         )
@@ -131,8 +132,12 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
         return command.parse_args(argv[1:])
     commands = parser.add_subparsers(metavar="COMMAND", title="commands", required=True)
     for name in COMMANDS:
-        commands.add_parser(name, help=import_module(f"attitude.cli.{name}").HELP)
+        commands.add_parser(name, help=_module(name).HELP)
     return parser.parse_args(argv)
+
+
+def _module(command: str) -> Any:
+    return import_module(f"attitude.cli.{command.replace('-', '_')}")
 
 
 def _joined(argv: list[str]) -> list[str]:

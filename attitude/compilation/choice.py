@@ -13,6 +13,9 @@ from __future__ import annotations
 import os
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
 from typing import Final
 
 # Seconds of Python in a process, measured on an AMD EPYC (benchmarks/first_use.py): importing numba
@@ -33,6 +36,8 @@ MODE: Final = mode()
 # Seconds that small calls have taken in Python.
 _spent = 0.0
 _running = threading.local()
+# Blocks of `compiling` that are active.
+_forced = 0
 
 
 def is_worth_python(predicted: float, kept: bool) -> bool:
@@ -40,12 +45,25 @@ def is_worth_python(predicted: float, kept: bool) -> bool:
 
     `kept` tells whether machine code is on the disk.
     """
+    if _forced:
+        return False
     if _is_in_python():
         # The arguments of nested calls have the types of Python, for which nothing is compiled.
         return True
     if "numba" in sys.modules and kept:
         return False
     return _spent + predicted <= (TO_LOAD if kept else TO_COMPILE)
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Compile every entry point that is called meanwhile, in all threads."""
+    global _forced
+    _forced += 1
+    try:
+        yield
+    finally:
+        _forced -= 1
 
 
 def spent() -> float:
@@ -60,15 +78,11 @@ class InPython:
         self.seconds = seconds
 
     def __enter__(self) -> InPython:
-        from time import perf_counter
-
         _running.depth = getattr(_running, "depth", 0) + 1
         self._begin = perf_counter()
         return self
 
     def __exit__(self, *raised: object) -> None:
-        from time import perf_counter
-
         global _spent
         self.seconds = perf_counter() - self._begin
         _running.depth -= 1

@@ -14,7 +14,7 @@ import numba
 from numba.core import event
 from numba.core.compiler_lock import global_compiler_lock
 
-from attitude.compilation import deferral
+from attitude.compilation import deferral, notice
 
 
 class _Undisturbed(event.Listener):
@@ -26,11 +26,13 @@ class _Undisturbed(event.Listener):
 
     def on_start(self, event: Any) -> None:
         if _is_ours(event):
+            notice.started()
             deferral.suspend_collection()
             deferral.hold_interrupts()
 
     def on_end(self, event: Any) -> None:
         if _is_ours(event):
+            notice.ended()
             deferral.resume_collection()
             deferral.release_interrupts()
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from attitude.compilation.choice import compiling
 from attitude.compilation.deferral import uncollected
 from attitude.solution.record import CONSTANTS
 
@@ -46,7 +47,7 @@ def compile_ahead() -> None:
 
 def compile_stages() -> None:
     """Compile the stages from a state to rates and phases."""
-    with uncollected():
+    with uncollected(), compiling():
         from attitude.solution.classify import refine_all
         from attitude.solution.constants import solve_all
         from attitude.solution.motion import prepare_all
@@ -61,7 +62,7 @@ def compile_stages() -> None:
 
 def compile_loops() -> None:
     """Compile the stages of the series and of the given axes, and the loops over epochs."""
-    with uncollected():
+    with uncollected(), compiling():
         from attitude.solution import coefficients
         from attitude.solution.given_axes import attach_all
         from attitude.solution.motion import OF_FORM
