@@ -82,6 +82,8 @@ def _convert(
         _refuse(arguments, ("axes", "rms"), "a conversion without --fit")
     if kind != "ck":
         _refuse(arguments, _OF_KERNELS, f"a file like {arguments.output}")
+    if arguments.split and kind != "stk":
+        raise AttitudeError(f"--split is for STK files, not {arguments.output}; leave it out.")
     if kind not in ("ck", "aem", "aem-xml"):
         _refuse(arguments, ("method",), f"a file like {arguments.output}")
     motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
@@ -325,6 +327,7 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
         if arguments.tool not in (None, "stk"):
             raise AttitudeError(f"--for {arguments.tool} has no meaning for an STK file.")
         settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
+        settings["split"] = arguments.split
     else:
         _refuse(arguments, ("version", "time_system", "frame", "type", "tool"), "a table")
     return settings

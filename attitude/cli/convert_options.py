@@ -86,6 +86,11 @@ def _add_messages(parser: argparse.ArgumentParser) -> None:
 
 def _add_fits_and_kernels(parser: argparse.ArgumentParser) -> None:
     """Options of fits and of C-kernels."""
+    parser.add_argument(
+        "--split",
+        action="store_true",
+        help="STK: a file x-1.a, x-2.a, ... for each stretch between impulses or gaps",
+    )
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
         "--axes",
