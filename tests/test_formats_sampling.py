@@ -105,6 +105,30 @@ def test_stk(tmp_path, order):
     assert apart(table.at([ARCS.epoch.after(x) for x in t]).wxyz, ARCS.at(t).wxyz) < 1.1e-8
 
 
+def test_stk_files_for_each_stretch(tmp_path, capsys):
+    made = stk.write(tmp_path / "a.a", ARCS, start=0, stop=SPAN, tolerance=1e-8, split=True)
+    stk.write(tmp_path / "b.a", ARCS, t=np.arange(0.0, SPAN + 1.0), split=True)
+    names = [f"{x}-{k}.a" for x in "ab" for k in (1, 2, 3)]
+    assert sorted(each.name for each in tmp_path.iterdir()) == names
+    ends = [0.0, *ARCS.joints, SPAN]
+    assert made.segments == 3 and made.error <= 1e-8
+    for k in range(3):
+        table = stk.read(tmp_path / f"a-{k + 1}.a")
+        t = np.linspace(ends[k] + 1e-6, ends[k + 1] - 1e-6, 200)
+        dates = [ARCS.epoch.after(float(x)) for x in t]
+        assert apart(table.at(dates).wxyz, ARCS.at(t).wxyz) < 1.1e-8
+        # The rates at the end are those before the jump.
+        last = ARCS.angular_velocity_at(ends[k + 1] - 1e-9)
+        assert table.angular_velocity[-1] == pytest.approx(last, abs=1e-8)
+    # Without a jump there is one file, of the given name.
+    stk.write(tmp_path / "c.a", MOTION, start=0, stop=5.0, tolerance=1e-8, split=True)
+    assert (tmp_path / "c.a").exists()
+    aem.write(tmp_path / "d.aem", ARCS, t=np.arange(0.0, SPAN + 1.0))
+    assert main(["convert", str(tmp_path / "d.aem"), str(tmp_path / "e.a")]) != 0
+    assert main(["convert", str(tmp_path / "d.aem"), str(tmp_path / "e.a"), "--split"]) == 0
+    assert len(list(tmp_path.glob("e-*.a"))) == 3
+
+
 def test_csv(tmp_path):
     made = write(tmp_path / "a.csv", MOTION, tolerance=1e-9)
     assert made.segments == 1

@@ -163,6 +163,17 @@ def polynomial(
     return found
 
 
+def with_slope(
+    at: FloatArray,
+    values: Sequence[FloatArray],
+    slopes: Sequence[FloatArray] | None,
+    x: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """The polynomials of `polynomial` at x, and their derivatives, both (T, ...)."""
+    found = _newton(at, values, slopes, x, 1)
+    return found[0], found[1]
+
+
 def _newton(at, values, slopes, x, order):
     """The polynomial through values (and slopes) at the columns of `at`, and two derivatives."""
     repeat = 1 if slopes is None else 2

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from attitude.cli import orbit
+from attitude.cli.convert_options import EPILOG, HELP, MOST_RMS, add_arguments
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -22,87 +23,14 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths.path import Path
 
-HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
-EPILOG: str = """\
-examples:
-  attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
-  attitude convert toutatis.toml toutatis.aem --stop "30 d" --step "1 h"
-  attitude convert satellite.xml satellite.ecsv
-  attitude convert satellite.aem satellite.toml --fit
-  attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
-  attitude convert relative-to-lvlh.aem inertial.aem --frame ICRF --orbit satellite.oem
-  attitude convert satellite.toml satellite.aem --for gmat --stop "1 h" --step "1 s"
-  attitude convert tumbler.bc tumbler.csv --start 2026-01-01 --stop 2026-01-02 --step "1 min"
+__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
-endings that OUT may have:
-  .toml  spin file, exact     .aem      CCSDS AEM        .a     STK attitude
-  .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
-  .acm   CCSDS ACM            .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
-  .spin  DAMIT                .acm.xml  CCSDS ACM, XML
-
-The format of IN follows from its contents. A table is written record by record, or interpolated at
---start, --stop and --step; motions and C-kernels are evaluated there. --fit turns a table into a
-motion.
-"""
+# Ratio of the rms of two fits from which the principal axes are fitted too.
+_BETTER = 0.9
+# Options of C-kernels.
+_OF_KERNELS = ("rate_tolerance", "clock", "frame_kernel", "time_scale")
 # Formats whose attitudes may be relative to axes of an orbit.
 _WITH_AXES = ("acm", "acm-xml", "aem", "aem-xml", "apm", "apm-xml", "stk")
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument("input", metavar="IN", help="file to read")
-    parser.add_argument("output", metavar="OUT", help="file to write; appears whole or not at all")
-    parser.add_argument("--start", metavar="TIME", help="date (UTC), or time after the epoch of IN")
-    parser.add_argument("--stop", metavar="TIME", help="last epoch, as --start")
-    parser.add_argument("--step", metavar="TIME", help='time between records, such as "10 s"')
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="RAD",
-        help="largest error between the records of OUT, from which the step follows (of a C-kernel "
-        "1e-9 by default); of a table IN, and with --step, of the length of quaternions read",
-    )
-    parser.add_argument("--version", metavar="1.0|2.0", help="of CCSDS messages (default 2.0)")
-    parser.add_argument("--type", metavar="NAME", help="attitude type of an AEM, section of STK")
-    parser.add_argument("--frame", metavar="NAME", help="axes of OUT, such as ICRF or EME2000")
-    parser.add_argument(
-        "--time-system", metavar="NAME", help="of CCSDS messages: UTC, TAI, TDB, .."
-    )
-    parser.add_argument(
-        "--for",
-        dest="tool",
-        metavar="TOOL",
-        help="settings of an AEM that a tool accepts: gmat, orekit, stk or brahe",
-    )
-    parser.add_argument(
-        "--rates",
-        choices=("body", "euler"),
-        help="what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
-        "derivatives of the Euler angles",
-    )
-    parser.add_argument(
-        "--object", metavar="NAME", help="OBJECT_ID or OBJECT_NAME of the segments of IN to read"
-    )
-    parser.add_argument(
-        "--segment", type=int, metavar="N", help="the one segment of IN to read, counted from 0"
-    )
-    parser.add_argument(
-        "--lenient",
-        action="store_true",
-        help="read an AEM that leaves out parts of the standard; prints what was assumed",
-    )
-    orbit.add_arguments(parser)
-    parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
-    parser.add_argument(
-        "--body", metavar="FRAME", help="frame of a C-kernel: the one to read, or the one to write"
-    )
-    parser.add_argument(
-        "--kernels",
-        nargs="+",
-        default=(),
-        metavar="FILE",
-        help="further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
-    )
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -150,6 +78,14 @@ def _convert(
     """Write what was read, as the format `kind`."""
     from attitude.formats import detect
 
+    if not arguments.fit:
+        _refuse(arguments, ("axes", "rms"), "a conversion without --fit")
+    if kind != "ck":
+        _refuse(arguments, _OF_KERNELS, f"a file like {arguments.output}")
+    if arguments.split and kind != "stk":
+        raise AttitudeError(f"--split is for STK files, not {arguments.output}; leave it out.")
+    if kind not in ("ck", "aem", "aem-xml"):
+        _refuse(arguments, ("method",), f"a file like {arguments.output}")
     motion = _fitted(arguments, found.motion) if arguments.fit else found.motion
     if kind in detect.OF_MOTIONS:
         _write_motion(arguments, kind, motion, found.said)
@@ -223,8 +159,20 @@ def _fitted(arguments: argparse.Namespace, source: Motion) -> FreeRotation:
         raise AttitudeError(
             "--fit fits a table of attitudes, but IN is a motion already; leave --fit out."
         )
-    found = fit(source if _is_table(source) else _sampled(arguments, source))
-    print(f"rms of the residuals: {found.rms:.3g} rad")
+    table = source if _is_table(source) else _sampled(arguments, source)
+    found = fit(table, axes=arguments.axes or "principal")
+    used = arguments.axes or "principal"
+    if arguments.axes is None and len(table) > 3:
+        free = fit(table, axes="free")
+        if free.rms < _BETTER * found.rms:
+            found, used = free, "free"
+    print(f"rms of the residuals: {found.rms:.3g} rad, with {used} axes")
+    most = MOST_RMS if arguments.rms is None else arguments.rms
+    if not found.rms <= most:
+        raise AttitudeError(
+            f"the rms of the residuals is {found.rms:.3g} rad, more than {most:g}: the attitudes "
+            f"of {arguments.input} are not those of a free rotation, or noisy; --rms accepts more."
+        )
     return found.motion
 
 
@@ -289,22 +237,31 @@ def _write_kernel(arguments: argparse.Namespace, source: Motion) -> None:
     """Write a C-kernel; prints its files and its error."""
     from attitude.formats import ck
 
+    others = ("version", "type", "frame", "time_system", "tool")
+    settings: dict[str, Any] = {"time_scale": arguments.time_scale or "tdb"}
+    settings["kind"] = 3 if arguments.method == "linear" else 5
+    ends: Any = None, None
     if not _is_free_rotation(source) and not _is_table(source):
         source = _sampled(arguments, source)
-        _refuse(arguments, ("version", "type", "frame", "time_system", "tool"), "a C-kernel")
+        _refuse(arguments, others, "a C-kernel")
         ends = source.span
     else:
-        _refuse(
-            arguments, ("step", "version", "type", "frame", "time_system", "tool"), "a C-kernel"
-        )
-        start, stop = _ends(arguments, source)
-        ends = _moment(source, start), _moment(source, stop)
+        _refuse(arguments, ("step", *others), "a C-kernel")
+        asked = (arguments.start, arguments.stop, arguments.tolerance, arguments.method)
+        if not _is_table(source) or any(each is not None for each in asked):
+            start, stop = _ends(arguments, source)
+            ends = _moment(source, start), _moment(source, stop)
+    if arguments.clock is not None:
+        settings["clock"] = arguments.clock
     made = ck.write(
         arguments.output,
         source,
         *ends,
         tolerance=1e-9 if arguments.tolerance is None else arguments.tolerance,
+        rate_tolerance=arguments.rate_tolerance,
         name=arguments.body or "TUMBLER",
+        frame_kernel=arguments.frame_kernel,
+        **settings,
     )
     print(
         f"{', '.join(os.path.basename(name) for name in made.kernels)}: error {made.error:.2g} rad"
@@ -359,6 +316,7 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
     if kind in ("aem", "aem-xml"):
         settings = {"version": arguments.version, "kind": arguments.type}
         settings |= {"for_": arguments.tool, "rates": arguments.rates}
+        settings["method"] = arguments.method
         settings |= {"frame": arguments.frame, "time_system": arguments.time_system}
         settings["orbit"] = path
     elif kind in ("acm", "acm-xml"):
@@ -369,6 +327,7 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
         if arguments.tool not in (None, "stk"):
             raise AttitudeError(f"--for {arguments.tool} has no meaning for an STK file.")
         settings = {"section": arguments.type, "frame": arguments.frame or "ICRF", "orbit": path}
+        settings["split"] = arguments.split
     else:
         _refuse(arguments, ("version", "time_system", "frame", "type", "tool"), "a table")
     return settings

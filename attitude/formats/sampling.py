@@ -92,6 +92,7 @@ def write(
     write_records: Callable[[str, list[Records]], None],
     read: Callable[[str], AttitudeTable],
     one_segment: bool = False,
+    stretch: int | None = None,
 ) -> SampledFile:
     """Write a motion to a file whose interpolated attitudes are within a tolerance.
 
@@ -114,6 +115,8 @@ def write(
         Reads that file.
     one_segment : bool
         Whether the format holds one segment only.
+    stretch : int, optional
+        The one stretch of the span to write, counted from 0; by default all.
 
     Raises
     ------
@@ -125,12 +128,14 @@ def write(
     if not (number and _LEAST <= tolerance <= _GREATEST):
         raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
     stretches = _stretches(motion_of(source, "source"), start, stop)
+    if stretch is not None:
+        stretches = stretches[stretch : stretch + 1]
     if one_segment and len(stretches) > 1:
         first = stretches[1]
         raise AttitudeError(
             f"the angular velocity of the motion jumps, or the table has a gap, "
             f"{first.begin[0]:.9g} s after its epoch, and {name} holds one segment; write a file "
-            "for each stretch (start=, stop=)."
+            "for each stretch (start=, stop=; of STK also split=True)."
         )
     least = _window(method, degree)
     step = _first_step(stretches, tolerance, method, degree)
@@ -150,6 +155,13 @@ def write(
                 "degree of interpolation."
             )
     return SampledFile(sum(map(len, records)), len(records), _longest(records), error)
+
+
+def count_of_stretches(
+    source: HasAttitudes, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
+) -> int:
+    """The number of stretches without jumps and gaps from start to stop; see `write`."""
+    return len(_stretches(motion_of(source, "source"), start, stop))
 
 
 def _longest(records):

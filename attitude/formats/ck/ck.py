@@ -9,22 +9,32 @@ are rad/s in J2000.
 Type 5 is written with subtype 2: Hermite of degree 7 through attitude, rate, angular velocity and
 its derivative; type 3 interpolates along great circles.  SPICE takes an epoch as one double of
 seconds past J2000, whose spacing is now 1.2e-7 s; at these doubles the kernel is exact.
+
+TDB of SPICE is TT + 1.657 ms sin E by one term; that of ERFA, which this package uses, has 787
+terms and differs by up to 30 microseconds: 3e-6 rad at 0.1 rad/s.  ``time_scale="spice"`` makes a
+kernel that is right at the epochs that SPICE makes of dates in UTC.
 """
 
 from __future__ import annotations
 
 import os
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from attitude.attitude_table.table import AttitudeTable
 from attitude.errors import AttitudeError
+from attitude.formats.ck import clock as clocks
 from attitude.formats.ck import kernel_files
 from attitude.formats.ck.attitude import KernelAttitude
 from attitude.formats.ck.plan import Plan
-from attitude.formats.ck.spice_pool import spiceypy
+from attitude.formats.ck.spice_pool import LoadedKernels, spiceypy
+from attitude.formats.ck.table_segments import TableSegments
 from attitude.textfiles.atomic_write import made_whole, written_whole
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from attitude.annotations import EpochOrSeconds, FilePath
     from attitude.motion import HasAttitudes
 
@@ -38,15 +48,15 @@ class Written:
     Attributes
     ----------
     kernels : tuple of str
-        Names of the C-kernel, the frame kernel and the clock kernel.
+        Names of the C-kernel, the frame kernel and the clock kernel (and those given with it).
     step : float
-        Time between records, s.
+        Time between records, s; the greatest of a table.
     error, rate_error : float
         Largest deviations from the motion, rad and rad/s, of the kernel read by SPICE at 2000
         random epochs.
     """
 
-    kernels: tuple[str, str, str]
+    kernels: tuple[str, ...]
     step: float
     error: float
     rate_error: float
@@ -64,8 +74,10 @@ def write(
     rate_tolerance: float | None = None,
     name: str = "TUMBLER",
     instrument: int = -999000,
-    clock: int = -999,
+    clock: int | FilePath | Sequence[FilePath] = -999,
+    frame_kernel: FilePath | None = None,
     center: int = 399,
+    time_scale: str = "tdb",
 ) -> Written:
     """Write a motion as a C-kernel, with a step between records that meets the tolerances.
 
@@ -75,7 +87,8 @@ def write(
         Ends in .bc; the frame kernel .tf and the clock kernel .tsc are written beside it.
     motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
     start, stop : epochs, or TDB seconds since the epoch of the motion
-        Both are required.
+        Both are required, but for a table: without both its records are written as they are, a
+        segment for each stretch without gaps (see `table_segments`).
     t : None
         Refused: the tolerance determines the epochs of the records.
     kind : int
@@ -87,8 +100,18 @@ def write(
         the motion.
     name : str
         Name of the frame.
-    instrument, clock, center : int
-        NAIF numbers of the frame and its instrument, of the clock, of the center of the frame.
+    instrument, center : int
+        NAIF numbers of the frame and its instrument, of the center of the frame.
+    clock : int, path or list of paths
+        NAIF number of the clock that is written, or the clock kernel of a mission, with its leap
+        seconds if it needs them: then no clock is written, and epochs are good to one double of
+        TDB, 1.2e-7 s.
+    frame_kernel : path, optional
+        A frame kernel of the mission that defines the frame `name` of class 3; then none is
+        written, and `instrument` is that of the frame.
+    time_scale : str
+        "tdb": the kernel is exact at TDB as ERFA computes it; "spice": at what SPICE's own formula
+        makes of a date in UTC (`str2et`), up to 30 microseconds away, with leap seconds loaded.
 
     Returns
     -------
@@ -100,40 +123,98 @@ def write(
         If the tolerances cannot be reached, a name or number is not one of SPICE's, spiceypy is not
         installed, or a file cannot be written.
     """
-    if t is not None or start is None or stop is None:
+    of_records = isinstance(motion, AttitudeTable) and start is None and stop is None
+    if t is not None or ((start is None or stop is None) and not of_records):
         raise AttitudeError(
             f"a C-kernel is written from start to stop, at epochs that follow from the tolerance; "
             f"{'t is given' if t is not None else 'start or stop is missing'}: give start= and "
             "stop= (one epoch each), and no t=."
         )
+    if time_scale not in ("tdb", "spice"):
+        raise AttitudeError(f'time_scale is {time_scale!r}; give "tdb" or "spice".')
+    of_mission = not isinstance(clock, int)
+    if time_scale == "spice" and (of_mission or of_records):
+        raise AttitudeError(
+            'time_scale="spice" is for the clock that is written beside a kernel of a motion; '
+            "leave clock= out, and give start= and stop=."
+        )
     spiceypy()
-    plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance)
-    _check_names(path, name, instrument, clock, center)
-    stem = os.path.splitext(os.fspath(path))[0]
-    frame_kernel, clock_kernel = stem + ".tf", stem + ".tsc"
-    numbers = {"name": name, "instrument": instrument, "clock": clock, "center": center}
-    with (
-        made_whole(path, "the C-kernel") as temporary,
-        written_whole(frame_kernel, "the frame kernel") as frames,
-        written_whole(clock_kernel, "the clock kernel") as clocks,
-    ):
-        frames.write(kernel_files.FRAME.format(**numbers))
-        clocks.write(kernel_files.CLOCK.format(start=repr(plan.first), minus_clock=-clock))
-        for _ in range(4):
-            kernel_files.write(temporary, plan, instrument)
-            error, rate_error = kernel_files.measured(temporary, plan, instrument)
-            if error <= plan.tolerance and rate_error <= plan.rate_tolerance:
-                break
-            plan.step *= 0.5
-            os.unlink(temporary)
+    plan: Plan | TableSegments
+    if of_records:
+        assert isinstance(motion, AttitudeTable)
+        plan = TableSegments(motion)
+        span = plan.span
+    else:
+        assert start is not None and stop is not None
+        scale = "tt" if time_scale == "spice" else "tdb"
+        plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance, scale)
+        span = plan.end
+    _check_names(path, name, instrument, clock if isinstance(clock, int) else -1, center)
+    if frame_kernel is not None:
+        instrument = _instrument_of(frame_kernel, name)
+    with ExitStack() as stack:
+        if isinstance(clock, int):
+            scale = "tt" if time_scale == "spice" else "tdb"
+            ticking = clocks.own(clock, plan.first, scale)
         else:
-            raise AttitudeError(
-                f"the kernel deviates by {error:.2g} rad and {rate_error:.2g} rad/s from the "
-                f"motion at steps of {plan.step:.3g} s, more than the tolerances {tolerance:g} rad "
-                f"and {plan.rate_tolerance:.3g} rad/s; give larger ones."
-            )
-    made = (os.fspath(path), frame_kernel, clock_kernel)
-    return Written(made, plan.step, error, rate_error)
+            files = [clock] if isinstance(clock, (str, os.PathLike)) else list(clock)
+            ticking = stack.enter_context(clocks.of_mission(files, plan.first, span))
+        return _written(path, plan, ticking, name, instrument, center, frame_kernel, clock)
+
+
+def _instrument_of(frame_kernel, name):
+    """The NAIF number of the frame `name`, of class 3, in a frame kernel."""
+    spice = spiceypy()
+    with LoadedKernels([frame_kernel]):
+        number = spice.namfrm(name)
+        found = spice.frinfo(number) if number else None
+    if found is None or found[1] != 3:
+        raise AttitudeError(
+            f"{os.fspath(frame_kernel)} defines no frame {name!r} of class 3 (C-kernels); give the "
+            "name of one."
+        )
+    return int(found[2])
+
+
+def _written(path, plan, clock, name, instrument, center, frame_kernel, given_clock):
+    """Write the files of a kernel, and halve its step until it is within the tolerances."""
+    stem = os.path.splitext(os.fspath(path))[0]
+    kernels = [os.fspath(path)]
+    numbers = {"name": name, "instrument": instrument, "clock": clock.number, "center": center}
+    with ExitStack() as stack:
+        temporary = stack.enter_context(made_whole(path, "the C-kernel"))
+        if frame_kernel is None:
+            file = stack.enter_context(written_whole(stem + ".tf", "the frame kernel"))
+            file.write(kernel_files.FRAME.format(**numbers))
+        kernels.append(stem + ".tf" if frame_kernel is None else os.fspath(frame_kernel))
+        if clock.text is not None:
+            file = stack.enter_context(written_whole(stem + ".tsc", "the clock kernel"))
+            file.write(clock.text)
+            kernels.append(stem + ".tsc")
+        else:
+            one = isinstance(given_clock, (str, os.PathLike))
+            kernels += [os.fspath(each) for each in ([given_clock] if one else given_clock)]
+        if isinstance(plan, TableSegments):
+            plan.write(temporary, clock, instrument)
+            error, rate_error = plan.measured(temporary, clock, instrument)
+        else:
+            error, rate_error = _halved(temporary, plan, clock, instrument)
+    return Written(tuple(kernels), plan.step, error, rate_error)
+
+
+def _halved(temporary, plan, clock, instrument):
+    for _ in range(4):
+        kernel_files.write(temporary, plan, clock, instrument)
+        error, rate_error = kernel_files.measured(temporary, plan, clock, instrument)
+        if error <= plan.tolerance and rate_error <= plan.rate_tolerance:
+            return error, rate_error
+        plan.step *= 0.5
+        os.unlink(temporary)
+    raise AttitudeError(
+        f"the kernel deviates by {error:.2g} rad and {rate_error:.2g} rad/s from the motion at "
+        f"steps of {plan.step:.3g} s, more than the tolerances {plan.tolerance:g} rad and "
+        f"{plan.rate_tolerance:.3g} rad/s; give larger ones."
+    )
 
 
 def _check_names(path, name, instrument, clock, center):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from typing import TYPE_CHECKING
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,11 +15,13 @@ from attitude.formats.ck.plan import DEGREE, apart, longest
 from attitude.formats.ck.spice_pool import spiceypy
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from attitude.annotations import FloatArray
+    from attitude.formats.ck.clock import KernelClock
     from attitude.formats.ck.plan import Plan
 
-# Ticks a second: a power of two, so that doubles of seconds become ticks without rounding.
-_TICKS = 2.0**20
-_REFERENCE = "J2000"
+REFERENCE: str = "J2000"
 # Records of a segment; and records of each neighbour that it repeats, so that the windows of
 # interpolation are centered up to its ends.
 _PIECE, _PAD = 50_000, 8
@@ -27,16 +29,9 @@ _PIECE, _PAD = 50_000, 8
 _CHECKS = 2000
 
 
-def write(path: str, plan: Plan, instrument: int) -> None:
-    """Write the C-kernel of a `Plan` to a new file.
-
-    Parameters
-    ----------
-    path : str
-        Must not exist.
-    plan : Plan
-    instrument : int
-        NAIF number.
+@contextmanager
+def opened(path: str) -> Iterator[tuple[Any, int]]:
+    """SPICE and the handle of a new C-kernel, which is closed at the end of the block.
 
     Raises
     ------
@@ -44,43 +39,65 @@ def write(path: str, plan: Plan, instrument: int) -> None:
         For errors of SPICE, and if the disk is full; the file is closed and can be deleted.
     """
     spice = spiceypy()
-    stretches = plan.records()
     handle = None
     try:
         handle = spice.ckopn(path, "attitude", 0)
-        for number, seconds in enumerate(stretches):
-            for start in range(0, max(len(seconds) - 1, 1), _PIECE):
-                _write_segment(spice, handle, plan, instrument, number, seconds, start)
+        yield spice, handle
         spice.ckcls(handle)
         # SPICE does not notice a full disk.
         if broken := daf_head.fault(path):
-            raise _cannot(f"the C-kernel is not whole: {broken}.")
+            raise cannot(f"the C-kernel is not whole: {broken}.")
     except spice.exceptions.SpiceyError as err:
         spice.reset()
         if handle is not None:
             with suppress(spice.exceptions.SpiceyError):
                 spice.dafcls(handle)
             spice.reset()
-        raise _cannot(f"SPICE cannot write the C-kernel ({err.short}).") from err
+        raise cannot(f"SPICE cannot write the C-kernel ({err.short}).") from err
 
 
-def _cannot(sentence):
+def write(path: str, plan: Plan, clock: KernelClock, instrument: int) -> None:
+    """Write the C-kernel of a `Plan` to a new file.
+
+    Parameters
+    ----------
+    path : str
+        Must not exist.
+    plan : Plan
+    clock : KernelClock
+    instrument : int
+        NAIF number.
+
+    Raises
+    ------
+    AttitudeError
+        As `opened`.
+    """
+    stretches = plan.records()
+    with opened(path) as (spice, handle):
+        for number, seconds in enumerate(stretches):
+            for start in range(0, max(len(seconds) - 1, 1), _PIECE):
+                _write_segment(spice, handle, plan, clock, instrument, number, seconds, start)
+
+
+def cannot(sentence: str) -> AttitudeError:
+    """The error for a kernel that cannot be written."""
     return AttitudeError(f"{sentence} Is the disk full? Give a file in a folder with free space.")
 
 
-def _write_segment(spice, handle, plan, instrument, number, seconds, start):
+def _write_segment(spice, handle, plan, clock, instrument, number, seconds, start):
     stop = min(start + _PIECE, len(seconds) - 1)
     pad = _PAD if plan.kind == 5 else 0
     part = slice(max(start - pad, 0), stop + 1 + pad)
     history = plan.history(seconds[part], number)
-    ticks = seconds[part] * _TICKS
-    ends = float(seconds[start] * _TICKS), float(seconds[stop] * _TICKS)
-    frames = instrument, _REFERENCE, True
+    ticks = clock.ticks(seconds[part])
+    ends = float(ticks[start - part.start]), float(ticks[stop - part.start])
+    frames = instrument, REFERENCE, True
     if plan.kind == 5:
-        packets = _packets(history)
+        packets = _packets(history, plan.speed(seconds[part])[:, None])
         spice.ckw05(
             *(handle, 2, DEGREE, *ends, *frames, "attitude", ticks, packets),
-            *(1.0 / _TICKS, 1, ticks[:1]),
+            *(clock.per_tick, 1, ticks[:1]),
         )
     else:
         quats = np.ascontiguousarray(quaternion.conjugate(history.wxyz))
@@ -91,26 +108,53 @@ def _write_segment(spice, handle, plan, instrument, number, seconds, start):
         )
 
 
-def _packets(history):
-    """Subtype 2 of type 5: quaternion, its rate, angular velocity in J2000, its rate."""
+def _packets(history, speed):
+    """Subtype 2 of type 5: quaternion, its rate, angular velocity in J2000, its rate.
+
+    `speed` (N, 1) are seconds of TDB in a second of the clock, in which SPICE differentiates.
+    """
     return np.concatenate(
         [
             quaternion.conjugate(history.wxyz),
-            quaternion.conjugate(forms.quaternion_rate(history.wxyz, history.angular_velocity)),
+            quaternion.conjugate(
+                speed * forms.quaternion_rate(history.wxyz, history.angular_velocity)
+            ),
             history.angular_velocity_inertial,
             # d/dt of R w is R w', since w x w vanishes
-            quaternion.rotate(history.wxyz, history.angular_acceleration),
+            speed * quaternion.rotate(history.wxyz, history.angular_acceleration),
         ],
         axis=1,
     )
 
 
-def measured(path: str, plan: Plan, instrument: int) -> tuple[float, float]:
+def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tuple[float, float]:
     """Largest deviations from the motion, rad and rad/s, of the C-kernel read by SPICE.
 
     They are measured at 2000 random epochs, and at four beside each jump of the angular velocity,
-    of at most 2000.  The kernel is read by its handle, so that the user's kernels in SPICE's pool
-    are neither used nor changed.
+    of at most 2000.
+
+    Raises
+    ------
+    AttitudeError
+        If SPICE cannot read the kernel.
+    """
+    random = np.random.default_rng(2006)
+    et = plan.first + plan.checks(_CHECKS, random)
+    # Doubles of the clock's time scale: on the clock they are exact.
+    seconds = np.clip(et - plan.first, plan.begin, plan.end)
+    true = plan.history(seconds)
+    matrices, rates = measured_at(path, clock.ticks(seconds), instrument)
+    error = apart(forms.from_dcm(matrices), true.wxyz)
+    return error, longest(rates - true.angular_velocity_inertial)
+
+
+def measured_at(
+    path: str, ticks: FloatArray, instrument: int, *, rates: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Matrices (N, 3, 3) and angular velocities (N, 3) in J2000 that SPICE reads at clock times.
+
+    The kernel is read by its handle, so that the user's kernels in SPICE's pool are neither used
+    nor changed.  Without rates they are NaN.
 
     Raises
     ------
@@ -118,27 +162,24 @@ def measured(path: str, plan: Plan, instrument: int) -> tuple[float, float]:
         If SPICE cannot read the kernel.
     """
     spice = spiceypy()
-    random = np.random.default_rng(2006)
-    et = plan.first + plan.checks(_CHECKS, random)
-    # Doubles of TDB: on the clock they are exact.
-    seconds = np.clip(et - plan.first, plan.begin, plan.end)
-    true = plan.history(seconds)
-    matrices, rates = np.empty((len(seconds), 3, 3)), np.empty((len(seconds), 3))
+    matrices, found = np.empty((len(ticks), 3, 3)), np.full((len(ticks), 3), np.nan)
     handle = None
     try:
         handle = spice.cklpf(path)
-        for k, second in enumerate(seconds):
-            matrices[k], rates[k], _ = spice.ckgpav(instrument, second * _TICKS, 0.0, _REFERENCE)
+        for k, tick in enumerate(ticks.tolist()):
+            if rates:
+                matrices[k], found[k], _ = spice.ckgpav(instrument, tick, 0.0, REFERENCE)
+            else:
+                matrices[k], _ = spice.ckgp(instrument, tick, 0.0, REFERENCE)
     except (spice.exceptions.SpiceyError, spice.exceptions.NotFoundError) as err:
         spice.reset()
-        raise _cannot(
+        raise cannot(
             f"SPICE cannot read the kernel it has written ({getattr(err, 'short', 'not found')})."
         ) from err
     finally:
         if handle is not None:
             spice.ckupf(handle)
-    error = apart(forms.from_dcm(matrices), true.wxyz)
-    return error, longest(rates - true.angular_velocity_inertial)
+    return matrices, found
 
 
 # Text of the frame kernel, with name, instrument, clock and center to be filled in.
@@ -158,16 +199,17 @@ CK_{instrument}_SPK = {center}
 \\begintext
 """
 
-# Text of the clock kernel, with minus_clock and start (s past J2000) to be filled in.
+# Text of the clock kernel, with minus_clock, start (s past J2000), the number and the name of its
+# time scale to be filled in.
 CLOCK: str = """\
 KPL/SCLK
 
-A clock of 2^20 ticks a second of TDB from the first epoch of the C-kernel of the same name.
+A clock of 2^20 ticks a second of {scale} from the first epoch of the C-kernel of the same name.
 
 \\begindata
 SCLK_KERNEL_ID = ( @2026-01-01 )
 SCLK_DATA_TYPE_{minus_clock} = ( 1 )
-SCLK01_TIME_SYSTEM_{minus_clock} = ( 1 )
+SCLK01_TIME_SYSTEM_{minus_clock} = ( {system} )
 SCLK01_N_FIELDS_{minus_clock} = ( 2 )
 SCLK01_MODULI_{minus_clock} = ( 10000000000 1048576 )
 SCLK01_OFFSETS_{minus_clock} = ( 0 0 )

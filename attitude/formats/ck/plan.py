@@ -15,6 +15,7 @@ import numpy as np
 from attitude import epochs, pairs, quaternion
 from attitude import representations as forms
 from attitude.attitude_table import interpolation
+from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.motion import motion_of
 
@@ -30,17 +31,21 @@ _MOST_RECORDS = 20_000_000
 _PROBES, _MARGIN = 300, 0.25
 # Distance of these places from the middle of a step, in steps.
 _OFF_MIDDLE = 0.25
+# Seconds to either side of an epoch between which the speed of a clock is measured.
+_BESIDE = 100.0
 
 
 class Plan:
     """The span of a kernel on its clock, the motion there, and the step between records.
 
-    The clock counts TDB seconds from `first`.
+    The clock counts seconds of TDB, or of TT, from `first`.
 
     Parameters
     ----------
     motion, start, stop, kind, tolerance, rate_tolerance
         As of `ck.write`.
+    scale : str
+        Time scale of the clock, "tdb" or "tt".
 
     Attributes
     ----------
@@ -49,7 +54,7 @@ class Plan:
     tolerance, rate_tolerance : float
         rad and rad/s.
     first : float
-        Start of the clock, TDB seconds since J2000.
+        Start of the clock, seconds of its time scale since J2000.
     begin, end : float
         The span, s on the clock.
     bounds : (S + 1,) array
@@ -72,7 +77,9 @@ class Plan:
         kind: int,
         tolerance: float,
         rate_tolerance: float | None,
+        scale: str = "tdb",
     ):
+        self._scale = scale
         if kind not in (3, 5):
             raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5, give one.")
         if not (isinstance(tolerance, (int, float)) and 1e-14 <= tolerance <= 1.0):
@@ -90,11 +97,10 @@ class Plan:
                     else f"{name} is {hi}; give a finite epoch."
                 )
         ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in given]
-        # The clock starts at or before the start, at an epoch that is one double of TDB.
-        first, rest = pairs.add(ends[0], epoch.seconds, epoch.low)
+        # The clock starts at or before the start, at an epoch that is one double of its scale.
+        first, rest = self._of_clock(*ends[0])
         self.first: float = float(first if rest >= 0.0 else np.nextafter(first, -np.inf))
-        self._shift = pairs.add((self.first, 0.0), -epoch.seconds, -epoch.low)
-        begin, end = (pairs.add(pair, -self._shift[0], -self._shift[1])[0] for pair in ends)
+        begin, end = (pairs.add(self._of_clock(*pair), -self.first)[0] for pair in ends)
         self.begin: float = float(begin)
         self.end: float = float(end)
         if not self.end > self.begin:
@@ -109,10 +115,31 @@ class Plan:
         self.rate_tolerance: float = float(rate_tolerance)
         self.step: float = self._first_step(fastest)
 
+    def _of_clock(self, hi, lo):
+        """Seconds of the clock's scale since J2000, hi and lo, of seconds of the motion."""
+        epoch = self._motion.epoch
+        pair = pairs.add((np.asarray(hi), np.asarray(lo)), epoch.seconds, epoch.low)
+        return pair if self._scale == "tdb" else time_scales.tt_from_tdb(*pair)
+
+    def _of_motion(self, seconds):
+        """Seconds of the motion, hi and lo, of seconds on the clock."""
+        hi, lo = pairs.add((seconds, np.zeros(seconds.shape)), self.first)
+        if self._scale != "tdb":
+            hi, lo = time_scales.tdb_from("tt", hi, lo)
+        return pairs.add((hi, lo), -self._motion.epoch.seconds, -self._motion.epoch.low)
+
+    def speed(self, seconds: FloatArray) -> FloatArray:
+        """Seconds of TDB in a second of the clock, at seconds on the clock."""
+        if self._scale == "tdb":
+            return np.ones(np.shape(seconds))
+        after, before = (self._of_motion(seconds + h) for h in (_BESIDE, -_BESIDE))
+        found: FloatArray = ((after[0] - before[0]) + (after[1] - before[1])) / (2.0 * _BESIDE)
+        return found
+
     def _divide(self):
         """Set `bounds`, and the first and last epoch of each stretch as the motion counts them."""
         breaks = self._motion.breaks()
-        clock = pairs.add((breaks[:, 0], breaks[:, 1]), -self._shift[0], -self._shift[1])[0]
+        clock = pairs.add(self._of_clock(breaks[:, 0], breaks[:, 1]), -self.first)[0]
         inside = (clock > self.begin) & (clock < self.end)
         jumps = breaks[inside]
         self.bounds: FloatArray = np.concatenate([[self.begin], clock[inside], [self.end]])
@@ -135,7 +162,7 @@ class Plan:
         """
         if stretch is None:
             stretch = np.searchsorted(self.bounds[1:-1], seconds, side="right")
-        hi, lo = pairs.add((np.asarray(seconds), 0.0), *self._shift)
+        hi, lo = self._of_motion(np.asarray(seconds))
         first, last = (np.broadcast_to(each[stretch], (*np.shape(hi), 2)) for each in self._ends)
         early = (hi < first[..., 0]) | ((hi == first[..., 0]) & (lo < first[..., 1]))
         late = (hi > last[..., 0]) | ((hi == last[..., 0]) & (lo > last[..., 1]))
@@ -217,7 +244,9 @@ class Plan:
             at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
             x = (middle - first) / steps
             bends = quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
-            change = forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
+            speed = self.speed(first[:, None] + place)[..., None]
+            bends = speed * bends
+            change = speed * forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
             slopes = [
                 [part[:, k] * steps[:, None] for k in range(width)] for part in (change, bends)
             ]

@@ -17,6 +17,7 @@ read as well; what is refused is refused by name.
 from __future__ import annotations
 
 import datetime
+import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -224,6 +225,7 @@ def write(
     center: str = "Earth",
     order: int | None = None,
     orbit: Path | None = None,
+    split: bool = False,
 ) -> SampledFile | None:
     """Write attitudes as an STK attitude file.
 
@@ -245,11 +247,14 @@ def write(
         InterpolationOrder: by default that of a table or 7, less if there are few records.
     orbit : Path, optional
         Path of the body about its center, for VVLH.
+    split : bool
+        Write a file for each stretch without jumps and gaps, if there are several: x-1.a, x-2.a,
+        ... for x.a.
 
     Returns
     -------
     SampledFile or None
-        As `aem.write`.
+        As `aem.write`; of several files their sums and the largest step and error.
 
     Raises
     ------
@@ -273,27 +278,48 @@ def write(
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
+    settings = (section, found, how, head)
     if tolerance is None:
         sources.refuse_span(start, stop)
-        part = sources.only_segment(source, t, "an STK file")
-        _write(path, part, section, found, how, head, order, orbit)
+        parts = sources.segments(source, t) if split else []
+        if len(parts) < 2:
+            parts = [sources.only_segment(source, t, "an STK file")]
+        for name, part in zip(_names(path, len(parts)), parts, strict=True):
+            _write(name, part, *settings, order, orbit)
         return None
     sources.refuse_epochs(t)
     motion = sources.one_motion(source)
     degree = order or (
         motion.degree if isinstance(motion, AttitudeTable) else interpolation.USUAL_DEGREE
     )
-    return sampling.write(
-        *(path, motion, start, stop, tolerance),
-        method="slerp" if degree == 1 else "lagrange",
-        degree=degree,
-        name="an STK file",
-        write_records=lambda target, parts: _write(
-            target, parts[0], section, found, how, head, degree, orbit
-        ),
-        read=lambda target: read(target, orbit=orbit),
-        one_segment=True,
+    count = sampling.count_of_stretches(motion, start, stop) if split else 1
+    made = [
+        sampling.write(
+            *(name, motion, start, stop, tolerance),
+            method="slerp" if degree == 1 else "lagrange",
+            degree=degree,
+            name="an STK file",
+            write_records=lambda target, parts: _write(target, parts[0], *settings, degree, orbit),
+            read=lambda target: read(target, orbit=orbit),
+            one_segment=True,
+            stretch=k if count > 1 else None,
+        )
+        for k, name in enumerate(_names(path, count))
+    ]
+    return sampling.SampledFile(
+        sum(each.records for each in made),
+        sum(each.segments for each in made),
+        max(each.step for each in made),
+        max(each.error for each in made),
     )
+
+
+def _names(path, count):
+    """The names of the files of `count` stretches."""
+    if count == 1:
+        return [path]
+    stem, ending = os.path.splitext(os.fspath(path))
+    return [f"{stem}-{k + 1}{ending}" for k in range(count)]
 
 
 def _write(path, part, section, found, how, head, order, orbit):
