@@ -8,22 +8,25 @@ Times are CPU times, the least of several repetitions, beside numpy.sin of the s
 import math
 import resource
 import time
+from pathlib import Path
 
 import numpy as np
 
-from attitude import Body, FreeRotation, Spin, propagate
+from attitude import Body, FreeRotation, Spin, paths, propagate
 from attitude.published import states_from_periods
 from attitude.published.dynamic_inertia import longest_P_phi
+from attitude.scene import Scene
+from attitude.shape import Ellipsoid
 
 
 def main():
     x = np.linspace(0.0, 1e4, 10**6)
     out = np.empty_like(x)
-    print(
-        f"numpy.sin                                  {best(lambda: np.sin(x, out=out)) * 1e3:8.2f} ns"
-    )
+    cost = best(lambda: np.sin(x, out=out))
+    print(f"{'numpy.sin':<43}{cost * 1e3:8.2f} ns")
     published()
     single()
+    scene()
     grid()
 
 
@@ -74,6 +77,18 @@ def single():
         ),
     }.items():
         print(f"{name:<43}{best(call, 5, 1000) * 1e6:8.2f} us")
+
+
+def scene(epochs=1000):
+    """Apophis in the months of its light curves of 2012 and 2013,."""
+    path = Path(__file__).resolve().parent.parent / "data/paths/apophis-2012-2013.oem"
+    axes = (170.0, 150.0, 120.0)
+    spin = Spin("2012-12-23", (1, 0, 0, 0), (1e-5, 2e-5, 6e-5))
+    motion = FreeRotation(Body.from_ellipsoid(axes), spin)
+    seen = Scene(motion, center=paths.oem(path), shape=Ellipsoid(axes))
+    t = np.linspace(0.0, 30 * 86400.0, epochs)
+    cost = best(lambda: seen.at(t).magnitude)
+    print(f"{'scene.at(t).magnitude, 1000 epochs':<43}{cost * 1e3:8.2f} ms")
 
 
 def grid(bodies=10**4, epochs=10**4):

@@ -70,10 +70,7 @@ def seconds_from_jd(jd1: Doubles, jd2: Doubles) -> Pair:
 
 
 def jd_from_seconds(hi: Doubles, lo: Doubles) -> Pair:
-    """Seconds since J2000 as a two-part Julian date: a whole number and |rest| <= 1/2.
-
-    The rest is rounded to 5e-12 s, the resolution of a double of days.
-    """
+    """Seconds since J2000 as a two-part Julian date: a whole number, and a rest to 5e-12 s."""
     whole = np.rint(hi / DAY)
     return J2000 + whole, ((hi - whole * DAY) + lo) / DAY
 
@@ -93,9 +90,7 @@ def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
     return _tai_of_day(day, known, *pairs.two_sum(0.5 * length + second, low))
 
 
-def tai_from_utc_day(
-    day: Doubles | float, second: Doubles | float, low: Doubles | float = 0.0
-) -> Any:
+def tai_from_utc_day(day: Doubles | float, second: Any, low: Doubles | float = 0.0) -> Any:
     """TAI of UTC given as a civil day and the seconds second + low since its midnight.
 
     Parameters
@@ -104,23 +99,18 @@ def tai_from_utc_day(
         Modified Julian date of the civil day, a whole number in a float64.
     second, low : array
         From 0 to 86400, or to 86401 on the day of a leap second.
-
-    Three Python floats give two floats, with the bits of arrays and in a tenth of their time.
+        Floats give floats, with the bits of arrays and in a tenth of their time.
     """
     if type(day) is float and day >= _WHOLE_LEAPS:
         import erfa
 
-        # As by `_utc_days`: without drift, and the end of the day is of no account.
         first = float(erfa.ufunc.dat(*erfa.ufunc.jd2cal(2400000.5, day)[:3], 0.0)[0])
         return _tai_of_day(day, (first, 0.0, 0.0), second, low)
     return _tai_of_day(day, _utc_days(day), second, low)
 
 
 def leap_of_day(day: ArrayLike) -> FloatArray:
-    """Length of the civil day of UTC minus 86400, in s: 1 on leap-second days.
-
-    A fraction is a step of UTC before 1972.
-    """
+    """Length of the civil day of UTC minus 86400, in s: 1 on leap days, fractions before 1972."""
     return _utc_days(np.asarray(day, dtype=np.float64))[2]
 
 
@@ -264,7 +254,7 @@ def tdb_minus_tt(tt_jd1: ArrayLike, tt_jd2: ArrayLike = 0.0) -> FloatArray:
 
 
 def tdb_minus_tt_at(location: Any, hi: Doubles, lo: Doubles) -> FloatArray:
-    """TDB - TT in seconds for a pair of seconds of TT at an astropy EarthLocation, by dtdb.
+    """TDB - TT in seconds for a pair of seconds of TT at an EarthLocation of astropy, by dtdb.
 
     The daily terms, 2 microseconds, are functions of UT1; as in astropy, UTC replaces it.
     """
@@ -359,10 +349,7 @@ def _series(days):
     return erfa.dtdb(J2000, days, 0.0, 0.0, 0.0, 0.0)
 
 
-@lru_cache(maxsize=4096)
-def _one_of_series(days):
-    """`_series` of one date, a float."""
-    return float(_series(days))
+_one_of_series = lru_cache(maxsize=4096)(lambda days: float(_series(days)))
 
 
 def _fitted(numbers):

@@ -137,7 +137,7 @@ class Geometry(Immutable):
         some = lines_of_sight.sample(self.epoch, hi, lo)
         path: Path
         if scene.light_time and not geometric:
-            path = Sightline(target, viewer, scene.ephemeris, some)
+            path = Sightline(scene.steps(target, viewer), some)
         else:
             path = paths.relative(target, viewer, scene.ephemeris)
         return lines_of_sight.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)

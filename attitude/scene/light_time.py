@@ -17,7 +17,7 @@ Source: NAIF, SPK Required Reading, "light time corrections"; Kaplan et al., AJ 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -42,14 +42,37 @@ _NOISE = 1e3
 _MOST_PASSES = 30
 
 
+class Steps(NamedTuple):
+    """The paths that connect a target and a viewer; a scene finds them once.
+
+    Attributes
+    ----------
+    geometric : Path
+        Target relative to viewer.
+    target, viewer : Path
+        Relative to the barycentre of the solar system.
+    """
+
+    geometric: Path
+    target: Path
+    viewer: Path
+
+    @classmethod
+    def of(
+        cls, target: Path | str | int, viewer: Path | str | int, ephemeris: Ephemeris | None
+    ) -> Steps:
+        """Those of paths or names of bodies; see `paths.relative`."""
+        pairs = (target, viewer), (target, SSB), (viewer, SSB)
+        return cls(*(relative(*pair, ephemeris) for pair in pairs))
+
+
 class Sightline(Path):
     """The path from a viewer at t to a target at the epoch at which its light left towards t.
 
     Parameters
     ----------
-    target, viewer : Path, str or int
-    ephemeris : Ephemeris or None
-        See `paths.relative`.
+    steps : Steps
+        The paths between target, viewer and the barycentre.
     sample : (Instant, array, array)
         Some of the epochs at which the path will be evaluated; they decide whether the target is
         near.
@@ -62,14 +85,10 @@ class Sightline(Path):
 
     def __init__(
         self,
-        target: Path | str | int,
-        viewer: Path | str | int,
-        ephemeris: Ephemeris | None,
+        steps: Steps,
         sample: tuple[Instant, FloatArray, FloatArray],
     ) -> None:
-        self.geometric = relative(target, viewer, ephemeris)
-        self.target = relative(target, SSB, ephemeris)
-        self.viewer = relative(viewer, SSB, ephemeris)
+        self.geometric, self.target, self.viewer = steps.geometric, steps.target, steps.viewer
         self.name, self.center = self.geometric.name, self.geometric.center
         self.source = self.geometric.source
         # The span of the target ends a light time later here; the target itself checks it.

@@ -16,6 +16,7 @@ from attitude.paths.composed import NamedBody
 from attitude.paths.place import Place
 from attitude.scattering import law as known_law
 from attitude.scene import shadow
+from attitude.scene.light_time import Steps
 from attitude.scene.view import View
 
 if TYPE_CHECKING:
@@ -242,6 +243,18 @@ class Scene(Immutable):
     def epoch(self) -> epochs.Instant | None:
         """The epoch of the motion, from which plain seconds count; None without a motion."""
         return None if self.motion is None else self.motion.epoch
+
+    def steps(self, target: Path | str, viewer: Path) -> Steps:
+        """The paths that connect two places of the scene, found at the first call and kept."""
+        known: dict[Any, Steps] = self.__dict__.setdefault("_steps", {})
+        found = known.get((target, viewer))
+        if found is None:
+            found = known[target, viewer] = Steps.of(target, viewer, self.ephemeris)
+        return found
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is found anew, such as the steps of an ephemeris, is not pickled.
+        return {name: each for name, each in self.__dict__.items() if name != "_steps"}
 
     def _require_center(self) -> None:
         for place, name in ((self.observer, "observer"), (self.sun, "sun")):
