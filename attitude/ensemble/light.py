@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import validation
+from attitude.blocks import in_blocks
 from attitude.compilation.deferral import uncollected
 from attitude.ensemble import evaluate
 from attitude.ensemble.members import BLOCK
 from attitude.ensemble.rows import MemberGrid, MemberRows, Piece
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
-from attitude.light_curve.blocks import in_blocks
 from attitude.light_curve.brightness import kernel_of, require_ellipsoid_form
 from attitude.light_curve.magnitudes import of_brightness
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
