@@ -120,7 +120,9 @@ class Batch(NamedTuple):
             moments[..., 0], turning[..., 0] = self.inertia[part], omega
             principal = _IDENTITY
         else:
-            found = PrincipalAxes.of(_symmetric(self.inertia[part], part.start, len(self.wxyz)))
+            found = PrincipalAxes.of(
+                symmetric_tensors(self.inertia[part], part.start, len(self.wxyz))
+            )
             turning, differences = found.over_axes(evaluation.writable(omega))
             moments, principal = found.moments, found.wxyz
         constants = evaluation.constants_of(
@@ -136,15 +138,34 @@ class Batch(NamedTuple):
         return _Prepared(constants, moments, wxyz, principal)
 
 
-def _symmetric(tensors: FloatArray, first: int, count: int) -> FloatArray:
-    """Tensors (B, 3, 3) without the rounding of their asymmetry; AttitudeError for others."""
+def symmetric_tensors(
+    tensors: FloatArray, first: int = 0, count: int = 1, *, raises: bool = True
+) -> FloatArray:
+    """Tensors (B, 3, 3) without the rounding of their asymmetry.
+
+    Parameters
+    ----------
+    tensors : (B, 3, 3) array
+    first, count : int
+        Number of the first tensor, and of all tensors, for the error message.
+    raises : bool
+        Whether others are refused; otherwise they become diagonals of NaN.
+
+    Raises
+    ------
+    AttitudeError
+        For tensors that are not symmetric or not finite.
+    """
     across = np.swapaxes(tensors, 1, 2)
     with np.errstate(invalid="ignore", over="ignore"):
         off, largest = (np.abs(each).max(axis=(1, 2)) for each in (tensors - across, tensors))
         mean = 0.5 * (tensors + across)
     # one that is not finite, or of which sums overflow
     bad = ~(off <= ASYMMETRY * largest) | ~np.isfinite(mean).all(axis=(1, 2))
-    if bad.any():
+    if bad.any() and not raises:
+        mean[bad] = np.diag([np.nan] * 3)
+        np.copyto(mean, 0.0, where=bad[:, None, None] & ~np.eye(3, dtype=bool))
+    elif bad.any():
         k = int(np.flatnonzero(bad)[0])
         where = f"Tensor {first + k} of {count}" if count > 1 else "The tensor"
         raise AttitudeError(

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from attitude import validation
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+# Blocks of each thread that are submitted ahead: `wait` takes time in proportion to their number.
+_AHEAD = 4
 
 
 def in_blocks(
@@ -39,8 +43,9 @@ def in_blocks(
             if progress is not None:
                 progress(done, total)
         return
+    left = iter(ranges)
     with ThreadPoolExecutor(threads) as pool:
-        pending = {pool.submit(work, *pair): pair for pair in ranges}
+        pending = {pool.submit(work, *pair): pair for pair in islice(left, _AHEAD * threads)}
         try:
             while pending:
                 ready, _ = wait(pending, return_when=FIRST_COMPLETED)
@@ -48,6 +53,8 @@ def in_blocks(
                     begin, end = pending.pop(future)
                     future.result()
                     done += end - begin
+                    for pair in islice(left, 1):
+                        pending[pool.submit(work, *pair)] = pair
                     if progress is not None:
                         progress(done, total)
         finally:

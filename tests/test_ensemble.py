@@ -291,7 +291,7 @@ RATES = [(0.1, 0, 0.2)] * 2
         ({"on_error": "ignore"}, "on_error is 'ignore'"),
         ({"moments": [(-1, 2, 2.5), (1, 2, 2.5)]}, "member 0 of 2: moments are"),
         ({"body": 3, "moments": None}, "3 is not a list"),
-        ({"tensors": [np.eye(3), np.triu(np.ones((3, 3)))], "moments": None}, "tensor 1 of 2"),
+        ({"tensors": [np.eye(3), np.triu(np.ones((3, 3)))], "moments": None}, "Tensor 1 of 2"),
     ],
 )  # fmt: skip
 def test_bad_input_of_the_constructor(changes, sentence):

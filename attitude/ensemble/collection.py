@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import Epochs, FloatArray, IntArray, Reals
+    from attitude.ensemble.rows import MemberGrid
 
 _KEPT = (
     *("wxyz", "angular_velocity", "frame", "names", "on_error"),
@@ -80,7 +81,7 @@ class Collection(Immutable):
             assert tensors is not None
             found = inertia.of_tensors(tensors, relative)
         sizes = {
-            {2: "moments", 3: "tensors"}[found.given.ndim] if body is None else "body": len(found),
+            {2: "moments", 3: "tensors"}[found.array.ndim] if body is None else "body": found.size,
             "wxyz": len(attitudes),
             "angular_velocity": len(rates),
             "epoch": start.shape[1],
@@ -88,37 +89,37 @@ class Collection(Immutable):
         count = arguments.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
-        self._fill(found, attitudes, None, rates, start, frame, names, tensors is None)
-        self._check(on_error)
+        self._fill(found, attitudes, None, rates, start, frame, names, on_error)
 
     def _fill(
         self,
-        found: Inertia,
+        given: inertia.Given,
         wxyz: FloatArray,
         low: FloatArray | None,
         rates: FloatArray,
         start: FloatArray,
         frame: str,
         names: Any,
-        keeps_bodies: bool = True,
+        on_error: str,
     ) -> None:
-        """Set the attributes of members that are not yet checked."""
+        """Set the attributes of members, and check them."""
+        self._set("on_error", validation.one_of(on_error, "on_error", ("raise", "nan")))
         self._set("frame", frames.known(frame))
         self._set("_start", frozen(start))
         self._set("_low", low)
         self._set("names", arguments.known_names(names, len(wxyz)))
         attitude = members.to_icrf(self.frame, wxyz, low)
-        resolved = found.resolved(rates)
-        self._set("_inertia", found if keeps_bodies else replace(found, bodies=None))
+        found, resolved = given.resolved(rates, on_error == "raise")
+        self._set("_inertia", found)
         self._set("_members", Members(found.moments, found.principal, *resolved, *attitude))
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
         self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
+        self._check()
 
-    def _check(self, on_error: str) -> None:
+    def _check(self) -> None:
         """Find the members that are not physical, and refuse them unless `on_error` is "nan"."""
-        self._set("on_error", validation.one_of(on_error, "on_error", ("raise", "nan")))
         self._set("_bad", frozen(self._members.faults()))
-        if on_error == "raise" and len(self._bad):
+        if self.on_error == "raise" and len(self._bad):
             first = int(self._bad[0])
             others = len(self._bad) - 1
             more = f" Of the {len(self)} members {others} more are wrong." if others else ""
@@ -169,8 +170,7 @@ class Collection(Immutable):
             start = start[:, :1].copy()
         made = cls.__new__(cls)
         second = low if low.any() else None
-        made._fill(found, wxyz, second, rates, start, frame, names)
-        made._check("raise")
+        made._fill(found, wxyz, second, rates, start, frame, names, "raise")
         return made
 
     def _with_low(self, low: FloatArray) -> Self:
@@ -341,11 +341,21 @@ class Collection(Immutable):
         return self.epoch_of(0) if self._start.shape[1] == 1 else None
 
     @property
+    def start_of_seconds(self) -> epochs.Instant:
+        """The epoch that all members share, or J2000."""
+        return self.epoch_of(0) if self._start.shape[1] == 1 else epochs.Instant(0.0)
+
+    @property
     def is_physical(self) -> NDArray[np.bool_]:
         """(N,) whether each member has a state that a body can have."""
         found = np.ones(len(self), dtype=bool)
         found[self._bad] = False
         return found
+
+    if TYPE_CHECKING:
+
+        def grid_of(self, t: Any, low: Any = None) -> MemberGrid:
+            """Defined by `attitudes.Evaluated`."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: self.__dict__[name] for name in _KEPT}

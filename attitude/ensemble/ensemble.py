@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from attitude.ensemble.described import Described
 from attitude.ensemble.lit import Lit
+from attitude.ensemble.reduced import Reduced
 from attitude.ensemble.sources import Sourced
 
 
-class Ensemble(Sourced, Lit, Described):
+class Ensemble(Sourced, Lit, Reduced, Described):
     """The free rotations of N bodies, as arrays.
 
     Parameters

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import validation
+from attitude.batches import symmetric_tensors
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.solution.principal import PrincipalAxes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,6 +20,60 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Reals
 
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
+# Tensors whose principal axes are computed in one call, in 10 ms, between two signals.
+_BLOCK = 512
+
+
+class Given(NamedTuple):
+    """What a caller gave as bodies, one row for all of them or one each.
+
+    Attributes
+    ----------
+    array : (1 or N, 3) or (1 or N, 3, 3) array
+        Principal moments about the body axes, or tensors; kg m2, or relative.
+    relative : bool
+        Whether the unit is unknown.
+    bodies : (1 or N,) array of Body, or None
+        The bodies, if objects were given.
+    """
+
+    array: FloatArray
+    relative: bool
+    bodies: NDArray[np.object_] | None
+
+    @property
+    def size(self) -> int:
+        """1, or the number of bodies."""
+        return self.array.shape[0]
+
+    def resolved(self, omega: FloatArray, raises: bool) -> tuple[Inertia, Resolved]:
+        """The inertia, and angular velocities (N, 3) of its N members over the principal axes.
+
+        Raises
+        ------
+        AttitudeError
+            For tensors that are not symmetric, unless their moments are to be NaN.
+        """
+        count = len(self.array)
+        moments, axes = np.zeros((count, 3, 2)), np.broadcast_to(np.eye(3), (count, 3, 3))
+        if self.array.ndim == 2:
+            moments[..., 0] = self.array
+            principal = np.broadcast_to(_IDENTITY, (count, 4))
+            return Inertia(*self, moments, axes, principal), Resolved(omega, None)
+        axes, principal = np.empty((count, 3, 3)), np.empty((count, 4))
+        rates, differences = np.empty((2, len(omega), 3, 2))
+        for first in range(0, len(omega), _BLOCK):
+            part = slice(first, first + _BLOCK)
+            if count > 1 or first == 0:
+                of = part if count > 1 else slice(0, 1)
+                some = symmetric_tensors(self.array[of], first, count, raises=raises)
+                found = PrincipalAxes.of(some)
+                moments[of], axes[of], principal[of] = found.moments, found.axes[..., 0], found.wxyz
+            rates[part], differences[part] = found.over_axes(omega[part].copy())
+        inertia = Inertia(*self, moments, axes, principal)
+        if np.isnan(differences[:, 0, 0]).all() and not rates[..., 1].any():
+            return inertia, Resolved(np.ascontiguousarray(rates[..., 0]), None)
+        return inertia, Resolved(rates, differences)
 
 
 class Resolved(NamedTuple):
@@ -28,7 +84,7 @@ class Resolved(NamedTuple):
     rates : (N, 3, 2) array, or (N, 3) where the low parts are zero
         rad/s, in pairs of doubles.
     differences : (N, 3, 2) array or None
-        See `Body.differences`; NaN for members without.
+        See `PrincipalAxes.over_axes`; NaN for members without.
     """
 
     rates: FloatArray
@@ -41,12 +97,8 @@ class Inertia:
 
     Attributes
     ----------
-    given : (1 or N, 3) or (1 or N, 3, 3) array
-        Principal moments or tensors, from which a Body is made; kg m2, or relative.
-    relative : bool
-        Whether the unit is unknown.
-    bodies : (1 or N,) array of Body, or None
-        The bodies, if objects were given.
+    given, relative, bodies
+        As of `Given`.
     moments : (1 or N, 3, 2) array
         Principal moments in pairs of doubles.
     axes : (1 or N, 3, 3) array
@@ -83,23 +135,6 @@ class Inertia:
         arrays = (each[index] for each in (self.moments, self.axes, self.principal))
         return Inertia(self.given[index], self.relative, bodies, *arrays)
 
-    def resolved(self, omega: FloatArray) -> Resolved:
-        """Angular velocities (N, 3) over the principal axes; needs `bodies` if there are tensors.
-
-        NaN for rates that are not finite.
-        """
-        if self.bodies is None or all(each.has_given_axes for each in self.bodies):
-            return Resolved(omega, None)
-        rates = np.full((len(omega), 3, 2), np.nan)
-        differences = np.full((len(omega), 3, 2), np.nan)
-        for k in np.flatnonzero(np.all(np.isfinite(omega), axis=1)):
-            body = self.bodies[k if len(self) > 1 else 0]
-            rates[k] = body.rates_about_principal_axes(omega[k])
-            known = body.differences(omega[k])
-            if known is not None:
-                differences[k] = known
-        return Resolved(rates, differences)
-
     @property
     def has_tensors(self) -> bool:
         """Whether the principal axes of any member may differ from its body axes."""
@@ -110,20 +145,22 @@ class Inertia:
         return self.given if self.has_tensors else self.given[:, :, None] * np.eye(3)
 
 
-def of_moments(moments: Reals, relative: bool) -> Inertia:
-    """The inertia of principal moments (3,) or (N, 3) about the body axes."""
+def of_moments(moments: Reals, relative: bool) -> Given:
+    """Principal moments (3,) or (N, 3) about the body axes."""
     unit = None if relative else "kg m2"
     given = validation.real(moments, "moments", unit=unit, finite=False)
-    given = _leading(given, "moments", (3,))
-    pairs = np.zeros((len(given), 3, 2))
-    pairs[..., 0] = given
-    axes = np.broadcast_to(np.eye(3), (len(given), 3, 3))
-    principal = np.broadcast_to(_IDENTITY, (len(given), 4))
-    return Inertia(given, relative, None, pairs, axes, principal)
+    return Given(_leading(given, "moments", (3,)), relative, None)
 
 
-def of_bodies(bodies: Sequence[Body]) -> Inertia:
-    """The inertia of Body objects, one for all members or one each."""
+def of_tensors(tensors: Reals, relative: bool) -> Given:
+    """Tensors (3, 3) or (N, 3, 3) in body axes."""
+    unit = None if relative else "kg m2"
+    given = validation.real(tensors, "tensors", unit=unit, finite=False)
+    return Given(_leading(given, "tensors", (3, 3)), relative, None)
+
+
+def of_bodies(bodies: Sequence[Body]) -> Given:
+    """Body objects, one for all members or one each."""
     for k, each in enumerate(bodies):
         if not isinstance(each, Body):
             raise AttitudeError(
@@ -137,28 +174,11 @@ def of_bodies(bodies: Sequence[Body]) -> Inertia:
         )
     objects = np.empty(len(bodies), dtype=object)
     objects[:] = bodies
-    tensors = not all(each.has_given_axes for each in bodies)
-    given = np.array([each.tensor if tensors else each.moments for each in bodies])
-    return _found(given, bool(relative.pop()), objects)
-
-
-def of_tensors(tensors: Reals, relative: bool) -> Inertia:
-    """The inertia of tensors (3, 3) or (N, 3, 3), with its bodies.
-
-    Raises
-    ------
-    AttitudeError
-        For a tensor that no body has: its number and what is wrong.
-    """
-    unit = None if relative else "kg m2"
-    given = _leading(validation.real(tensors, "tensors", unit=unit), "tensors", (3, 3))
-    bodies = np.empty(len(given), dtype=object)
-    for k, tensor in enumerate(given):
-        try:
-            bodies[k] = Body(tensor=tensor, relative=relative)
-        except AttitudeError as err:
-            raise AttitudeError(f"tensor {k} of {len(given)}: {err}") from err
-    return _found(given, relative, bodies)
+    plain = all(each.has_given_axes for each in bodies)
+    given = np.array([each.moments if plain else each.tensor for each in bodies])
+    return Given(
+        given.reshape(len(bodies), *((3,) if plain else (3, 3))), True in relative, objects
+    )
 
 
 def joined(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
@@ -180,22 +200,9 @@ def joined(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
     bodies = None
     if all(each.bodies is not None for each in parts):
         bodies = rows([each.bodies for each in parts])
-    arrays = (
-        rows([getattr(each, name) for each in parts]) for name in ("moments", "axes", "principal")
-    )
+    names = "moments", "axes", "principal"
+    arrays = (rows([getattr(each, name) for each in parts]) for name in names)
     return Inertia(given, first.relative, bodies, *arrays)
-
-
-def _found(given: FloatArray, relative: bool, bodies: NDArray[np.object_]) -> Inertia:
-    """The Inertia of Body objects."""
-    return Inertia(
-        given,
-        relative,
-        bodies,
-        np.array([each.moments_as_pairs for each in bodies]).reshape(-1, 3, 2),
-        np.array([each.principal_axes for each in bodies]).reshape(-1, 3, 3),
-        np.array([each.principal_wxyz for each in bodies]).reshape(-1, 4),
-    )
 
 
 def _leading(array: FloatArray, name: str, last: tuple[int, ...]) -> FloatArray:
