@@ -15,6 +15,7 @@ inertia       moments and tensors of the members
 members       states as the compiled solution takes them
 reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
 evaluate      blocks of members and rows, in threads
+partitioned   `PartitionedEnsemble`: members in the partitions of dask
 """
 
 from attitude.ensemble.answer import EnsembleHistory
