@@ -10,6 +10,7 @@ cores the machine gives.  It needs the extra ``dask``.
 
 import hashlib
 import time
+from functools import partial
 
 import numpy as np
 
@@ -64,10 +65,8 @@ def main():
             many = PartitionedEnsemble.of_arrays(**lazy, epoch="2026-01-01")
             dask.compute(*many.map(mean_of, range(PARTS)))  # each process loads the machine code
             client.cancel(client.futures)
-            again = timed(
-                lambda many=many: dask.compute(*many.map(mean_of, range(100, 100 + PARTS)))
-            )
-            bare = timed(lambda many=many: dask.compute(*many.map(hashed, range(PARTS))))
+            again = timed(partial(dask.compute, *many.map(mean_of, range(100, 100 + PARTS))))
+            bare = timed(partial(dask.compute, *many.map(hashed, range(PARTS))))
         print(
             f"LocalCluster of {workers} process(es)     {again:7.2f} s  {again / rows * 1e9:6.1f} ns"
             f" a row;  sha256 {bare:6.2f} s"
