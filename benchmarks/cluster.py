@@ -68,8 +68,8 @@ def main():
             again = timed(partial(dask.compute, *many.map(mean_of, range(100, 100 + PARTS))))
             bare = timed(partial(dask.compute, *many.map(hashed, range(PARTS))))
         print(
-            f"LocalCluster of {workers} process(es)     {again:7.2f} s  {again / rows * 1e9:6.1f} ns"
-            f" a row;  sha256 {bare:6.2f} s"
+            f"LocalCluster of {workers} process(es)     {again:7.2f} s  "
+            f"{again / rows * 1e9:6.1f} ns a row;  sha256 {bare:6.2f} s"
         )
 
 
