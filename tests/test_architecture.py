@@ -26,7 +26,7 @@ HOUSE = (
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
-    ("ensemble",),
+    ("ensemble", "survey"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.

@@ -16,6 +16,7 @@ members       states as the compiled solution takes them
 reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
 torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
 evaluate      blocks of members and rows, in threads
+partitioned   `PartitionedEnsemble`: members in the partitions of dask
 """
 
 from attitude.ensemble.answer import EnsembleHistory
