@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -219,6 +219,9 @@ class TorquedEnsemble(Immutable):
 
             in_blocks(work, len(self), size, threads)
 
+    def _label(self, first: int, k: int) -> str:
+        return self.ensemble.label(first + k)
+
     def _marched(
         self, first: int, states: FloatArray, start: int, h: float, here: Any, samples: Any
     ) -> FloatArray:
@@ -233,7 +236,9 @@ class TorquedEnsemble(Immutable):
             np.array([each.setup[2] for each in systems]),
         )
         number, parts = here
-        found, _ = systems[0].march_members(setup, states, start, h, number, parts, samples)
+        found = systems[0].march_members(
+            setup, states, start, h, number, parts, samples, partial(self._label, first)
+        )
         for k in range(len(found)):
             found[k] = systems[0 if shared else k].over_body_axes(found[k])
         return found

@@ -236,7 +236,8 @@ class System:
         number: IntArray,
         parts: FloatArray,
         samples: tuple[FloatArray, FloatArray],
-    ) -> tuple[FloatArray, int]:
+        label: Callable[[int], str],
+    ) -> FloatArray:
         """Take the steps of the samples from N states, in place; states (N, T, 7) at epochs.
 
         Parameters
@@ -252,19 +253,32 @@ class System:
             Whole steps to each epoch from there, ascending, and the seconds after those.
         samples : tuple of two arrays
             Of `samples_of`.
+        label : callable
+            Name of a state in error messages.
+
+        Raises
+        ------
+        AttitudeError
+            As `run`, with the name of the state.
         """
         from attitude.solution.march_members import march_members
 
         steps = (len(samples[0]) - 1) // self.kicks_between
         out = np.empty((len(states), len(number), 7))
 
+        member = 0
+
         def loop(*arguments: Any) -> tuple[int, float, float]:
-            fault, t, rate, _ = march_members(*arguments)
+            nonlocal member
+            fault, t, rate, member = march_members(*arguments)
             return fault, t, rate
 
         rest = float(start), h, steps, number, parts, *samples, out
-        self.run(loop, h, *setup, states, *rest)
-        return out, steps
+        try:
+            self.run(loop, h, *setup, states, *rest)
+        except AttitudeError as err:
+            raise AttitudeError(f"{label(member)}: {err}") from err
+        return out
 
     @property
     def kicks_between(self) -> int:
