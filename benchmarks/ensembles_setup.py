@@ -88,7 +88,10 @@ def scene(epochs=1000):
     seen = Scene(motion, center=paths.oem(path), shape=Ellipsoid(axes))
     t = np.linspace(0.0, 30 * 86400.0, epochs)
     cost = best(lambda: seen.at(t).magnitude)
-    print(f"{'scene.at(t).magnitude, 1000 epochs':<43}{cost * 1e3:8.2f} ms")
+    source = paths.ephemeris().source
+    print(
+        f"{'scene.at(t).magnitude, 1000 epochs':<43}{cost * 1e3:8.2f} ms (Sun and Earth: {source})"
+    )
 
 
 def grid(bodies=10**4, epochs=10**4):

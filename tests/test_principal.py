@@ -90,6 +90,7 @@ def _all_of_wide(words, x, places, doubles):
     doubles[0], doubles[1] = wide.double(a), wide.double(wide.load(words, 5))
     doubles[2] = 1.0 if wide.negative(a) else 0.0
     doubles[3] = wide.length(b)
+    doubles[4] = wide.word(a)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -104,7 +105,7 @@ def test_the_instructions_are_those_of_python(sign):
                 for words in (compiled, python):
                     wide.store(words, 0, sign * first)
                     wide.store(words, 1, second)
-                results = np.zeros(4), np.zeros(4)
+                results = np.zeros(5), np.zeros(5)
                 _all_of_wide(compiled, x, places, results[0])
                 _all_of_wide.py_func(python, x, places, results[1])
                 np.testing.assert_array_equal(compiled, python)

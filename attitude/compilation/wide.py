@@ -27,6 +27,11 @@ def wide(n: int) -> int:
     return int(n)
 
 
+def word(n: int) -> int:
+    """The lowest 64 bits as a signed integer."""
+    return ((n + (1 << 63)) & _WORD) - (1 << 63)
+
+
 def whole(x: float) -> int:
     """A double that is a whole number below 2**447, as an integer."""
     return int(x)

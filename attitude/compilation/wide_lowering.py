@@ -58,6 +58,11 @@ def _wide(context, builder, signature, arguments):
     return builder.sext(arguments[0], _WIDE)
 
 
+@_instruction(wide.word, types.int64, _KIND)
+def _low_word(context, builder, signature, arguments):
+    return builder.trunc(arguments[0], _WORD)
+
+
 @_instruction(wide.whole, _KIND, types.float64)
 def _whole(context, builder, signature, arguments):
     bits = builder.bitcast(arguments[0], _WORD)

@@ -13,10 +13,14 @@ rows          the epochs of a call: a grid, or ragged rows
 epoch         epochs of members, and seconds since them
 inertia       moments and tensors of the members
 members       states as the compiled solution takes them
+reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
+torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
 evaluate      blocks of members and rows, in threads
+partitioned   `PartitionedEnsemble`: members in the partitions of dask
 """
 
 from attitude.ensemble.answer import EnsembleHistory
 from attitude.ensemble.ensemble import Ensemble
+from attitude.ensemble.quantities import AngleTo
 
-__all__ = ["Ensemble", "EnsembleHistory"]
+__all__ = ["AngleTo", "Ensemble", "EnsembleHistory"]

@@ -50,8 +50,7 @@ class EnsembleHistory(AttitudeHistory):
         low: FloatArray | None,
         wxyz: FloatArray,
     ) -> None:
-        start = ensemble.epoch if ensemble.epoch is not None else epochs.Instant(0.0)
-        super().__init__(ensemble, start, seconds, low, wxyz)
+        super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
         self._set("ensemble", ensemble)
         self._set("member", frozen(member))
 

@@ -132,6 +132,13 @@ class Evaluated(Collection):
         self._fill_rows(found, wxyz, rates, 1)
         return found.shaped(rates, None)
 
+    def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
+        """The epochs of all members, given as for `at`; AttitudeError for a single epoch."""
+        found = self._epochs(t, low, None)
+        if not isinstance(found, MemberGrid) or found.scalar:
+            raise AttitudeError("t is one epoch; give (T,) or (N, T).")
+        return found
+
     def _epochs(self, t: Any, low: Any, member: IntArray | None) -> MemberGrid | MemberRows:
         """The epochs of all members, or of the rows of given ones."""
         if member is None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import Epochs, FloatArray, IntArray, Reals
+    from attitude.ensemble.rows import MemberGrid
 
 _KEPT = (
     *("wxyz", "angular_velocity", "frame", "names", "on_error"),
@@ -340,11 +341,21 @@ class Collection(Immutable):
         return self.epoch_of(0) if self._start.shape[1] == 1 else None
 
     @property
+    def start_of_seconds(self) -> epochs.Instant:
+        """The epoch that all members share, or J2000."""
+        return self.epoch_of(0) if self._start.shape[1] == 1 else epochs.Instant(0.0)
+
+    @property
     def is_physical(self) -> NDArray[np.bool_]:
         """(N,) whether each member has a state that a body can have."""
         found = np.ones(len(self), dtype=bool)
         found[self._bad] = False
         return found
+
+    if TYPE_CHECKING:
+
+        def grid_of(self, t: Any, low: Any = None) -> MemberGrid:
+            """Defined by `attitudes.Evaluated`."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: self.__dict__[name] for name in _KEPT}

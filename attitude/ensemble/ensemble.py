@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from attitude.ensemble.described import Described
 from attitude.ensemble.lit import Lit
+from attitude.ensemble.reduced import Reduced
 from attitude.ensemble.sources import Sourced
+from attitude.ensemble.torqued import TorquedEnsemble
+
+if TYPE_CHECKING:
+    from attitude.annotations import Real
+    from attitude.splitting.schemes import Scheme
 
 
-class Ensemble(Sourced, Lit, Described):
+class Ensemble(Sourced, Lit, Reduced, Described):
     """The free rotations of N bodies, as arrays.
 
     Parameters
@@ -66,3 +74,9 @@ class Ensemble(Sourced, Lit, Described):
     >>> tops[0].mode.name, tops.period_psi.round(6)
     ('SHORT_AXIS', array([ 2.347113, 55.168519]))
     """
+
+    def torqued(
+        self, torques: Any, step: Real, scheme: str | Scheme = "kick-rotate-kick"
+    ) -> TorquedEnsemble:
+        """The same states under torques, with one scheme and one step: a `TorquedEnsemble`."""
+        return TorquedEnsemble(self, torques, step, scheme)

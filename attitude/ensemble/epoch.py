@@ -101,6 +101,25 @@ def shared(
     return hi, lo, scalar
 
 
+def received(
+    start: epochs.Instant, shared: epochs.Instant | None, t: Any, low: ArrayLike | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Epochs (T,) of a scene as seconds since `start`, in two doubles.
+
+    Raises
+    ------
+    AttitudeError
+        For other shapes, and for plain seconds if the members share no epoch.
+    """
+    if shared is None:
+        hi, lo = pairs.add(epochs.past_j2000(t, "t"), -start.seconds, -start.low)
+    else:
+        hi, lo = epochs.seconds_since(start, t, low)
+    if hi.ndim != 1:
+        raise AttitudeError(f"t has shape {hi.shape}; give (T,), the epochs of a scene.")
+    return hi, lo
+
+
 def of_rows(
     start: FloatArray, t: Any, low: ArrayLike | None, member: IntArray
 ) -> tuple[FloatArray, FloatArray | None, IntArray]:

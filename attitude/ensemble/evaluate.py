@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray, IntArray
-    from attitude.ensemble.members import Members
+    from attitude.ensemble.members import Kept, Members
 
 # Rows in a piece of work: a millisecond, and 0.15 s if each row is of another member.
 ROWS = 1 << 17
@@ -34,7 +34,7 @@ _LONG_RUN = 64
 
 
 def grid(
-    members: Members,
+    members: Members | Kept,
     label: Callable[[int], str],
     t: FloatArray,
     low: FloatArray | None,
@@ -47,7 +47,7 @@ def grid(
 
     Parameters
     ----------
-    members : Members
+    members : Members or Kept
     label : callable
         Name of a member in error messages.
     t, low : (1 or N, T) arrays

@@ -78,8 +78,14 @@ class Light:
         observer: FloatArray,
         out: FloatArray,
         threads: int,
+        band: float | None = None,
+        apparent: bool = False,
     ) -> None:
-        """Fill brightness (R,), m2/sr, of rows, for vectors of shape (S, 3) in ICRF."""
+        """Fill brightness (R,), m2/sr, of rows, for vectors of shape (S, 3) in ICRF.
+
+        With `band`, the magnitude of the Sun at 1 au, reduced magnitudes; and with `apparent` those
+        at the lengths of the vectors in m.
+        """
         parts: Sequence[Any] = rows.pieces(_ROWS if self._has_axes else _ROWS_OF_MESHES)
         if not self._has_axes:
             self._make_kernels(rows.member, threads)
@@ -88,7 +94,13 @@ class Light:
             for part in parts[begin:end]:
                 piece = rows.piece(part)
                 both = [rows.vectors(each, part) for each in (sun, observer)]
-                out[piece.place] = self._of(piece, *both)
+                found = self._of(piece, *both)
+                if band is not None:
+                    found = of_brightness(found, band)
+                if apparent:
+                    found += _modulus(both[0])
+                    found += _modulus(both[1])
+                out[piece.place] = found
 
         in_blocks(work, len(parts), 1, threads)
 
@@ -262,30 +274,10 @@ def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
     return found
 
 
-def as_magnitudes(brightness: FloatArray, sun_magnitude: float) -> FloatArray:
-    """Brightness as reduced magnitudes, in place, block by block."""
-    flat = brightness.reshape(-1)
-    for first in range(0, flat.size, _ROWS):
-        part = flat[first : first + _ROWS]
-        part[:] = of_brightness(part, sun_magnitude)
-    return brightness
-
-
-def dimmed(magnitudes: FloatArray, sun: Any, observer: Any) -> FloatArray:
-    """Reduced magnitudes (S) at the lengths of vectors (..., 3) in m, in place."""
-    flat = magnitudes.reshape(-1)
-    given = (sun, "sun"), (observer, "observer")
-    both = [known_vectors(value, name, magnitudes.shape) for value, name in given]
-    if magnitudes.ndim == 0:
-        both = [each[None] for each in both]
-    rows = magnitudes.reshape(-1) if magnitudes.ndim < 2 else magnitudes
-    step = max(1, _ROWS * len(rows) // max(flat.size, 1))
-    for first in range(0, len(rows), step):
-        part = slice(first, first + step)
-        for each in both:
-            length = np.sqrt(np.sum(each[part] ** 2, axis=-1))
-            rows[part] += 5.0 * np.log10(length / ASTRONOMICAL_UNIT_M)
-    return magnitudes
+def _modulus(vectors: FloatArray) -> FloatArray:
+    """5 log10 of the lengths (K,) of vectors (K, 3) in au."""
+    length = np.sqrt(np.einsum("kj,kj->k", vectors, vectors))
+    return 5.0 * np.log10(length / ASTRONOMICAL_UNIT_M)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ from attitude.light_curve.closed_form import intensity
 from attitude.solution.chain import evaluate_part
 
 # Rows that are evaluated at a time: their attitudes and directions stay in the first-level cache.
-PIECE = 256
+PIECE = 248
 
 
 @entry_point

@@ -61,6 +61,28 @@ class Lit(Evaluated):
         AttitudeError
             As `at` and `light_curve.brightness`; for a shape that is missing.
         """
+        return self._shone(
+            t, member, sun, observer, shape=shape, law=law, shadows=shadows, low=low,
+            threads=threads, out=out,
+        )  # fmt: skip
+
+    def _shone(
+        self,
+        t: Epochs,
+        member: ArrayLike | None,
+        sun: Reals | None,
+        observer: Reals | None,
+        *,
+        shape: Any,
+        law: str | Law = "lommel-seeliger",
+        shadows: bool | Visibility = True,
+        low: ArrayLike | None = None,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        band: float | None = None,
+        apparent: bool = False,
+    ) -> FloatArray:
+        """Brightness or, with `band`, magnitudes."""
         found = self._epochs(t, low, None if member is None else self._members_of(member))
         to_sun = light.known_vectors(sun, "sun", found.shape)
         to_observer = light.known_vectors(observer, "observer", found.shape)
@@ -68,7 +90,8 @@ class Lit(Evaluated):
         raises = self.on_error == "raise"
         source = light.Light(self._members, self.label, shapes, law, shadows, raises)
         result = light.output(out, found.shape)
-        source.fill(found, to_sun, to_observer, result.reshape(-1), threads)
+        flat = result.reshape(-1)
+        source.fill(found, to_sun, to_observer, flat, threads, band, apparent)
         return result
 
     def reduced_magnitude(
@@ -87,8 +110,7 @@ class Lit(Evaluated):
         Johnson V.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
-        found = self.brightness(t, member, sun, observer, **options)
-        return light.as_magnitudes(found, band)
+        return self._shone(t, member, sun, observer, band=band, **options)
 
     def magnitude(
         self,
@@ -104,7 +126,5 @@ class Lit(Evaluated):
 
         Arguments as of `reduced_magnitude`.
         """
-        found = self.reduced_magnitude(
-            t, member, sun, observer, sun_magnitude=sun_magnitude, **options
-        )
-        return light.dimmed(found, sun, observer)
+        band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
+        return self._shone(t, member, sun, observer, band=band, apparent=True, **options)

@@ -120,9 +120,41 @@ class Members:
         return evaluation.fault_of(constants[0], moments[0], wxyz[0], rates[0])
 
 
+# Members whose constants take 34 MB.
+_MOST_KEPT = 35_000
 # Mode of a member that is not physical.
 NO_MODE = -1
 _NONE: IntArray = np.zeros(0, dtype=np.int64)
+
+
+class Kept:
+    """Members whose constants are kept once prepared, if they are few; for several epochs.
+
+    Parameters
+    ----------
+    members : Members
+    first : int
+        Number of the first one.
+    """
+
+    def __init__(self, members: Members, first: int = 0, constants: Any = None) -> None:
+        self._members, self._first = members, first
+        if constants is None and len(members) <= _MOST_KEPT:
+            parts = [members.prepared(slice(k, k + BLOCK)) for k in range(0, len(members), BLOCK)]
+            constants = [found for found, _ in parts]
+            constants = np.concatenate(constants) if constants else members.prepared(slice(0))[0]
+        self._constants = constants
+
+    def taken(self, which: slice) -> Members | Kept:
+        """Some of the members."""
+        if self._constants is None:
+            return self._members.taken(which)
+        return Kept(self._members, which.start, self._constants)
+
+    def prepared(self, which: slice, *, rates: bool = True) -> tuple[NDArray[Any], IntArray]:
+        """As `Members.prepared`, without the numbers of those that are not physical."""
+        part = slice(self._first + which.start, self._first + which.stop)
+        return self._constants[part], _NONE
 
 
 def joined(parts: Sequence[Members]) -> Members:

@@ -393,8 +393,7 @@ def _ut1_minus_utc(jd1, jd2, name):
 @lru_cache(maxsize=1)
 def earth_orientation() -> Any:
     """The table IERS_A of astropy-iers-data as installed, without a download."""
-    # Read by file name: IERS_Auto would request a newer file from the network, and IERS_A.open
-    # would cache its table in astropy for the whole process.
+    # By file name: IERS_Auto would download, IERS_A.open would cache its table in the process.
     from astropy.utils import iers
 
     return iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)

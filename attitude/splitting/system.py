@@ -227,6 +227,76 @@ class System:
         self.run(march, h, *self.setup, state, float(start), h, steps, given, kept, every)
         return kept
 
+    def march_members(
+        self,
+        setup: tuple[FloatArray, FloatArray, IntArray],
+        states: FloatArray,
+        start: int,
+        h: float,
+        number: IntArray,
+        parts: FloatArray,
+        samples: tuple[FloatArray, FloatArray],
+        label: Callable[[int], str],
+    ) -> FloatArray:
+        """Take the steps of the samples from N states, in place; states (N, T, 7) at epochs.
+
+        Parameters
+        ----------
+        setup : tuple of three arrays
+            As `setup`, with a leading axis of bodies, 1 or N, of the first and the last.
+        states : (N, 14) array
+        start : int
+            Number of steps from the epoch to them.
+        h : float
+            s.
+        number, parts : (T,) arrays
+            Whole steps to each epoch from there, ascending, and the seconds after those.
+        samples : tuple of two arrays
+            Of `samples_of`.
+        label : callable
+            Name of a state in error messages.
+
+        Raises
+        ------
+        AttitudeError
+            As `run`, with the name of the state.
+        """
+        from attitude.solution.march_members import march_members
+
+        steps = (len(samples[0]) - 1) // self.kicks_between
+        out = np.empty((len(states), len(number), 7))
+
+        member = 0
+
+        def loop(*arguments: Any) -> tuple[int, float, float]:
+            nonlocal member
+            fault, t, rate, member = march_members(*arguments)
+            return fault, t, rate
+
+        rest = float(start), h, steps, number, parts, *samples, out
+        try:
+            self.run(loop, h, *setup, states, *rest)
+        except AttitudeError as err:
+            raise AttitudeError(f"{label(member)}: {err}") from err
+        return out
+
+    @property
+    def kicks_between(self) -> int:
+        """Kicks of a step, of which the last is the first of the next step."""
+        return self.kicks - 1
+
+    def samples_of(
+        self, start: int, h: float, steps: int, number: IntArray, parts: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Samples at the kicks of steps, and of parts of steps, as `march_members` takes them."""
+        starts = np.array(pairs.product(start + np.arange(float(max(steps, 1))), h))
+        times = self.kick_times(starts, h)
+        rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
+        if not steps:
+            rows = rows[:, :1]
+        begin = np.array(pairs.product((start + number).astype(np.float64), h))
+        return self.sampled(rows), self.sampled(self.kick_times(begin, parts))
+
     def revisit(
         self,
         states: FloatArray,

@@ -1,0 +1,35 @@
+"""Light curves of rotating bodies in simulations of surveys.
+
+rotators        rotators, with states from columns or drawn, and their light relative to its mean
+light_curve     the light-curve class for Rubin's simulator sorcha; needs the extra ``sorcha``
+__main__        ``python -m attitude.survey run ...``: sorcha's command with the class registered
+
+Importing this package registers the class with sorcha if sorcha is installed.
+"""
+
+from __future__ import annotations
+
+import warnings
+from importlib.util import find_spec
+from typing import Any
+
+from attitude.survey.rotators import Rotators
+
+__all__ = ["LightCurve", "Rotators", "light_curve_class"]
+
+if find_spec("sorcha") is not None:
+    with warnings.catch_warnings():
+        # Packages that sorcha imports warn of what is deprecated in others.
+        warnings.simplefilter("ignore")
+        from attitude.survey.light_curve import LightCurve, light_curve_class
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("LightCurve", "light_curve_class"):
+        from attitude.errors import AttitudeError
+
+        raise AttitudeError(
+            f"{name} is a light-curve class of the simulator sorcha, which is not installed; "
+            'install it by pip install "attitude-propagation[sorcha]".'
+        )
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

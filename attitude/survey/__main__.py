@@ -1,0 +1,20 @@
+"""``python -m attitude.survey run ...``: the command ``sorcha run`` with light-curve classes."""
+
+import sys
+
+import attitude.survey
+
+
+def main() -> None:
+    """Run ``sorcha run`` with the arguments of the command line."""
+    if not hasattr(attitude.survey, "LightCurve"):
+        sys.exit('sorcha is not installed: pip install "attitude-propagation[sorcha]".')
+    from sorcha_cmdline.run import main as run
+
+    if sys.argv[1:2] == ["run"]:
+        del sys.argv[1]
+    run()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,216 @@
+"""What do ensembles cost?
+
+    python benchmarks/ensembles.py              all but the main belt
+    python benchmarks/ensembles.py main-belt [N]  5e6 (or N) members x 220 visits, two threads
+
+Times are of the processor (of one thread), the least of some repetitions, but for threads; beside
+them stands what numpy.sin takes in the same run, by which machines are compared.
+"""
+
+import hashlib
+import os
+import resource
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from attitude import Body, Ensemble, FreeRotation, Spin, propagate
+from attitude.ensemble import AngleTo
+from attitude.torques import LinearDamping
+
+EPOCH, VISITS = "2026-01-01", 160
+RNG = np.random.default_rng(17)
+
+
+def main():
+    print(f"{os.cpu_count()} processors, numpy {np.__version__}")
+    x = np.linspace(0.0, 1e4, 10**6)
+    out = np.empty_like(x)
+    sine = best(lambda: np.sin(x, out=out)) * 1e3
+    t = np.linspace(0.0, 1e4, 10**6)
+    one = best(lambda: propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), t)) * 1e3
+    print(f"numpy.sin {sine:.2f} ns, propagate {one:.2f} ns an epoch (0.8 of numpy.sin at best)\n")
+    rows()
+    grid()
+    monte_carlo()
+    detumbling()
+    threads()
+
+
+def states(count, seed=1):
+    """Moments, attitudes and rates of bodies in both modes, some days a turn."""
+    rng = np.random.default_rng(seed)
+    moments = np.sort(rng.uniform(0.4, 1.0, (count, 3)))
+    moments[:, 2] = np.minimum(moments[:, 2], 0.99 * (moments[:, 0] + moments[:, 1]))
+    wxyz = rng.normal(size=(count, 4))
+    wxyz /= np.linalg.norm(wxyz, axis=1)[:, None]
+    return moments, wxyz, rng.normal(size=(count, 3)) * 1e-4
+
+
+def ensemble(count, seed=1):
+    moments, wxyz, omega = states(count, seed)
+    return Ensemble(moments=moments, wxyz=wxyz, angular_velocity=omega, epoch=EPOCH, relative=True)
+
+
+def visits(count, number=VISITS, seed=2):
+    """Members, epochs over ten years, and vectors to Sun and observer of sorted ragged rows."""
+    rng = np.random.default_rng(seed)
+    member = np.repeat(np.arange(count), number)
+    sun, observer = rng.normal(size=(2, member.size, 3))
+    return member, rng.uniform(0.0, 3.2e8, member.size), sun, observer
+
+
+def rows():
+    """1e5 members are a tenth of the survey; the cost is linear from 1e4 on."""
+    count = 10**5
+    make = lambda: ensemble(count)  # noqa: E731
+    made = make()
+    member, t, sun, observer = visits(count)
+    axes = RNG.uniform(0.5, 1.0, (count, 3))
+    few = slice(0, VISITS)
+    made.at(t[few], member[few])
+    made.brightness(t[few], member[few], sun[few], observer[few], shape=axes)
+    memory, numbers = np.zeros((4, member.size)).T, np.zeros(member.size)
+    print(f"{count} members x {VISITS} visits            us a member   allowed")
+    line("construction", best(make, 3) / count * 1e6, None)
+    line("one epoch each", best(lambda: made.at(t[:count], member[::VISITS])) / count * 1e6, None)
+    found = best(lambda: made.at(t, member, out=memory), 3) / count * 1e6
+    line("attitudes, sorted rows", found, 1.3 + 0.012 * VISITS)
+    new = best(lambda: made.at(t, member), 2) / count * 1e6
+    line("  the same into new memory", new, None)
+    order = RNG.permutation(member.size)
+    mixed, later = member[order], t[order]
+    line("  rows in random order", best(lambda: made.at(later, mixed), 1) / count * 1e6, None)
+    light = lambda: made.brightness(  # noqa: E731
+        t, member, sun, observer, shape=axes, out=numbers
+    )
+    found = best(light, 3) / count * 1e6
+    line("brightness of ellipsoids", found, 1.6 + 0.025 * VISITS)
+    line("  1e6 x 160, in s", found, 6.0)
+    print()
+
+
+def line(name, value, allowed):
+    print(f"  {name:<36} {value:12.3f}" + (f" {allowed:12.3f}" if allowed else ""))
+
+
+def grid():
+    made = ensemble(10**4)
+    t = np.linspace(0.0, 1e7, 2000)
+    made.at(t[:3])
+    memory = np.moveaxis(np.zeros((10**4, 4, 2000)), 1, 2)
+    found = best(lambda: made.at(t, out=memory), 2) / (10**4 * 2000) * 1e9
+    print(f"1e4 members x 2000 shared epochs: {found:.2f} ns an attitude (10 allowed)")
+
+
+def monte_carlo():
+    spin = Spin(EPOCH, (1, 0, 0, 0), (0.01, 0.03, 0.02))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    sigma = {"attitude": 0.2, "angular_velocity": 0.005, "moments": 0.1}
+    draws = Ensemble.sample(motion, 10**4, covariance=sigma)
+    t, angle = np.linspace(0.0, 7200.0, 720), AngleTo((0, 0, 1), (1, 0, 0))
+    draws[:300].percentiles(angle, t)
+    found = best(lambda: draws.percentiles(angle, t), 3)
+    print(f"percentiles of 1e4 states x 720 epochs: {found:.3f} s (0.3 allowed)")
+
+
+def detumbling():
+    spin = Spin(EPOCH, (1, 0, 0, 0), (0.01, 0.03, 0.02))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    draws = Ensemble.sample(motion, 1000, covariance={"angular_velocity": 0.005})
+    torqued, t = draws.torqued(LinearDamping(0.02), step=2.0), np.linspace(0.0, 3600.0, 37)
+    torqued.at(t[:2])
+    found = best(lambda: torqued.at(t), 2) / (1000 * 1800) * 1e6
+    print(
+        f"detumbling: {found:.2f} us a step of a member; 1e4 states, 1800 steps: {18 * found:.0f} s"
+    )
+
+
+def threads():
+    """Two threads of the same work against one: rows with light, numpy, and sha256."""
+    made = ensemble(20_000)
+    member, t, sun, observer = visits(20_000)
+    numbers, x = np.zeros(member.size), np.linspace(0.0, 1e4, 4 * 10**6)
+    text, parts = bytes(10**8), [np.empty_like(x), np.empty_like(x)]
+
+    def light(count):
+        made.brightness(t, member, sun, observer, shape=(3.0, 2.0, 1.0), out=numbers, threads=count)
+
+    def attitudes(count):
+        for _, part in made.blocks(t, member, rows=1 << 20, threads=count):
+            del part
+
+    def twice(work):
+        """Twice the work, by one thread or by two."""
+
+        def run(count):
+            running = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+            if count == 1:
+                work(0), work(1)
+                return
+            for each in running:
+                each.start()
+            for each in running:
+                each.join()
+
+        return run
+
+    light(1), attitudes(1)
+    print("\ntwo threads against one, of the wall clock")
+    for name, work in {
+        "brightness of rows": light,
+        "attitudes of rows": attitudes,
+        "numpy.sin": twice(lambda k: np.sin(x, out=parts[k])),
+        "sha256": twice(lambda k: hashlib.sha256(text).digest()),
+    }.items():
+        one, two = (min(wall(work, count) for _ in range(5)) for count in (1, 2))
+        print(f"  {name:<36} {one / two:12.2f}")
+
+
+def wall(work, *given):
+    start = time.perf_counter()
+    work(*given)
+    return time.perf_counter() - start
+
+
+def main_belt(count=5 * 10**6, number=220, block=1 << 15):
+    """All members of the main belt that Rubin sees: states and light in blocks of members."""
+    axes, spent, total = np.array([(1.0, 0.7, 0.5)]), 0.0, 0.0
+    member, t, sun, observer = visits(block, number)
+    ensemble(100).brightness(t[:9], member[:9], sun[:9], observer[:9], shape=axes)
+    for first in range(0, count, block):
+        size = min(block, count - first)
+        given, few = states(size, first), slice(0, size * number)
+        start = time.perf_counter()
+        made = Ensemble(
+            moments=given[0], wxyz=given[1], angular_velocity=given[2], epoch=EPOCH, relative=True
+        )
+        found = made.reduced_magnitude(
+            t[few], member[few], sun[few], observer[few], shape=axes, threads=2
+        )
+        total += float(found.reshape(size, number).mean())
+        spent += time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(
+        f"{count} members x {number} visits, two threads: {spent:.1f} s (60 allowed) besides "
+        f"making the input, at most {peak:.2f} GiB (2 allowed)"
+    )
+
+
+def best(call, repeats=5):
+    """The least processor time, s."""
+    found = []
+    for _ in range(repeats):
+        start = time.process_time()
+        call()
+        found.append(time.process_time() - start)
+    return min(found)
+
+
+if __name__ == "__main__":
+    main_belt(*map(int, sys.argv[2:3])) if sys.argv[1:2] == ["main-belt"] else main()
