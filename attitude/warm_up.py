@@ -14,7 +14,7 @@ from attitude.compilation.choice import compiling
 from attitude.events import find_discrete, illuminated
 from attitude.free_rotation import FreeRotation
 from attitude.light_curve import Visibility, brightness
-from attitude.scattering import Material, Materials
+from attitude.scattering import Law, Material, Materials
 from attitude.scene import Scene
 from attitude.shape import Ellipsoid, Mesh
 from attitude.solution.warm_up import compile_ahead, compile_loops, compile_stages
@@ -79,8 +79,8 @@ def impulses() -> None:
 def torques() -> None:
     """Fixed and adaptive steps, and torques of the package."""
     given = [ConstantTorque((0.01, 0, 0)), LinearDamping(0.01), GravityGradient(_ORBIT, "earth")]
-    for how in ({"step": 0.1}, {"tolerance": 1e-6}):
-        motion = TorquedRotation(_BODY, _SPINS[0], given, **how)
+    fixed = TorquedRotation(_BODY, _SPINS[0], given, step=0.1)
+    for motion in (fixed, TorquedRotation(_BODY, _SPINS[0], given, tolerance=1e-6)):
         motion.at(np.linspace(-2.0, 3.0, 7)).angular_acceleration  # noqa: B018
 
 
@@ -100,7 +100,7 @@ def light_curves() -> None:
     ellipsoid = Ellipsoid((3, 2, 1))
     brightness(ellipsoid, "lommel-seeliger", *directions)
     mesh = ellipsoid.facets(80)
-    laws = ["lambert", "lommel-seeliger", "hapke"]
+    laws: list[str | Law] = ["lambert", "lommel-seeliger", "hapke"]
     laws += [
         Materials({"surface": Material(0.3, 0.5, each)}) for each in ("phong", "cook-torrance")
     ]
