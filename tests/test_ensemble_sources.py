@@ -1,5 +1,11 @@
 """Where ensembles come from: published periods, tables, files and random draws."""
 
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
 import numpy as np
 import pytest
 from astropy import units
@@ -89,6 +95,35 @@ def test_files_give_back_the_bits(ending, tmp_path):
         named.write(tmp_path / "x.csv")
     with pytest.raises(AttitudeError, match="cannot be read"):
         Ensemble.from_table(tmp_path / f"none.{ending}")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are those of Unix")
+@pytest.mark.parametrize("ending", ["ecsv", "fits", "parquet"])
+def test_a_full_disk_leaves_what_was_there(ending, tmp_path):
+    """In a process of its own, whose files may not exceed a size."""
+    if ending == "parquet":
+        pytest.importorskip("pyarrow")
+    code = f"""
+        import os, resource
+        from attitude import AttitudeError, Ensemble
+        from tests.test_ensemble_sources import MOTION
+        ensemble, path = Ensemble.of([MOTION] * 500), "{tmp_path}/e.{ending}"
+        ensemble[:5].write(path)
+        before = open(path, "rb").read()
+        hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+        resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) // 2, hard))
+        try:
+            ensemble.write(path)
+        except AttitudeError as err:
+            print(err)
+        assert open(path, "rb").read() == before and os.listdir("{tmp_path}") == ["e.{ending}"]
+    """
+    run = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True,
+        cwd=Path(__file__).parent.parent, check=False,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    assert "cannot be written" in run.stdout
 
 
 def test_tables_of_astropy_and_mappings():

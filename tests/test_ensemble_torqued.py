@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, Ensemble, FreeRotation, Spin
+from attitude import Arcs, AttitudeError, Body, Ensemble, FreeRotation, Impulse, Spin
 from attitude.torques import ConstantTorque, CustomTorque, LinearDamping
 
 EPOCH = "2026-01-01"
@@ -76,3 +76,16 @@ def test_bad_input():
     with pytest.raises(AttitudeError, match="accelerations under torques"):
         _ = torqued.at([1.0]).angular_acceleration
     assert len(ensemble[:0].torqued(_torques(), step=0.5).at([1.0]).wxyz) == 0
+
+
+def test_arcs_of_members():
+    ensemble = _members(4)
+    momenta = {30.0: (0, 0, -1.0), 60.0: (0.5, 0, 0)}
+    changes = [Impulse(at=at, angular_momentum=each) for at, each in momenta.items()]
+    found = ensemble.arcs(changes).at(T[~np.isnan(T)], threads=2)
+    for k in range(4):
+        single = Arcs(ensemble[k].body, ensemble[k].spin, changes).at(T[~np.isnan(T)])
+        assert np.array_equal(found.wxyz[k], single.wxyz)
+        assert np.array_equal(found.angular_velocity[k], single.angular_velocity)
+    with pytest.raises(AttitudeError, match="member 0 of 4"):
+        ensemble.arcs(Impulse(at=-5.0, angular_momentum=(0, 0, 1.0)))

@@ -14,6 +14,7 @@ epoch         epochs of members, and seconds since them
 inertia       moments and tensors of the members
 members       states as the compiled solution takes them
 reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
+arcs          `ArcsEnsemble`: N states with the same impulses
 torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
 evaluate      blocks of members and rows, in threads
 partitioned   `PartitionedEnsemble`: members in the partitions of dask

@@ -74,7 +74,7 @@ class EnsembleHistory(AttitudeHistory):
 
     @cached_property
     def angular_acceleration(self) -> FloatArray:
-        """(S, 3) rad/s2 over the body axes, by Euler's equations."""
+        """(S, 3) rad/s2 over the body axes, by Euler's equations of the bodies at the epoch."""
         moments, axes = self.ensemble.principal_moments, self.ensemble.principal_axes
         which = self.member if len(moments) > 1 else np.zeros_like(self.member)
         given, turn = moments[which], axes[which]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from attitude.ensemble.arcs import ArcsEnsemble
 from attitude.ensemble.described import Described
 from attitude.ensemble.lit import Lit
 from attitude.ensemble.reduced import Reduced
@@ -74,6 +75,10 @@ class Ensemble(Sourced, Lit, Reduced, Described):
     >>> tops[0].mode.name, tops.period_psi.round(6)
     ('SHORT_AXIS', array([ 2.347113, 55.168519]))
     """
+
+    def arcs(self, changes: Any) -> ArcsEnsemble:
+        """The same states with impulses or changes of inertia: an `ArcsEnsemble`."""
+        return ArcsEnsemble(self, changes)
 
     def torqued(
         self, torques: Any, step: Real, scheme: str | Scheme = "kick-rotate-kick"

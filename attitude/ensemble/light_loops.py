@@ -58,8 +58,8 @@ def _take(memory, steps, first, end, to, work):
         work[to + 2, k] = memory[i + 2 * part]
     for k in range(end - first):
         x, y, z = work[to, k], work[to + 1, k], work[to + 2, k]
-        size = math.sqrt(x * x + y * y + z * z)
-        work[to, k], work[to + 1, k], work[to + 2, k] = x / size, y / size, z / size
+        inverse = 1.0 / math.sqrt(x * x + y * y + z * z)
+        work[to, k], work[to + 1, k], work[to + 2, k] = x * inverse, y * inverse, z * inverse
 
 
 @force_inlined

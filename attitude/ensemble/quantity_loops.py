@@ -1,7 +1,5 @@
 """The compiled loops of angles between a body axis and directions, and of order statistics."""
 
-import numpy as np
-
 from attitude.compilation.decorators import entry_point, subroutine
 from attitude.compilation.instructions import as_bits
 
@@ -53,14 +51,13 @@ def candidates(values, ranks, counts, wanted, found, places):
     for k in range(1, len(values)):
         key = _key(values[k])
         least, most = min(least, key), max(most, key)
-    # As unsigned numbers, of which the difference of two keys cannot overflow.
-    span, shift = np.uint64(most) - np.uint64(least), np.uint64(0)
-    while (span >> shift) >= np.uint64(len(counts)):
-        shift += np.uint64(1)
+    shift = 0
+    while (most - least) >> shift >= len(counts):
+        shift += 1
     counts[:] = 0
     wanted[:] = 0
     for k in range(len(values)):
-        counts[(np.uint64(_key(values[k])) - np.uint64(least)) >> shift] += 1
+        counts[(_key(values[k]) - least) >> shift] += 1
     for r in range(len(ranks)):
         bin_, before = 0, 0
         while before + counts[bin_] <= ranks[r]:
@@ -79,12 +76,12 @@ def candidates(values, ranks, counts, wanted, found, places):
     for k in range(len(values)):
         # Written always and kept if wanted: without a branch that is mispredicted.
         found[count] = values[k]
-        count += wanted[(np.uint64(_key(values[k])) - np.uint64(least)) >> shift]
+        count += wanted[(_key(values[k]) - least) >> shift]
     return count
 
 
 @subroutine
 def _key(x):
-    """A whole number that grows with a double."""
+    """A whole number that does not fall as a double grows; differences of two do not overflow."""
     bits = as_bits(x + 0.0)
-    return bits ^ ((bits >> 63) & 0x7FFFFFFFFFFFFFFF)
+    return (bits ^ ((bits >> 63) & 0x7FFFFFFFFFFFFFFF)) >> 1
