@@ -298,6 +298,17 @@ def test_periods_of_the_lines(solved):
         inversion.periods(curve, "20 /d", order=5)
 
 
+@pytest.mark.slow
+def test_posterior_has_the_spread_of_the_covariance(solved):
+    """A short chain over five days of data: the errors of eight parameters to a half."""
+    pytest.importorskip("emcee")
+    found = solved[2][0].posterior(walkers=24, steps=120)
+    assert np.all((found.ratio > 0.6) & (found.ratio < 1.6))
+    assert len(found.motions(3)) == 3 and found.weights.sum() == pytest.approx(1.0)
+    with pytest.raises(AttitudeError, match="method is 'dream'"):
+        solved[2][0].posterior("dream")
+
+
 def test_relations_in_words(solved):
     found = solved[2]
     given, best = found[0]._problem, found[0].state

@@ -122,6 +122,21 @@ def _penalties(
     return r, by, strain
 
 
+def profiled_cost(problem: CurveProblem, state: FloatArray, tolerance: float) -> float:
+    """The cost of a motion after one Gauss-Newton step of its shape."""
+    here = model(problem, state)
+    r = (problem.y - here.magnitude) * problem.root
+    along = problem.u @ r
+    prior, by_prior, _ = _penalties(state, here, tolerance, False)
+    jacobian = here.jacobian[_MOTION:] * problem.root
+    across = jacobian @ problem.u.T
+    own = by_prior[:, _MOTION:]
+    normal = jacobian @ jacobian.T - across @ across.T + own.T @ own
+    gradient = jacobian @ r - across @ along - own.T @ prior
+    gain = float(gradient @ np.linalg.solve(normal, gradient))
+    return float(r @ r - along @ along + prior @ prior) - gain
+
+
 def refine(
     problem: CurveProblem,
     start: FloatArray,
