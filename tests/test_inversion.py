@@ -9,6 +9,7 @@ from attitude import Body, FreeRotation, Spin, inversion
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     aliases,
+    curve_problem,
     ellipsoid_magnitudes,
     facets,
     many_starts,
@@ -324,3 +325,29 @@ def test_the_same_seed_gives_the_same_result(solved):
     case, curve, found = solved
     again = inversion.spin_states(curve, f"{case.most} /d", budget=40, seed=1)
     assert again[0].P_psi == found[0].P_psi and again[0].evidence == found[0].evidence
+
+
+def test_an_interrupt_returns_the_best_so_far(solved):
+    """Ctrl-C after the first stage, of rotations about one axis."""
+    case, curve, _ = solved
+
+    def stop(text):
+        if "convex" in text:
+            raise KeyboardInterrupt
+
+    found = inversion.spin_states(curve, f"{case.most} /d", budget=40, progress=stop)
+    assert "interrupted" in " ".join(found.notes) and len(found) > 0
+    assert found.verdict == "not solved"
+
+
+def test_many_points_are_averaged_and_filters_have_zero_points():
+    generator = np.random.default_rng(8)
+    t = np.sort(generator.uniform(0.0, 86400.0, 20_000))
+    band = np.where(np.arange(20_000) % 2, "V", "R")
+    magnitude = 15.0 + 0.3 * np.cos(t / 3000.0) + 0.4 * (band == "V")
+    curve = inversion.LightCurve(t, magnitude, 0.02, filter=band, **CURVE)
+    given, bins = curve_problem.problem(curve, 20.0 / 86400.0, 0.07, "shared")
+    assert curve.filters == ("R", "V") and len(given) < 6000 and len(bins) == 20_000
+    offset = given.coefficients(np.zeros(len(given)))[4:6]
+    assert offset[1] - offset[0] == pytest.approx(0.4, abs=0.02)
+    assert np.sum(1.0 / given.sigma**2) == pytest.approx(20_000 / 0.02**2)

@@ -134,7 +134,9 @@ def sampled(
     generator = np.random.default_rng(seed)
     parts, numbers, logs, accepted = [], [], [], []
     for number, each in enumerate(solutions):
-        factor = np.linalg.cholesky(_conditioned(each._covariances[1]))
+        factor: FloatArray = np.asarray(
+            np.linalg.cholesky(_conditioned(each._covariances[1])), dtype=np.float64
+        )
         sampler = emcee.EnsembleSampler(walkers, 8, _log_density(each, factor))
         sampler.random_state = np.random.RandomState(seed + number).get_state()
         sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
