@@ -24,7 +24,7 @@ from astropy.time import Time
 
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import ellipsoid_magnitudes, pair_scan, search, transforms
+from attitude.inversion import aliases, ellipsoid_magnitudes, pair_scan, search, transforms
 from benchmarks import inversion_cases
 
 # Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
@@ -83,6 +83,14 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
     return bool(near and found.mode == case.mode), angle
 
 
+def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
+    """The angle of the mirror pole in the plane of the scene to the true pole, deg."""
+    normal = aliases.plane_of(found.weighted.problem)
+    pole = search.pole(found.state)
+    mirror = matrix_to_icrf("ecliptic").T @ (pole - 2.0 * (pole @ normal) * normal)
+    return math.degrees(math.acos(max(-1.0, min(1.0, float(mirror @ case.pole)))))
+
+
 def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarray:
     """Errors of two periods, the pole and two ratios of moments, in standard errors."""
     sigma = found.periods_sigma
@@ -111,7 +119,7 @@ def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: flo
         judgements = [judged(each, case) for each in found]
         right = [j for j, (near, _) in enumerate(judgements) if near]
         listed = [
-            angle
+            min(angle, _mirrored(each, case))
             for each, (near, angle) in zip(found, judgements, strict=True)
             if near and each.evidence - found[0].evidence < 20.0
         ]
@@ -148,7 +156,8 @@ def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: flo
     print(
         f"{total} cases: rank 1 {share[0]:.0f} %, first ten {share[1]:.0f} %, pole or alias listed "
         f"{share[2]:.0f} %, pole at rank 1 {share[3]:.0f} %, false claims {claims}, not solved "
-        f"{sum(row[5] == 'not solved' for row in rows)}, processor median {np.median(cpu or [0.0]):.1f}, "
+        f"{sum(row[5] == 'not solved' for row in rows)}, "
+        f"processor median {np.median(cpu or [0.0]):.1f}, "
         f"largest {max(cpu, default=0.0):.1f} s; within 3 sigma "
         f"{100.0 * np.mean(np.abs(within) < 3.0):.0f} %"
     )

@@ -11,6 +11,7 @@ orbit           the option --orbit
 output          the option --output
 table           rows of CSV and ECSV
 curve_figure    the figure of a light curve
+observed        the option --observed
 """
 
 from __future__ import annotations

@@ -51,6 +51,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="x.csv, x.ecsv, or x.txt in DAMIT's format (default: CSV to standard output); appears "
         "whole or not at all",
     )
+    parser.add_argument(
+        "--observed",
+        metavar="CURVE.csv",
+        help="observations to compare with, in place of the times of the file: residuals with a "
+        "zero point a session, and their rms",
+    )
     kinds = ", ".join(output.PICTURES)
     parser.add_argument(
         "--figure", metavar="FILE", help=f"figure, its format by its ending: {kinds}"
@@ -76,6 +82,13 @@ def run(arguments: argparse.Namespace) -> None:
             f"{arguments.file}: has no section [shape], without which there is no brightness; give "
             'one, as in shape.ellipsoid = "300, 200, 150 m".'
         )
+    if arguments.observed is not None:
+        from attitude.cli import observed
+
+        if kind != "csv":
+            raise AttitudeError("--observed writes a CSV; give an --output x.csv.")
+        observed.run(mission, arguments.observed, arguments.output, arguments.figure)
+        return
     if kind == "txt":
         _require_paths(mission.scene, arguments.output)
     views = geometry.views(mission, arguments, _BLOCK, _print_progress)

@@ -86,8 +86,8 @@ def _bins(curve: LightCurve, most_frequency: float) -> IntArray | None:
     width = min(1.0 / (40.0 * most_frequency), curve.span / MOST_POINTS)
     while True:
         cell = np.floor((curve.emission - curve.emission.min()) / width).astype(np.int64)
-        keys = np.stack([curve.session, curve.filter, cell], axis=1)
-        found = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
+        keys = (cell * len(curve.sessions) + curve.session) * len(curve.filters) + curve.filter
+        found = np.unique(keys, return_inverse=True)[1].reshape(-1)
         if found.max() < 2 * MOST_POINTS or width > 1.0 / (12.0 * most_frequency):
             return found.astype(np.int64)
         width *= 1.3

@@ -95,7 +95,7 @@ class Refined:
 
 
 def _penalties(
-    state: FloatArray, here: ShapeModel, tolerance: float
+    state: FloatArray, here: ShapeModel, tolerance: float, is_axial: bool
 ) -> tuple[FloatArray, FloatArray, float]:
     """Residuals of all priors (R,), their derivatives (R, SIZE), and the strain."""
     held = facets.constraints(state[14:16], here.areas, here.slopes)
@@ -105,16 +105,36 @@ def _penalties(
     strain = 0.0
     if math.isfinite(tolerance):
         r[3:6], by[3:6, _MOTION:] = held.turn, held.by_turn
-        found, slopes = np.empty(4), np.empty((2, 4))
-        moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
-        r[6:8] = (found[:2] - held.log_ratios) / tolerance
-        by[6:8, [3, 4, 6, 7]] = slopes / tolerance
-        by[6:8, _MOTION:] = -held.by_ratios / tolerance
+        if is_axial:  # about the axis of the greatest moment
+            above = held.log_ratios > 0.0
+            r[6:8] = np.where(above, held.log_ratios, 0.0) / tolerance
+            by[6:8, _MOTION:] = np.where(above[:, None], held.by_ratios, 0.0) / tolerance
+        else:
+            found, slopes = np.empty(4), np.empty((2, 4))
+            moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
+            r[6:8] = (found[:2] - held.log_ratios) / tolerance
+            by[6:8, [3, 4, 6, 7]] = slopes / tolerance
+            by[6:8, _MOTION:] = -held.by_ratios / tolerance
         strain = float(r[3:8] @ r[3:8])
     r[8:10], r[10:] = state[14:16] / _RATIOS, state[16:]
     by[8, 8] = by[9, 9] = 1.0 / _RATIOS
     by[range(10, count), range(10, SIZE)] = 1.0
     return r, by, strain
+
+
+def profiled_cost(problem: CurveProblem, state: FloatArray, tolerance: float) -> float:
+    """The cost of a motion after one Gauss-Newton step of its shape."""
+    here = model(problem, state)
+    r = (problem.y - here.magnitude) * problem.root
+    along = problem.u @ r
+    prior, by_prior, _ = _penalties(state, here, tolerance, False)
+    jacobian = here.jacobian[_MOTION:] * problem.root
+    across = jacobian @ problem.u.T
+    own = by_prior[:, _MOTION:]
+    normal = jacobian @ jacobian.T - across @ across.T + own.T @ own
+    gradient = jacobian @ r - across @ along - own.T @ prior
+    gain = float(gradient @ np.linalg.solve(normal, gradient))
+    return float(r @ r - along @ along + prior @ prior) - gain
 
 
 def refine(
@@ -153,7 +173,7 @@ def refine(
         here = model(problem, trial)
         r = (problem.y - here.magnitude) * problem.root
         along = problem.u @ r
-        prior, by_prior, strain = _penalties(trial, here, tolerance)
+        prior, by_prior, strain = _penalties(trial, here, tolerance, bool(held[6]))
         chi = float(r @ r - along @ along)
         cost = chi + float(prior @ prior)
         if best is None or cost < best.cost:

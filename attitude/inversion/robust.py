@@ -80,6 +80,7 @@ def refined(
     fixed: BoolArray | None = None,
     iterations: int = 20,
     gain: float = 1e-4,
+    trials: float = 1.0,
 ) -> Weighted:
     """The state of largest posterior density near a start, with Student's errors.
 
@@ -89,6 +90,8 @@ def refined(
         With the model error.
     start, tolerance, fixed
         As of `refinement.refine`.
+    trials : float
+        Frequencies that were tried; twice its logarithm is added to the evidence.
     """
     state, own = start, problem
     size = np.hypot(problem.sigma, problem.model_error)
@@ -105,5 +108,5 @@ def refined(
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
     evidence += found.cost - found.chi_squared
     free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
-    evidence += free * float(np.log(len(problem)))
+    evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
     return Weighted(found, own, evidence, residual, float(np.mean(square)))

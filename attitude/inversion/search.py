@@ -32,7 +32,7 @@ _TIE = 0.15
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
-_CLASSES, _CONVEX, _FINAL = 30, 40, 14
+_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL = 30, 40, 14, 5
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -151,7 +151,7 @@ class Search:
         return bool(gap > ALONE and left < LEFT)
 
     def _pools(self, number: int) -> Iterator[Pool]:
-        """Ellipsoids of a round: of the lattices, then of every nutation at the best precessions."""
+        """Ellipsoids of a round: of the lattices, then of every psi at the best phi."""
         more = 2**number
         found, _ = lattices.pairs(self.problem, self.most, _PAIRS * more)
         rates = lattices.candidates(found, self.most, self.modes, self.shifts)
@@ -275,6 +275,8 @@ class Search:
                 chosen.append(each)
                 if len(chosen) >= _FINAL:
                     break
+        axial = [each for each in self.convex if is_axial(each.state) and each not in chosen]
+        chosen += axial[:_FINAL_AXIAL]
         residual, _ = robust.residuals(self.problem, chosen[0].state)
         error = robust.model_error(self.problem, residual)
         for _ in range(2):
@@ -290,8 +292,14 @@ class Search:
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
+        # the more frequencies of nutation were tried, the better one fits by chance
+        trials = 1.0 if is_axial(given.state) else self.most
         return robust.refined(
-            problem, given.state, tolerance=self.tolerance, fixed=self._fixed(given.state)
+            problem,
+            given.state,
+            tolerance=self.tolerance,
+            fixed=self._fixed(given.state),
+            trials=trials,
         )
 
     def _fixed(self, state: FloatArray) -> BoolArray:

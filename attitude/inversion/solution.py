@@ -13,6 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
 from attitude.inversion import aliases, minkowski, predictions, refinement, search, states
 from attitude.inversion.facets import sphere
+from attitude.inversion.verdicts import COMPETING_POLES
 from attitude.scattering import LommelSeeligerLambert
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epochs, FilePath, FloatArray
     from attitude.inversion.curve import LightCurve
+    from attitude.inversion.posterior import Posterior
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
     from attitude.published.published import Published
@@ -38,6 +40,10 @@ class Solution:
     curve : LightCurve
     weighted : Weighted
         Parameters of the search, residuals and weights.
+    tolerance : float
+        Of the logarithms of ratios of moments of motion and shape.
+    relation : str
+        To the best solution, in words.
     evidence : float
         -2 ln of the posterior density at its maximum plus ln N a parameter, but for a constant.
     """
@@ -47,11 +53,12 @@ class Solution:
         curve: LightCurve,
         weighted: Weighted,
         problem: CurveProblem,
-        zero_points: Any,
+        tolerance: float,
         rank: int,
     ) -> None:
         self.curve, self.weighted, self.rank = curve, weighted, rank
-        self._problem, self._zero_points = problem, zero_points
+        self._problem, self.tolerance = problem, tolerance
+        self._rivals: list[Solution] = [self]
         self.evidence: float = weighted.evidence
         self.relation: str = ""
 
@@ -161,6 +168,28 @@ class Solution:
         """Motions drawn from the covariance; see `FreeRotation.sample`."""
         return self.motion.sample(count, seed)
 
+    def posterior(
+        self, method: str = "emcee", *, walkers: int = 32, steps: int = 600, seed: int = 0
+    ) -> Posterior:
+        """Samples of the motion from this solution and those that compete with it.
+
+        Parameters
+        ----------
+        method : str
+            "emcee", which the extra "posterior" installs.
+        walkers, steps : int
+            Of each ensemble; the first quarter of the steps is left out.
+        seed : int
+
+        Raises
+        ------
+        AttitudeError
+            If emcee is not installed, and for rotation about one axis.
+        """
+        from attitude.inversion import posterior
+
+        return posterior.sampled(self._rivals, method, walkers, steps, seed)
+
     def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
         """Apparent magnitudes at epochs of reception, and their standard errors.
 
@@ -226,6 +255,11 @@ class SpinStates(Sequence[Solution]):
         self.verdict, self.criterion, self.notes = verdict, criterion, notes
         for each in solutions:
             each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
+            each._rivals = [each] + [
+                other
+                for other in solutions
+                if other is not each and abs(other.evidence - each.evidence) < COMPETING_POLES
+            ]
 
     @overload
     def __getitem__(self, index: int) -> Solution: ...

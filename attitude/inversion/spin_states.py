@@ -105,7 +105,7 @@ def spin_states(
             found = _searched(
                 curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
             )
-    return _results(curve, found, zero_points)
+    return _results(curve, found)
 
 
 def _compile(curve: LightCurve, most: float) -> None:
@@ -212,9 +212,9 @@ def _offsets(found):
     return coefficients[best.problem.prior == curve_problem.CALIBRATED]
 
 
-def _results(curve, found, zero_points):
+def _results(curve, found):
     solutions = [
-        Solution(curve, each, found.problem, zero_points, k)
+        Solution(curve, each, found.problem, found.tolerance, k)
         for k, each in enumerate(found.solutions)
         if states.is_admissible(each.refined.state)
     ]

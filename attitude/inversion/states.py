@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 _STEP = 1e-6
 # Epochs closer than this, s, belong to one night: their residuals are taken as correlated.
 _NIGHT = 0.3 * 86400.0
+# Parts of the span, and ratios of variances above which those from scores replace formal ones: the
+# ratio scatters by sqrt(2/n) for n nights or parts.
+_PARTS, _NIGHTS_RISE, _PARTS_RISE = 10, 1.7, 2.2
 
 
 class PhysicalState(NamedTuple):
@@ -76,8 +79,8 @@ def motion(
 def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray]:
     """Covariances of the state (9, 9), per span, and of the eight parameters of the motion.
 
-    Variances are those of the normal matrix, or larger if the scores of nights scatter more: the
-    residuals of a night are correlated where the model errs.
+    Variances are those of the normal matrix, or larger if the scores of nights, or of tenths of the
+    span, scatter so much more that it is no chance: residuals are correlated where the model errs.
 
     Parameters
     ----------
@@ -92,19 +95,29 @@ def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray
     r = r - problem.u.T @ (problem.u @ r)
     jacobian = here.jacobian * problem.root
     jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
-    count = int(night.max()) + 1
-    scores = np.stack([np.bincount(night, row * r, count) for row in jacobian])
     data = jacobian @ jacobian.T
-    meat = scores @ scores.T * (count / max(count - 1.0, 1.0)) + (found.refined.normal - data)
-    wide = inverse @ meat @ inverse
-    held = np.diag(found.refined.normal) == 1.0
-    formal = np.where(held, 0.0, np.diag(inverse))
-    rise = np.sqrt(np.maximum(np.diag(wide) / np.where(formal > 0.0, formal, 1.0), 1.0))
-    size = np.where(formal > 0.0, rise, 0.0)[:8]
+    formal = np.diag(inverse)[:8]
+    rise = np.ones(8)
+    for group, least in ((night, _NIGHTS_RISE), (_parts(problem.t), _PARTS_RISE)):
+        count = int(group.max()) + 1
+        scores = np.stack([np.bincount(group, row * r, count) for row in jacobian])
+        meat = scores @ scores.T * (count / max(count - 1.0, 1.0))
+        wide = np.diag(inverse @ (meat + found.refined.normal - data) @ inverse)[:8]
+        ratio = wide / np.where(formal > 0.0, formal, 1.0)
+        rise = np.where(ratio > least, np.maximum(rise, ratio), rise)
+    held = np.diag(found.refined.normal)[:8] == 1.0
+    size = np.where(held, 0.0, np.sqrt(rise))
     of_motion = inverse[:8, :8] * np.outer(size, size)
     slopes = _slopes(found.refined.state)
     total = slopes @ of_motion @ slopes.T
     return 0.5 * (total + total.T), of_motion
+
+
+def _parts(t: FloatArray) -> IntArray:
+    """The number of the part of the span of each epoch (spans)."""
+    return np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12))).astype(
+        np.int64
+    )
 
 
 def nights(emission: FloatArray) -> IntArray:

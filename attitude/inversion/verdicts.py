@@ -21,11 +21,9 @@ if TYPE_CHECKING:
 
 SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
 # Differences of evidence within which other periods, and other poles, compete.
-COMPETING, COMPETING_POLES = 16.0, 12.0
+COMPETING, COMPETING_POLES = 13.0, 12.0
 # Least number of turns of each period.
 _LEAST_TURNS = 1.2
-# ln rho of a nutation that rotation about one axis does not exclude.
-_SLIGHT = -1.6
 
 
 def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]:
@@ -62,8 +60,7 @@ def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]
 
 
 def _is_motion_of(state: FloatArray, best: FloatArray) -> bool:
-    """Whether a state has the rates of the best one, or is its rotation with a slight nutation."""
-    if search.has_rates(state, best):
+    """Whether a state has the rates of the best one, or adds a nutation to its one axis."""
+    if search.is_axial(best) and not search.is_axial(state):
         return True
-    slight = search.is_axial(best) and float(state[3]) < _SLIGHT
-    return slight and 2.0 * abs(float(state[0] - best[0])) < 1.0
+    return search.has_rates(state, best)

@@ -1,0 +1,184 @@
+"""Samples of the motion from its posterior density, by emcee, from all competing solutions.
+
+The eight parameters of the motion are sampled; areas follow each sample by one Gauss-Newton step,
+which is exact where magnitudes are linear in them.  Solutions that compete are sampled one by one,
+and weighted by their evidence and the volume of their errors.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.inversion import many_starts, refinement, states
+
+if TYPE_CHECKING:
+    from attitude.annotations import FilePath, FloatArray, IntArray
+    from attitude.free_rotation import FreeRotation
+    from attitude.inversion.solution import Solution
+
+NAMES: tuple[str, ...] = ("x", "y", "z", "precession", "nutation", "phase", "ln rho", "X")
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Samples of motions.
+
+    Attributes
+    ----------
+    offsets : (S, 8) array
+        Rotation vector (rad, axes along the momentum), precession and nutation (turns per span),
+        phase (turns), ln rho and X, from those of the solution that each sample belongs to.
+    solution : (S,) array of int
+        The number of that solution, among those sampled.
+    weights : (K,) array
+        Of the solutions.
+    covariance : (8, 8) array
+        Of the parameters of the first solution, to compare.
+    acceptance : float
+        Mean share of the moves accepted.
+    """
+
+    offsets: FloatArray
+    solution: IntArray
+    weights: FloatArray
+    covariance: FloatArray
+    acceptance: float
+    origins: tuple[Any, ...]
+
+    def __len__(self) -> int:
+        return len(self.offsets)
+
+    @property
+    def ratio(self) -> FloatArray:
+        """Standard deviations (8,) of the samples of the first solution over the covariance's."""
+        own = self.offsets[self.solution == 0]
+        formal = np.sqrt(np.diag(self.covariance))
+        spread = own.std(axis=0)
+        found: FloatArray = np.divide(spread, formal, out=np.ones(8), where=formal > 0.0)
+        return found
+
+    def motions(self, count: int, seed: int = 0) -> list[FreeRotation]:
+        """Motions of samples drawn at random, solutions by their weights.
+
+        Parameters
+        ----------
+        count : int
+        seed : int
+        """
+        number = validation.count(count, "count")
+        generator = np.random.default_rng(seed)
+        found = []
+        for which in generator.choice(len(self.weights), number, p=self.weights):
+            row = generator.choice(np.flatnonzero(self.solution == which))
+            origin = self.origins[which]
+            state = _moved(origin.state, self.offsets[row])
+            found.append(states.motion(state, origin.curve.span, origin.curve.epoch, None))
+        return found
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A corner figure of the first solution's parameters; saved if a path is given."""
+        from attitude import plots
+
+        figure = plots.new_figure((12.0, 12.0))
+        axes = figure.subplots(8, 8)
+        own = self.offsets[self.solution == 0]
+        for row in range(8):
+            for column in range(8):
+                here = axes[row, column]
+                if column > row:
+                    here.set_visible(False)
+                elif column == row:
+                    here.hist(own[:, row], 30, color="#0072b2")
+                else:
+                    here.plot(own[:, column], own[:, row], ",", color="#0072b2")
+                if row == 7:
+                    here.set_xlabel(NAMES[column], fontsize=8)
+                here.tick_params(labelsize=5)
+        if path is not None:
+            figure.savefig(path, dpi=130)
+        return figure
+
+
+def sampled(
+    solutions: list[Solution], method: str, walkers: int, steps: int, seed: int
+) -> Posterior:
+    """The posterior of competing solutions, the first of which is described.
+
+    Raises
+    ------
+    AttitudeError
+        For another method than "emcee", too few walkers or steps, rotation about one axis, and if
+        emcee is not installed.
+    """
+    validation.one_of(method, "method", ("emcee",))
+    validation.count(walkers, "walkers", 17)
+    validation.count(steps, "steps", 20)
+    try:
+        import emcee
+    except ImportError as err:
+        raise AttitudeError(
+            "posterior needs emcee, which is not installed; install attitude-propagation[posterior]"
+        ) from err
+    if solutions[0].is_axial:
+        raise AttitudeError(
+            "the solution rotates about one axis, whose nutation has no parameters to sample; take "
+            "its covariance."
+        )
+    solutions = [each for each in solutions if not each.is_axial]
+    generator = np.random.default_rng(seed)
+    parts, numbers, logs, accepted = [], [], [], []
+    for number, each in enumerate(solutions):
+        factor: FloatArray = np.asarray(
+            np.linalg.cholesky(_conditioned(each._covariances[1])), dtype=np.float64
+        )
+        sampler = emcee.EnsembleSampler(walkers, 8, _log_density(each, factor))
+        sampler.random_state = np.random.RandomState(seed + number).get_state()
+        sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
+        chain = sampler.get_chain(discard=steps // 4, flat=True)
+        parts.append(chain @ factor.T)
+        numbers.append(np.full(len(chain), number))
+        logs.append(-0.5 * each.evidence + float(np.sum(np.log(np.diag(factor)))))
+        accepted.append(float(np.mean(sampler.acceptance_fraction)))
+    weights = np.exp(np.array(logs) - max(logs))
+    return Posterior(
+        np.concatenate(parts),
+        np.concatenate(numbers),
+        weights / weights.sum(),
+        solutions[0]._covariances[1],
+        float(np.mean(accepted)),
+        tuple(solutions),
+    )
+
+
+def _conditioned(covariance: FloatArray) -> FloatArray:
+    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
+    return found
+
+
+def _moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
+    step = np.zeros(refinement.SIZE)
+    step[:8] = offsets
+    moved = state.copy()
+    many_starts.moved(state, step, moved)
+    return moved
+
+
+def _log_density(solution: Solution, factor: FloatArray) -> Any:
+    """The logarithm of the density of scaled offsets (8,)."""
+    problem, state = solution.weighted.problem, solution.state
+    tolerance = solution.tolerance
+
+    def density(scaled: FloatArray) -> float:
+        trial = _moved(state, factor @ scaled)
+        inside = -0.3 < trial[4] < 0.95 and -8.0 < trial[3] < -0.01
+        if not inside or not states.is_admissible(trial):
+            return -math.inf
+        return -0.5 * refinement.profiled_cost(problem, trial, tolerance)
+
+    return density

@@ -1,0 +1,353 @@
+"""Inversion of light curves: compiled parts against definitions, and curves of known states."""
+
+import math
+
+import numpy as np
+import pytest
+
+from attitude import Body, FreeRotation, Spin, inversion
+from attitude.errors import AttitudeError
+from attitude.inversion import (
+    aliases,
+    curve_problem,
+    ellipsoid_magnitudes,
+    facets,
+    many_starts,
+    minkowski,
+    moments_of_elements,
+    pair_scan,
+    problem,
+    refinement,
+    states,
+    transforms,
+)
+from attitude.light_curve import closed_form
+from benchmarks import inversion as figures
+from benchmarks import inversion_cases
+
+COUNT = 60
+
+
+def _geometry(seed=0, count=COUNT):
+    generator = np.random.default_rng(seed)
+    t = np.sort(generator.uniform(-0.5, 0.5, count))
+    sun = generator.normal(size=(3, count))
+    sun /= np.linalg.norm(sun, axis=0)
+    observer = sun + 0.7 * generator.normal(size=(3, count))
+    return t, sun, observer / np.linalg.norm(observer, axis=0)
+
+
+def _start(nutation=14.7, x=0.2):
+    generator = np.random.default_rng(1)
+    turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    return np.concatenate([[20.3, nutation, 0.2, -1.0, x], turn.ravel(), [1.1, 0.7]])
+
+
+def _magnitudes(state, t, sun, observer):
+    out = np.empty(t.size)
+    flat = np.array([math.exp(state[14]), math.exp(state[15]), 1.0])
+    memory = np.zeros((4, 4, 2)), np.empty((9, t.size))
+    given = state, state[5:14], memory[0], flat, t, sun, observer, memory[1], out
+    ellipsoid_magnitudes.magnitudes(*given)
+    return out
+
+
+@pytest.mark.parametrize(("nutation", "x"), [(14.7, 0.2), (-11.0, 0.5), (14.7, -0.1)])
+def test_magnitudes_of_an_ellipsoid_are_those_of_the_package(nutation, x):
+    """The exact motion of the same elements, and `light_curve.closed_form`."""
+    t, sun, observer = _geometry()
+    state = np.zeros(refinement.WIDTH)
+    state[:16] = _start(nutation, x)
+    if nutation > 0.0:
+        state[0] = 33.0
+    motion = states.motion(state, 1.0, inversion.curve._J2000, None)
+    turn = motion.at(t).matrix
+    s, o = (np.ascontiguousarray(np.einsum("tij,it->jt", turn, each)) for each in (sun, observer))
+    a, b = math.exp(-0.5 * state[14]), math.exp(-0.5 * state[15])
+    flux = np.empty(t.size)
+    closed_form.ellipsoid(a, b, 1.0, 1.0, *s, *o, flux)
+    found = _magnitudes(state, t, sun, observer) + 2.5 * np.log10(flux)
+    assert np.ptp(found) < 1e-6  # the series of the dimming has six terms
+
+
+def test_derivatives_of_the_magnitudes():
+    t, sun, observer = _geometry()
+    state = _start()
+    flat = np.array([math.exp(state[14]), math.exp(state[15]), 1.0])
+    jacobian, out = np.empty((10, t.size)), np.empty(t.size)
+    memory = np.zeros((4, 4, 2)), np.empty((9, t.size)), np.empty((9, t.size))
+    k, r, g = memory
+    ellipsoid_magnitudes.with_derivatives(
+        state, state[5:14], k, flat, t, sun, observer, r, g, out, jacobian
+    )
+    for p in range(10):
+        ends = []
+        for sign in (1.0, -1.0):
+            step, new = np.zeros(10), np.empty(16)
+            step[p] = sign * 1e-5
+            many_starts.moved(state, step, new)
+            ends.append(_magnitudes(new, t, sun, observer))
+        slope = (ends[0] - ends[1]) / 2e-5
+        assert slope == pytest.approx(jacobian[p], abs=1e-7 * np.abs(jacobian[p]).max())
+
+
+def test_derivatives_of_the_convex_model():
+    t, sun, observer = _geometry()
+    given = problem.CurveProblem.of(
+        t,
+        1.0,
+        sun,
+        observer,
+        np.zeros(COUNT),
+        np.full(COUNT, 0.02),
+        np.ones((COUNT, 1)),
+        np.full(1, np.inf),
+        0.0,
+    )
+    state = np.zeros(refinement.WIDTH)
+    state[:16] = _start()
+    state[16:] = 0.3 * np.random.default_rng(2).normal(size=facets.MODES)
+    here = refinement.model(given, state)
+    for p in (*range(10), 12, 40):
+        ends = []
+        for sign in (1.0, -1.0):
+            step, new = np.zeros(refinement.SIZE), state.copy()
+            step[p] = sign * 1e-6
+            many_starts.moved(state, step, new)
+            new[16:] += step[10:]
+            ends.append(refinement.model(given, new).magnitude)
+        slope = (ends[0] - ends[1]) / 2e-6 - here.jacobian[p]
+        # areas are scaled to the largest: a constant
+        assert np.ptp(slope) < 1e-5 * np.abs(here.jacobian[p]).max()
+
+
+def test_moments_of_elements_are_those_of_the_body():
+    generator = np.random.default_rng(3)
+    found = np.empty(4)
+    for _ in range(40):
+        moments = np.sort(generator.uniform(0.4, 1.0, 3))
+        if moments[0] + moments[1] < moments[2]:
+            continue
+        spin = Spin("2026-01-01", (1, 0, 0, 0), generator.normal(size=3))
+        e = FreeRotation(Body(moments=moments), spin).elements
+        turn = 2.0 * math.pi
+        given = e.precession_rate / turn, e.nutation_rate / turn, math.log(e.rho), e.X
+        moments_of_elements.log_ratios(*given, found)
+        order = moments if e.nutation_rate < 0.0 else moments[::-1]
+        assert found[:2] == pytest.approx(np.log(order[:2] / order[2]), abs=1e-12)
+        assert found[2] == 1.0
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_pairs_against_the_normal_equations(order):
+    generator = np.random.default_rng(4)
+    t, w = np.sort(generator.uniform(-0.5, 0.5, 80)), generator.uniform(50.0, 200.0, 80)
+    y = generator.normal(size=80)
+    made = transforms.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 1200)
+    tables = [np.ascontiguousarray(part) for each in made for part in (each.real, each.imag)]
+    first, second = np.array([36, 50, 7]), np.array([21, 90, 60])
+    lines, gain = pair_scan.harmonics(order), np.empty(3)
+    pair_scan.decreases(*tables, first, second, lines, 1.0, gain)
+    for k in range(3):
+        angle = 2.0 * np.pi / 3.0 * (lines @ [first[k], second[k]])[1:, None] * t
+        a = np.concatenate([np.ones((1, 80)), np.cos(angle), np.sin(angle)])
+        normal = (a * w) @ a.T + np.diag([0.0] + [1.0] * (len(a) - 1))
+        right = a @ (w * y)
+        assert gain[k] == pytest.approx(right @ np.linalg.solve(normal, right), rel=1e-7)
+
+
+def test_prior_of_linear_terms_is_marginalised():
+    """chi-squared with a prior is that of the covariance with the prior added."""
+    generator = np.random.default_rng(5)
+    t, sun, observer = _geometry()
+    terms = np.stack([np.ones(COUNT), generator.normal(size=COUNT)], axis=1)
+    y, sigma = generator.normal(size=COUNT), np.full(COUNT, 0.1)
+    given = problem.CurveProblem.of(
+        t, 1.0, sun, observer, y, sigma, terms, np.array([1e4, 0.3]), 0.0
+    )
+    wide = np.diag(sigma**2) + (terms * [1e8, 0.09]) @ terms.T
+    r = y - y.mean()
+    expected = r @ np.linalg.solve(wide, r)
+    weighted = r * given.root
+    along = given.u @ weighted
+    assert weighted @ weighted - along @ along == pytest.approx(expected, rel=1e-5)
+
+
+def test_mesh_of_areas_is_the_body():
+    """Moments of the closed mesh are those of the surface tensor, to the error that is stated."""
+    generator = np.random.default_rng(6)
+    flat, modes = np.array([-1.2, -0.5]), 0.5 * generator.normal(size=facets.MODES)
+    area, slopes = facets.areas(flat, modes)
+    area = minkowski.closed(area, facets.sphere().normals)
+    found = minkowski.mesh(area, facets.sphere().normals)
+    inertia = np.diag(found.mass_properties(density=1.0).inertia)
+    held = facets.constraints(flat, area, slopes)
+    assert found.is_convex and found.is_closed
+    assert np.log(inertia[:2] / inertia[2]) == pytest.approx(held.log_ratios, abs=0.05)
+
+
+CURVE = {"sun": (1e11, 0.0, 0.0), "observer": (1e11, 3e10, 0.0)}
+EPOCHS = np.linspace(0.0, 86400.0, 40)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"magnitude": np.full(40, np.nan)}, "not finite"),
+        ({"flux": np.linspace(-1.0, 1.0, 40)}, "not positive"),
+        ({"magnitude": np.ones(40), "sigma": -np.ones(40)}, "below zero"),
+        ({"magnitude": np.ones(39)}, "one for each of 40"),
+        ({"magnitude": np.ones(40), "flux": np.ones(40)}, "either magnitude or flux"),
+        ({"magnitude": np.ones(40), "sun": None}, "sun is missing"),
+        ({"magnitude": np.ones(40), "session": np.zeros(3)}, "session has shape"),
+        ({"magnitude": np.ones(40), "zero_points": "none"}, "zero_points is 'none'"),
+    ],
+)
+def test_bad_curves_are_sentences(given, words):
+    with pytest.raises(AttitudeError, match=words):
+        inversion.LightCurve(EPOCHS, **{**CURVE, **given})
+
+
+def test_epochs_given_twice_and_few_points_are_sentences():
+    twice = EPOCHS.copy()
+    twice[5] = twice[6]
+    with pytest.raises(AttitudeError, match="more than once"):
+        inversion.LightCurve(twice, np.ones(40), **CURVE)
+    with pytest.raises(AttitudeError, match="has 5 points"):
+        inversion.LightCurve(EPOCHS[:5], np.ones(5), **CURVE)
+
+
+def test_notes_of_doubtful_curves():
+    magnitude = np.maximum(np.sin(EPOCHS), 0.2)
+    curve = inversion.LightCurve(EPOCHS, magnitude, **CURVE)
+    assert "no error" in curve.notes[0] and "saturated" in curve.notes[1]
+
+
+def test_constant_brightness_and_short_spans_are_not_solved():
+    generator = np.random.default_rng(7)
+    curve = inversion.LightCurve(EPOCHS, 15.0 + 0.02 * generator.normal(size=40), 0.02, **CURVE)
+    found = inversion.spin_states(curve, "20 /d", budget=5)
+    assert found.verdict == "not solved" and "constant" in " ".join(found.notes)
+    with pytest.raises(AttitudeError, match="no solution"):
+        _ = found[0]
+    with pytest.raises(AttitudeError, match="turns at max_frequency"):
+        inversion.spin_states(curve, "1 /d")
+    with pytest.raises(AttitudeError, match="modes"):
+        inversion.spin_states(curve, "20 /d", modes=("LAM", "MAM"))
+
+
+@pytest.fixture(scope="module")
+def solved():
+    """A synthetic tumbler of an independent forward model, and its inversion."""
+    style = {**figures.STYLES[6], "per_hour": 9}
+    case = inversion_cases.case(31, style)
+    curve = figures.curve_of(case, "shared")
+    return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=40, seed=1)
+
+
+def test_a_tumbler_is_found(solved):
+    case, curve, found = solved
+    right, _ = figures.judged(found[0], case)
+    assert right and found.verdict in ("solved", "periods only")
+    assert found[0].rms < 0.05
+    # one of the poles that compete, or its mirror
+    angles = [
+        figures.judged(each, case)[1] for each in found if each.evidence < found[0].evidence + 20
+    ]
+    mirrors = [figures._mirrored(each, case) for each in found[:4]]
+    assert min(*angles, *mirrors) < 20.0
+    assert len(found[0].residuals) == len(curve)
+
+
+def test_what_a_solution_offers(solved, tmp_path):
+    from attitude.formats import spin_file
+
+    case, curve, found = solved
+    best = found[0]
+    assert best.published("L").mode == case.mode
+    assert best.P_psi == pytest.approx(best.motion.period_psi, rel=1e-9)
+    assert np.all(np.linalg.eigvalsh(best.covariance) > -1e-12)
+    assert len(best.sample(3)) == 3
+    magnitude, sigma = best.predict()
+    assert np.std(curve.magnitude - magnitude) == pytest.approx(best.rms, rel=0.05)
+    assert np.all(sigma > 0.0)
+    table = found.table()
+    assert table["relation"][0] == "best" and len(table) == len(found)
+    best.write(tmp_path / "found.toml")
+    read = spin_file.read(tmp_path / "found.toml")
+    assert read.motion.period_psi == pytest.approx(best.P_psi, rel=1e-9)
+    assert read.spin.covariance is not None
+    assert best.shape.is_closed
+    with pytest.raises(AttitudeError, match="outside of the light curve"):
+        best.predict([curve.seconds[-1] + 1e5])
+
+
+def test_figures_are_drawn(solved, tmp_path):
+    found = solved[2]
+    found.plot(tmp_path / "all.png")
+    found[0].plot(tmp_path / "one.png")
+    assert (tmp_path / "all.png").stat().st_size > 10_000
+
+
+def test_periods_of_the_lines(solved):
+    case, curve, _ = solved
+    found = inversion.periods(curve, f"{case.most} /d")
+    assert found[0].left < 0.3 < found.false_alarm
+    assert found.table()["significant"][0]
+    with pytest.raises(AttitudeError, match="order is 5"):
+        inversion.periods(curve, "20 /d", order=5)
+
+
+@pytest.mark.slow
+def test_posterior_has_the_spread_of_the_covariance(solved):
+    """A short chain over five days of data: the errors of eight parameters to a half."""
+    pytest.importorskip("emcee")
+    found = solved[2][0].posterior(walkers=24, steps=120)
+    assert np.all((found.ratio > 0.6) & (found.ratio < 1.6))
+    assert len(found.motions(3)) == 3 and found.weights.sum() == pytest.approx(1.0)
+    with pytest.raises(AttitudeError, match="method is 'dream'"):
+        solved[2][0].posterior("dream")
+
+
+def test_relations_in_words(solved):
+    found = solved[2]
+    given, best = found[0]._problem, found[0].state
+    partner = best.copy()
+    partner[1] = -best[1]
+    assert "other mode of the same lines" in aliases.relation(partner, best, given)
+    turned = best.copy()
+    turned[[7, 10, 13]] *= -1.0
+    assert "antipode" in aliases.relation(turned, best, given)
+
+
+def test_the_same_seed_gives_the_same_result(solved):
+    case, curve, found = solved
+    again = inversion.spin_states(curve, f"{case.most} /d", budget=40, seed=1)
+    assert again[0].P_psi == found[0].P_psi and again[0].evidence == found[0].evidence
+
+
+def test_an_interrupt_returns_the_best_so_far(solved):
+    """Ctrl-C after the first stage, of rotations about one axis."""
+    case, curve, _ = solved
+
+    def stop(text):
+        if "convex" in text:
+            raise KeyboardInterrupt
+
+    found = inversion.spin_states(curve, f"{case.most} /d", budget=40, progress=stop)
+    assert "interrupted" in " ".join(found.notes) and len(found) > 0
+    assert found.verdict == "not solved"
+
+
+def test_many_points_are_averaged_and_filters_have_zero_points():
+    generator = np.random.default_rng(8)
+    t = np.sort(generator.uniform(0.0, 86400.0, 20_000))
+    band = np.where(np.arange(20_000) % 2, "V", "R")
+    magnitude = 15.0 + 0.3 * np.cos(t / 3000.0) + 0.4 * (band == "V")
+    curve = inversion.LightCurve(t, magnitude, 0.02, filter=band, **CURVE)
+    given, bins = curve_problem.problem(curve, 20.0 / 86400.0, 0.07, "shared")
+    assert curve.filters == ("R", "V") and len(given) < 6000 and len(bins) == 20_000
+    offset = given.coefficients(np.zeros(len(given)))[4:6]
+    assert offset[1] - offset[0] == pytest.approx(0.4, abs=0.02)
+    assert np.sum(1.0 / given.sigma**2) == pytest.approx(20_000 / 0.02**2)

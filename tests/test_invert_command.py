@@ -1,0 +1,108 @@
+"""``attitude invert`` on the photometry of Toutatis, and ``attitude lightcurve --observed``."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from attitude import cli, inversion
+from attitude.formats import spin_file
+from attitude.frames import matrix_to_icrf
+
+DATA = Path(__file__).parent.parent / "data"
+PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
+
+
+def test_toutatis_from_its_photometry(tmp_path, capsys):
+    """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given."""
+    found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
+    given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "100 s"]
+    assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
+    text = capsys.readouterr().out
+    assert "solved: chi2/N" in text and "370 points" in text
+    motion = spin_file.read(found).motion
+    state = motion.published("L", frame="ecliptic")
+    assert state.mode == "LAM"
+    assert state.P_psi / 86400.0 == pytest.approx(5.37, abs=0.05)
+    assert state.P_phi / 86400.0 == pytest.approx(7.41, abs=0.05)
+    radar = np.radians([181.0, -53.6])
+    x, y = (_unit(*each) for each in (radar, state.pole))
+    assert np.degrees(np.arccos(x @ y)) < 10.0
+    assert drawn.stat().st_size > 10_000
+    # the long axis at the radar epochs
+    rows = [row.split(",") for row in (DATA / "toutatis-observed.csv").read_text().splitlines()]
+    rows = [row for row in rows if row[0].startswith("1992-12")]
+    history = motion.at([row[0] for row in rows])
+    long_axis = history.matrix[:, :, np.argmin(motion.body.moments)] @ matrix_to_icrf("ecliptic")
+    for row, mine in zip(rows, long_axis, strict=True):
+        a, b = np.radians([float(row[1]), float(row[2])])
+        seen = np.array([np.sin(a) * np.sin(b), -np.cos(a) * np.sin(b), np.cos(b)])
+        assert np.degrees(np.arccos(min(1.0, abs(mine @ seen)))) < 30.0
+
+
+def _unit(longitude, latitude):
+    c = np.cos(latitude)
+    return np.array([c * np.cos(longitude), c * np.sin(longitude), np.sin(latitude)])
+
+
+def test_files_of_light_curves(tmp_path):
+    curve = inversion.LightCurve.read(PHOTOMETRY)
+    assert len(curve) == 370 and len(curve.sessions) == 27
+    table = [line.split(",") for line in PHOTOMETRY.read_text().splitlines() if line[0] in "12"]
+    listed = np.array([float(row[-1]) for row in table])
+    order = np.argsort([float(row[1]) for row in table], kind="stable")
+    assert np.degrees(curve.phase_angle) == pytest.approx(listed[order], abs=0.02)
+    rows = np.column_stack(
+        [2460000.5 + np.arange(30) / 10.0, 15.0 + np.arange(30) % 3, np.full(30, 0.02)]
+    )
+    rows = np.column_stack([rows, np.zeros(30), np.tile([1.0, 0.1, 0, 0.2, 0.1, 0], (30, 1))])
+    plain = tmp_path / "plain.txt"
+    np.savetxt(plain, rows, header="jd_tdb mag sigma session sun observer")
+    read = inversion.LightCurve.read(plain, frame="ecliptic")
+    assert len(read) == 30 and read.sun[0, 2] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "holds no rows"),
+        ("mag,sigma\n15,0.1\n", "no column of epochs"),
+        ("utc,mag\n2026-01-01,bright\n", "holds text"),
+        ("1 2 3\n4 5 6\n", "3 columns"),
+    ],
+)
+def test_files_that_cannot_be_read(tmp_path, capsys, text, words):
+    file = tmp_path / "curve.csv"
+    file.write_text(text)
+    assert cli.main(["invert", str(file), "--max-frequency", "1 /d"]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_mission_against_observations(tmp_path, capsys):
+    mission = tmp_path / "m.toml"
+    mission.write_text(
+        "observer.direction = [1, 0, 0]\nsun.direction = [1, 1, 0]\n"
+        "[body]\nmoments = [1, 2, 3]\nrelative = true\n"
+        '[spin]\nepoch = "2026-01-01"\nwxyz = [1, 0, 0, 0]\n'
+        'angular_velocity = "0, 0, 1 deg/s"\n[shape]\nellipsoid = "3, 2, 1 m"\n'
+        '[times]\nstart = "0"\nstop = "360 s"\nstep = "30 s"\n'
+    )
+    curve = tmp_path / "curve.csv"
+    model = tmp_path / "model.csv"
+    assert cli.main(["lightcurve", str(mission), "--output", str(model)]) == 0
+    names, *rows = [row.split(",") for row in model.read_text().splitlines()]
+    column = next(k for k, name in enumerate(names) if name.startswith("reduced_magnitude"))
+    magnitude = [float(row[column]) for row in rows]
+    lines = ["utc,mag,session"]
+    lines += [
+        f"{row[0]},{value + 3.0 + k % 2},{'ab'[k % 2]}"
+        for k, (row, value) in enumerate(zip(rows, magnitude, strict=True))
+    ]
+    curve.write_text("\n".join(lines) + "\n")
+    out, drawn = tmp_path / "out.csv", tmp_path / "out.png"
+    given = ["lightcurve", str(mission), "--observed", str(curve), "--output", str(out)]
+    assert cli.main([*given, "--figure", str(drawn)]) == 0
+    text = capsys.readouterr().out
+    assert "a: 7 points, zero point +3.000" in text and "rms of all 13 points: 0.000" in text
+    assert out.read_text().startswith("utc,session,observed,computed,residual")
+    assert drawn.stat().st_size > 1000
