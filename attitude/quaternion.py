@@ -276,7 +276,7 @@ def known_sequence(sequence: str | int) -> str:
         if known and letters[0] != letters[1] != letters[2]:
             return letters
     raise AttitudeError(
-        f"sequence is {str(given)[:40]!r}; give three axes, no two neighbours equal, like "
+        f"sequence is {repr(given)[:42]}; give three axes, no two neighbours equal, like "
         '"ZXZ" or "313".'
     )
 

@@ -134,21 +134,25 @@ def dates():
 def start_up():
     numpy = "import numpy; "
     attitude = numpy + "import attitude; "
-    first = attitude + "attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 1.0])"
+    first, large = (
+        f"{attitude}attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), {epochs})"
+        for epochs in ("[0.0, 1.0]", "numpy.arange(2e5)")
+    )
     cold = []
     for _ in range(3):
         with tempfile.TemporaryDirectory() as cache:
-            cold.append(process(first, cache, 1))
+            cold.append(process(large, cache, 1))
             bare = process("pass", cache)
             base = process(numpy, cache)
             light = process(attitude, cache)
-            warm = process(first, cache)
+            small, warm = process(first, cache), process(large, cache)
             classes = process(attitude + "attitude.FreeRotation", cache)
     print(f"a process that imports numpy                {base - bare:7.3f} s beyond Python's own")
     print(f"import attitude, beyond that                {light - base:7.3f} s")
     print(f"from attitude import FreeRotation           {classes - base:7.3f} s")
-    print(f"first propagation, cold disk cache          {min(cold) - light:7.3f} s")
-    print(f"first propagation, warm disk cache          {warm - light:7.3f} s")
+    print(f"first two attitudes, uncompiled             {small - light:7.3f} s")
+    print(f"first 2e5 attitudes, cold disk cache        {min(cold) - light:7.3f} s")
+    print(f"first 2e5 attitudes, warm disk cache        {warm - light:7.3f} s")
 
 
 def process(code, cache, repetitions=7):

@@ -40,7 +40,7 @@ def test_the_search_finds_names_literals_and_series():
         ("solution/phases.py", "_SIN_1_LOW"),  # one of two names in one statement
         ("solution/step.py", "_SINE_3"),  # a quotient of short numbers
         ("solution/elliptic.py", "_turns"),  # a literal in a function
-        ("light_curve/closed_form.py", "_log"),  # quotients in a function
+        ("light_curve/closed_form.py", "logarithm"),  # quotients in a function
     ):
         assert (file, owner) in found
     assert ("solution/classify.py", "_NO_RATE") not in found  # a power of two

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, TorquedRotation
+from attitude import AttitudeError, AttitudeTable, Body, FreeRotation, Spin
 from attitude import representations as forms
 from attitude.quaternion import conjugate, multiply
-from attitude.torques import ConstantTorque
 
 BODIES = {
     "tumbling": ((10, 20, 26), (9.0, 2.0, 1.0)),
@@ -221,10 +220,9 @@ def test_moments_of_a_relative_body_have_errors_in_its_unit():
     assert time == pytest.approx(heavy.predictable_time(tolerance=0.2), rel=1e-9)
 
 
-def test_torqued_motions_say_that_they_have_no_covariance():
-    body, spin = Body(moments=(1, 2, 2.6)), spin_of((0.1, 1.5, 0.1), {"attitude": 0.1})
-    torqued = TorquedRotation(body, spin, ConstantTorque((0, 0, 1e-3)), step=0.1)
-    for motion in (torqued,):
+def test_tables_say_that_they_have_no_covariance():
+    table = AttitudeTable("2026-01-01", [0.0, 20.0], [[1, 0, 0, 0], [0.8, 0, 0, 0.6]])
+    for motion in (table,):
         history, kind = motion.at([0.0, 20.0]), type(motion).__name__
         for name in ("covariance", "attitude_covariance", "sigma", "nonlinearity"):
             with pytest.raises(AttitudeError, match=f"{kind} has no derivatives"):

@@ -137,7 +137,14 @@ def test_public_names_have_docstrings(name):
 
 
 COMPILED = {
-    *("entry_point", "inlined_entry_point", "subroutine", "force_inlined", "callback"),
+    *(
+        "entry_point",
+        "sized_entry_point",
+        "inlined_entry_point",
+        "subroutine",
+        "force_inlined",
+        "callback",
+    ),
     *("reduction", "reduction_subroutine", "reduction_inlined", "reduction_callback"),
 }
 

@@ -72,7 +72,7 @@ def fma_of_any(builder: Any, a: Any, b: Any, c: Any) -> Any:
 
 def rint(builder: Any, x: Any) -> Any:
     """The nearest whole number, ties to even: adding 2^52 leaves no bits below 1."""
-    first = ir.Constant(_DOUBLE, 4503599627370496.0)  # 2^52: larger numbers are whole
+    first = ir.Constant(_DOUBLE, 2.0**52)  # larger numbers are whole
     size = _magnitude(builder, x)
     nearest = builder.fsub(builder.fadd(size, first), first)
     sign = builder.and_(builder.bitcast(x, _INTEGER), _INTEGER(-(1 << 63)))

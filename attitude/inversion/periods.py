@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 _ERROR, _RIDGE = 0.02, 1.0
 # Pairs that a permutation of the magnitudes is fitted with, and turns per span searched at most.
 _PERMUTED, _MOST_TURNS = 20_000, 1500.0
-_DAYS = (1.0 / 86400.0, 1.0 / 86164.0905)
+# s, of the Sun and of the stars.
+_DAYS = 86400.0, 86164.1
 
 
 class Pair(NamedTuple):
@@ -150,8 +151,8 @@ def periods(
 def _alias(first: float, second: float, better: list[Pair], near: float) -> int | None:
     for rank, pair in enumerate(better):
         for day in _DAYS:
-            ends = [(pair.first, abs(pair.second + s * day)) for s in (-1, 1)]
-            ends += [(abs(pair.first + s * day), pair.second) for s in (-1, 1)]
+            ends = [(pair.first, abs(pair.second + s / day)) for s in (-1, 1)]
+            ends += [(abs(pair.first + s / day), pair.second) for s in (-1, 1)]
             for a, b in ends:
                 low, high = min(a, b), max(a, b)
                 if abs(low - first) < near and abs(high - second) < near:

@@ -27,6 +27,8 @@ from attitude.solution.twofloat import ONE, div, quick_two_sum, sqrt
 # Results are rounded to so many bits after the point: equal moments are then equal numbers.
 _KEPT = 384
 _SPARE = BITS - _KEPT
+# Times this, a double from 0.5 to 1 is a whole number.
+_TO_WHOLE = 2.0**53
 # Off-diagonal elements of fewer bits change no bit that is kept.
 _NEGLIGIBLE = BITS - _KEPT - 40
 _SWEEPS = 30
@@ -161,7 +163,7 @@ def integer_of(x, exponent):
     """x / 2**exponent as an integer over 2**BITS."""
     part, power = math.frexp(x)
     places = power - exponent + BITS - 53
-    n = as_whole(part * 9007199254740992.0)
+    n = as_whole(part * _TO_WHOLE)
     if places >= 0:
         return shifted_by(n, places)
     if places < -60:

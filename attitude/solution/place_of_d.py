@@ -11,7 +11,7 @@ from attitude.solution.twofloat import ONE, ZERO, sqrt
 
 # y = (1 + exp(-z))^-1 measures D between the separatrix (0) and rotation about the axis (1).
 _NEAREST = -690.0
-_EPS = 1.1102230246251565e-16
+_EPS = 2.0**-53
 # A bracket that is halved at each step is as narrow as doubles are after so many.
 _MOST = 120
 

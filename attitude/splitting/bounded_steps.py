@@ -11,7 +11,7 @@ from attitude.splitting.varying_steps import VaryingSteps
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
-    from attitude.splitting.mesh import Mesh
+    from attitude.splitting.step_mesh import StepMesh
     from attitude.splitting.system import System
 
 # The error of a step allowed at first, as a share of the tolerance; the least, which is rounding.
@@ -60,7 +60,7 @@ class BoundedSteps:
             self._reach(self._horizon)
         return self._steps.error
 
-    def mesh(self, until: float) -> Mesh:
+    def mesh(self, until: float) -> StepMesh:
         """The steps that reach `until`, s."""
         self._reach(max(abs(until), self._horizon))
         return self._steps.mesh(until)

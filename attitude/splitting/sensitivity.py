@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray
     from attitude.body import Body
     from attitude.spin import Spin
-    from attitude.splitting.mesh import Mesh
+    from attitude.splitting.step_mesh import StepMesh
 
 # Steps whose derivatives are in memory together: 4 MB.
 _BLOCK = 4096
@@ -50,7 +50,7 @@ class TorquedSensitivity(Derivatives):
     system : System
     body, spin : Body, Spin
     meshes : callable
-        ``meshes(side, until)``: the `Mesh` of the steps after (0) or before (1) the epoch that
+        ``meshes(side, until)``: the `StepMesh` of the steps after (0) or before (1) the epoch that
         reaches `until`, s.
     states : callable
         ``states(seconds, low)``: states (N, 7) over the body axes at seconds + low (N,).
@@ -61,7 +61,7 @@ class TorquedSensitivity(Derivatives):
         system: System,
         body: Body,
         spin: Spin,
-        meshes: Callable[[int, float], Mesh],
+        meshes: Callable[[int, float], StepMesh],
         states: Callable[[FloatArray, FloatArray], FloatArray],
     ) -> None:
         self._system, self._body, self._meshes, self._states = system, body, meshes, states

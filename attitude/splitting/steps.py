@@ -8,8 +8,8 @@ import numpy as np
 
 from attitude import pairs
 from attitude.solution.march_layout import STATE_ENTRIES
-from attitude.splitting.mesh import Mesh
 from attitude.splitting.pace import Pace
+from attitude.splitting.step_mesh import StepMesh
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
@@ -82,12 +82,12 @@ class FixedSteps:
             begin = end
         return out
 
-    def mesh(self, until: float) -> Mesh:
+    def mesh(self, until: float) -> StepMesh:
         """The steps that reach `until`, s."""
         self.system.check_span(until, self.h)
         count = int(np.floor(abs(until / self.h)))
         times = np.array(pairs.product(np.arange(count + 1.0), self.h))
-        return Mesh(times, 1)
+        return StepMesh(times, 1)
 
     def estimate(self) -> float:
         """Estimate of the largest error of the attitudes that were asked, rad.

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epoch, FloatArray, Real
     from attitude.epochs import Instant
-    from attitude.splitting.mesh import Mesh
     from attitude.splitting.schemes import Scheme
+    from attitude.splitting.step_mesh import StepMesh
 
     TorqueFunction = Callable[[float, FloatArray, FloatArray], ArrayLike]
     _Steps = FixedSteps | VaryingSteps | BoundedSteps
@@ -223,7 +223,7 @@ class TorquedRotation(Differentiable):
         given = self._system, self.body, self.spin
         return TorquedSensitivity(*given, self._mesh, self._states)
 
-    def _mesh(self, side: int, until: float) -> Mesh:
+    def _mesh(self, side: int, until: float) -> StepMesh:
         """The steps after the epoch (0) or before it (1) that reach `until`, s."""
         with self._lock:
             return self._grids[side].mesh(until)

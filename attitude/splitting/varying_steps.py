@@ -10,8 +10,8 @@ from attitude.solution import march_layout as layout
 from attitude.solution.adaptive import estimated
 from attitude.solution.march_layout import KEPT_ENTRIES, OMEGA, STATE_ENTRIES
 from attitude.splitting.front import Front, between
-from attitude.splitting.mesh import Mesh
 from attitude.splitting.pace import Pace
+from attitude.splitting.step_mesh import StepMesh
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
@@ -85,7 +85,7 @@ class VaryingSteps:
         other.extend(self.sign * self.farthest)
         return other.error
 
-    def mesh(self, until: float) -> Mesh:
+    def mesh(self, until: float) -> StepMesh:
         """The steps that reach `until`, s."""
         self.extend(until)
         ends = np.append(np.abs(self.kept[1 : self.count, 0]), np.inf)
@@ -93,7 +93,7 @@ class VaryingSteps:
         total = np.minimum(ends[:count], abs(until))
         times = self._steps_of(np.arange(count), total)[:, layout.KEPT_TIME]
         times = times[np.abs(times) <= abs(until)]
-        return Mesh(np.stack([times, np.zeros(len(times))]), 2)
+        return StepMesh(np.stack([times, np.zeros(len(times))]), 2)
 
     def states(self, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """(T, 7) at seconds + low of this direction."""

@@ -10,6 +10,7 @@ from benchmarks.coefficients.table import Claim, CoefficientTable
 
 _PHASES, _STEP = "solution/phases.py", "solution/step.py"
 _CLOSED_FORM = "light_curve/closed_form.py"
+_DIMMING = "inversion/ellipsoid_magnitudes.py"
 
 
 def tables():
@@ -136,13 +137,23 @@ def _series():
         ),
         CoefficientTable(
             _CLOSED_FORM,
-            ("_log",),
+            ("logarithm",),
             "s in 2 atanh f = 2 f + 2 f u s(u), u = f^2, 10 terms, |f| <= (sqrt(2) - 1)^2; absolute"
             " error",
-            lambda: [x for x in sources.literals(_CLOSED_FORM, "_log") if 0 < x < 1],
+            lambda: [x for x in sources.literals(_CLOSED_FORM, "logarithm") if 0 < x < 1],
             lambda: [mpf(1) / (2 * k + 1) for k in range(10, 0, -1)],
             error=lambda numbers: logarithm.error(numbers[::-1]),
             ideal=lambda: logarithm.best[1],
+        ),
+        CoefficientTable(
+            _DIMMING,
+            ("_dimming",),
+            "the same in seven terms and its derivative in six",
+            lambda: [x for x in sources.literals(_DIMMING, "_dimming") if 0 < x < 1 and 16 * x % 1],
+            lambda: (
+                [mpf(2) / (4 * k * k - 1) for k in range(1, 8)]
+                + [mpf(2 * k) / (4 * (k + 1) ** 2 - 1) for k in range(1, 7)]
+            ),
         ),
         CoefficientTable(
             "paths/conic.py",

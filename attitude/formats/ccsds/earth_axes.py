@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray
 
 # The Besselian epoch 1950.0 as Julian date, and J2000.
-_B1950, _J2000 = 2433282.42345905, 2451545.0
+_B1950 = 2433282.42345905
+_J2000 = 2451545.0
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:

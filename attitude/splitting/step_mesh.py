@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class StepMesh:
     """The steps from the epoch in one direction of time.
 
     Attributes
