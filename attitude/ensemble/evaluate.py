@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # Rows in a piece of work: a millisecond, and 0.15 s if each row is of another member.
 ROWS = 1 << 17
 # Numbers of members that are surveyed or sorted in one call of compiled code.
-_SURVEYED = 1 << 20
+_SURVEYED = 1 << 19
 # Unsorted rows are brought into runs unless their runs are at least as long in the mean: a set-up
 # takes as long as some 100 rows, sorting a row as long as 2 to 4.
 _LONG_RUN = 64
