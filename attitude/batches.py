@@ -59,7 +59,7 @@ class Batch(NamedTuple):
         sensitivity: Sequence[FloatArray],
         threads: int,
     ) -> None:
-        """Fill attitudes and what else is asked for.
+        """Fill attitudes, and angular velocities and derivatives where memory is given.
 
         Parameters
         ----------
