@@ -91,7 +91,7 @@ class Batch(NamedTuple):
             threads = validation.count(threads, "threads")
         if blocks * pieces == 1:
             # nothing to divide: one body at one epoch takes half the time without slices
-            self._fill(self, t, t_low, wxyz, rates, sensitivity, (0, length))
+            self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), 0, count)
             return
 
         def work(begin: int, end: int) -> None:
@@ -99,8 +99,7 @@ class Batch(NamedTuple):
                 block, piece = divmod(each, pieces)
                 part = slice(block * size, min((block + 1) * size, count))
                 here = part if len(t) > 1 else slice(None)
-                self._fill(
-                    Batch(self.inertia[part], self.wxyz[part], self.omega[part]),
+                Batch(self.inertia[part], self.wxyz[part], self.omega[part])._fill(
                     t[here],
                     None if t_low is None else t_low[here],
                     wxyz[part],
@@ -108,26 +107,27 @@ class Batch(NamedTuple):
                     [each[part] for each in sensitivity],
                     (piece * span, min((piece + 1) * span, length)),
                     part.start,
+                    count,
                 )
 
         in_blocks(work, pieces * blocks, 1, threads)
 
     def _fill(
         self,
-        block: Batch,
         t: FloatArray,
         t_low: FloatArray | None,
         wxyz: FloatArray,
         rates: FloatArray | None,
         sensitivity: Sequence[FloatArray],
         span: tuple[int, int],
-        first: int = 0,
+        first: int,
+        count: int,
     ) -> None:
-        """As `propagated`, of a block of the bodies and a span of the epochs.
+        """As `propagated`, in one piece, for a span of the epochs.
 
-        `first` is the number of the first body of the block.
+        For error messages, the first body has the number `first` of `count`.
         """
-        found = block._prepared(rates is not None, first, len(self.wxyz))
+        found = self._prepared(rates is not None, first, count)
         body = evaluation.evaluated(found.constants, t, t_low, wxyz, rates, *span)
         if body >= 0:
             few = body if len(t) > 1 else 0, slice(*span)
@@ -144,8 +144,8 @@ class Batch(NamedTuple):
         wxyz, omega = self.wxyz, self.omega
         differences = None
         if self.inertia.ndim == 2:
-            moments, turning = np.zeros((2, len(wxyz), 3, 2))
-            moments[..., 0], turning[..., 0] = self.inertia, omega
+            moments, turning = np.zeros((len(wxyz), 3, 2)), np.zeros((len(wxyz), 3, 2))
+            moments[:, :, 0], turning[:, :, 0] = self.inertia, omega
             principal = _IDENTITY
         else:
             found = PrincipalAxes.of(symmetric_tensors(self.inertia, first, count))

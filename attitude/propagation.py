@@ -189,10 +189,8 @@ def propagate(
     elif sensitivity_out is not None:
         raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
     flat = [_bodies(memory, len(lead), count) for memory, _ in results]
-    batch = Batch(
-        _flat(inertia, lead, count, inner), _flat(wxyz0, lead, count), _flat(omega0, lead, count)
-    )
-    batch.propagated(
+    rows = _flat(inertia, lead, count, inner), _flat(wxyz0, lead, count), _flat(omega0, lead, count)
+    Batch(*rows).propagated(
         _epochs(t, lead, count),
         None if t_low is None else _epochs(t_low, lead, count),
         flat[0],
@@ -206,6 +204,8 @@ def propagate(
 
 def _bodies(memory, leading, count):
     """The memory with its leading axes as one, of bodies."""
+    if not leading:
+        return memory[None]
     return memory.reshape(count, *memory.shape[leading:])
 
 
@@ -255,6 +255,8 @@ def _leading_shape(inertia, wxyz0, omega0, t):
 
 def _flat(array, lead, count, inner=1):
     """The rows of the bodies (count, ...), each of the last `inner` axes of an array."""
+    if array.ndim == inner and not lead:
+        return np.ascontiguousarray(array)[None]
     row = array.shape[array.ndim - inner :]
     if array.shape[:-inner] != lead:
         array = np.broadcast_to(array, (*lead, *row))
