@@ -58,8 +58,8 @@ ORDERS = {
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "march_layout", "torqued_step", "march", "march_members", "adaptive"),
-        *("regimes", "place_of_d"),
+        *("chain", "chain_members", "march_layout", "torqued_step", "march", "march_members"),
+        *("adaptive", "regimes", "place_of_d"),
         *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
