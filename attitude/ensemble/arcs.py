@@ -49,6 +49,8 @@ class ArcsEnsemble(Immutable):
 
     ensemble: Ensemble
     changes: tuple[Change, ...]
+    _chains: Chains | None
+    _singles: tuple[Arcs, ...] | None
 
     def __init__(self, ensemble: Ensemble, changes: Any) -> None:
         if ensemble.epoch is None:

@@ -126,10 +126,11 @@ def _records(
         if beyond.any():
             raise Failed(int(np.argmax(beyond)))
         in_body, in_space = np.zeros(3), np.zeros((3, 2))
+        added = np.asarray(change.angular_momentum)
         if change.frame == "body":
-            in_body[:] = change.angular_momentum
+            in_body[:] = added
         else:
-            in_space[:] = frames.vector_to_icrf(change.frame, change.angular_momentum)
+            in_space[:] = frames.vector_to_icrf(change.frame, added)
         given = moments, axes, principal
         _compiled().join_members(found[-1], *given, length, q, w, in_body, in_space)
         if isinstance(change, InertiaChange):
