@@ -86,6 +86,12 @@ def eight(array: FloatArray, i: int) -> Lanes:
     return Lanes(array[i : i + 8])
 
 
+def put_eight(array: FloatArray, i: int, numbers: Lanes) -> None:
+    """Fill array[i], ..., array[i + 7] of a contiguous array of doubles."""
+    i = int(i)
+    array[i : i + 8] = numbers.lanes
+
+
 def lanes(numbers: tuple[float, ...]) -> Lanes:
     """The vector of the doubles of a tuple."""
     return Lanes(numbers)

@@ -67,6 +67,20 @@ def _eight(context, builder, signature, arguments):
     return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
 
 
+@_typed(simd.put_eight)
+def _put_eight_type(array, i, numbers):
+    return types.void(array, types.intp, numbers)
+
+
+@_lowered(simd.put_eight)
+def _put_eight(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    numbers = arguments[2]
+    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
+    return context.get_dummy_value()
+
+
 @_typed(simd.lanes)
 def _lanes_type(numbers):
     return LanesType(len(numbers))

@@ -14,11 +14,12 @@ import numpy as np
 
 from attitude import chebyshev, epochs, pairs, validation
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 from attitude.paths.path import Path, since, spelled
 from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
 
 if TYPE_CHECKING:
-    from attitude.annotations import Epoch, Real
+    from attitude.annotations import Epoch, FloatArray, Real
     from attitude.epochs.instants import Instant
 
 # Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
@@ -64,6 +65,37 @@ class Compressed(Path):
 
     def _state(self, instant, hi, lo):
         return values_and_rates(self.pieces, *placed(self, instant, hi, lo))
+
+    def directions(
+        self,
+        instant: Instant,
+        hi: FloatArray,
+        lo: FloatArray,
+        sign: float,
+        unit: FloatArray,
+        length: FloatArray,
+    ) -> None:
+        """Fill unit vectors (3, N) times a sign, and lengths (N,) in m, of the positions.
+
+        At the epochs instant + hi (N,) + lo (N,) or (1,), in any order; ascending ones take 6 ns
+        each, others up to three times as long.  NaN for NaN.
+
+        Raises
+        ------
+        AttitudeError
+            For an epoch outside of the span.
+        """
+        from attitude.paths import chebyshev_loops
+
+        pieces = self.pieces
+        given = *since(instant, pieces.start), pieces.most, pieces.width, pieces.cells
+        given = *given, pieces.starts, pieces.widths, pieces.records, pieces.count, sign
+        at = read_only(hi), read_only(lo)
+        for begin in range(0, hi.size, _BATCH):
+            end = min(begin + _BATCH, hi.size)
+            outside = chebyshev_loops.directions(*at, *given, begin, end, unit, length)
+            if outside >= 0:
+                self.refuse_outside(instant, hi[outside])
 
 
 def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> Compressed:

@@ -112,7 +112,7 @@ def seen(
         line = _compressed(path, instant, hi, lo, some, tolerance, sign)
         if line is not None:
             return line
-    return _evaluated(path, instant, hi, lo, path, sign)
+    return _evaluated(path, instant, hi, lo, sign)
 
 
 def _compressed(path, instant, hi, lo, some, tolerance, sign):
@@ -133,15 +133,17 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
             # Too many states, or not smooth enough.  Any other error recurs when the path itself
             # is evaluated.
             return None
-        line = _evaluated(small, instant, hi, lo, path, sign, small.error)
+        unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
+        small.directions(instant, hi, lo, sign, unit, distance)
+        line = _line(path, instant, hi, unit, distance, small.error)
         nearest = np.nanmin(line.distance)
         if small.error <= _LARGEST_TURN * nearest:
             return line
     return None
 
 
-def _evaluated(path, instant, hi, lo, original, sign, error=None):
-    """The LineOfSight of a path; messages and the source name the original of a compressed path."""
+def _evaluated(path, instant, hi, lo, sign):
+    """The LineOfSight of a path, evaluated at every epoch."""
     from attitude.scene import loops
 
     unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
@@ -150,14 +152,19 @@ def _evaluated(path, instant, hi, lo, original, sign, error=None):
         low = lo if lo.size == 1 and hi.size > 1 else lo[part]
         vectors = np.ascontiguousarray(np.moveaxis(path.position(instant, hi[part], low), -1, 0))
         loops.normalised(read_only(vectors), sign, begin, unit, distance)
-    at = np.flatnonzero(distance == 0.0)
-    if at.size:
+    return _line(path, instant, hi, unit, distance)
+
+
+def _line(path, instant, hi, unit, distance, error=None):
+    """The LineOfSight of a path, which is named in messages; refused where a distance is zero."""
+    if distance.size and np.nanmin(distance, initial=np.inf) == 0.0:
+        at = int(np.argmax(distance == 0.0))
         raise AttitudeError(
-            f"{original.name} and {_named(original.center)} are in one place at "
-            f"{spelled(instant.after(float(hi[at[0]])))}, where the direction from one to the "
+            f"{path.name} and {_named(path.center)} are in one place at "
+            f"{spelled(instant.after(float(hi[at])))}, where the direction from one to the "
             "other is undefined; give two different ones."
         )
-    return LineOfSight(unit, distance, original.source, error)
+    return LineOfSight(unit, distance, path.source, error)
 
 
 def _named(center):
