@@ -10,6 +10,7 @@ import numpy as np
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
+from attitude.memory import new_array
 from attitude.paths.path import Path
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles, lines_of_sight, shadow
@@ -86,7 +87,7 @@ class Geometry(Immutable):
             return hi, None if self.low is None else lo
         from attitude.scene import loops
 
-        out = np.empty(hi.size), np.empty(hi.size)
+        out = new_array(hi.size), new_array(hi.size)
         loops.earlier(read_only(hi), read_only(lo), read_only(distance), SPEED_OF_LIGHT_M_S, *out)
         return frozen(out[0]), frozen(out[1])
 

@@ -10,6 +10,7 @@ import numpy as np
 from attitude import paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
+from attitude.memory import new_array
 from attitude.paths.path import Path, spelled
 from attitude.paths.uniform import Direction
 
@@ -133,7 +134,7 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
             # Too many states, or not smooth enough.  Any other error recurs when the path itself
             # is evaluated.
             return None
-        unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
+        unit, distance = new_array(3, hi.size), new_array(hi.size)
         small.directions(instant, hi, lo, sign, unit, distance)
         line = _line(path, instant, hi, unit, distance, small.error)
         nearest = np.nanmin(line.distance)
@@ -146,7 +147,7 @@ def _evaluated(path, instant, hi, lo, sign):
     """The LineOfSight of a path, evaluated at every epoch."""
     from attitude.scene import loops
 
-    unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
+    unit, distance = new_array(3, hi.size), new_array(hi.size)
     for begin in range(0, hi.size, _BLOCK):
         part = slice(begin, begin + _BLOCK)
         low = lo if lo.size == 1 and hi.size > 1 else lo[part]

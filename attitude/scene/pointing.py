@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
+from attitude.memory import new_array
 from attitude.scene import angles
 from attitude.scene.geometry import Geometry
 from attitude.scene.lazy import kept, quantity
@@ -31,7 +32,7 @@ class Pointing(Geometry):
         """The AttitudeHistory (S) of the body at the epochs of emission."""
         hi, lo = self.emission
         low = None if lo is None else lo.reshape(self.shape)
-        return self._motion().at(hi.reshape(self.shape), low=low)
+        return self._motion().at_seconds(hi.reshape(self.shape), low)
 
     def _motion(self) -> Motion:
         if self.scene.motion is None:
@@ -49,7 +50,7 @@ class Pointing(Geometry):
         """ICRF vectors (3, N) or (3, 1) as (3, N) in body axes."""
         from attitude.solution import vectors
 
-        out = np.empty((3, self.seconds.size))
+        out = new_array(3, self.seconds.size)
         vectors.to_body(self._wxyz(), read_only(np.ascontiguousarray(unit)), out)
         return out
 

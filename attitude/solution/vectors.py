@@ -13,9 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.compilation.decorators import sized_entry_point, subroutine
+from attitude.memory import new_array
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+
+# Angles that are computed together: temporary arrays stay in the second-level cache.
+_BLOCK = 1 << 14
 
 
 @subroutine
@@ -83,11 +87,16 @@ def separation(
 
     2 atan2(|a - b|, |a + b|): exact at 0 and pi, where an arc cosine loses half of its digits.
     """
-    near, far = np.empty((2, max(ax.size, bx.size)))
-    _halves(ax, ay, az, bx, by, bz, near, far)
-    np.arctan2(near, far, out=near)
-    near *= 2.0
-    return near
+    angle = new_array(max(ax.size, bx.size))
+    far = np.empty(min(angle.size, _BLOCK))
+    for begin in range(0, angle.size, _BLOCK):
+        near = angle[begin : begin + _BLOCK]
+        part = slice(begin, begin + near.size)
+        given = (each if each.size == 1 else each[part] for each in (ax, ay, az, bx, by, bz))
+        _halves(*given, near, far)
+        np.arctan2(near, far[: near.size], out=near)
+        near *= 2.0
+    return angle
 
 
 @sized_entry_point
