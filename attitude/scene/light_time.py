@@ -40,6 +40,9 @@ _ROUNDINGS = 2.0
 _NOISE = 1e3
 # Each secant step doubles the number of correct digits: 1e-4, 1e-12 and so on for planets.
 _MOST_PASSES = 30
+# Change of the light time, times the light time, s2, below which the velocity of the viewer is
+# kept: at 10 m/s2, the fall in low orbit, it shifts the target by 1e-9 m.
+_SAME = 2e-10
 
 
 class Steps(NamedTuple):
@@ -79,8 +82,10 @@ class Sightline(Path):
 
     Attributes
     ----------
+    nearest : float
+        Least distance at the epochs of the sample, m, without the correction; 0 without any epoch.
     is_near : bool
-        Whether the target is nearer than a light second at some epoch of the sample.
+        Whether the target is nearer than a light second at all epochs of the sample.
     """
 
     def __init__(
@@ -95,8 +100,9 @@ class Sightline(Path):
         # The span of the target ends a light time later here; the target itself checks it.
         self.span = None
         self._ends = common_span([self.target])
-        geometric = self._guess(*sample, self.geometric)
-        self.is_near = bool(np.max(_length(geometric), initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
+        distances = _length(self._guess(*sample, self.geometric))
+        self.nearest = float(np.min(distances, initial=np.inf)) if distances.size else 0.0
+        self.is_near = bool(np.max(distances, initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
         # The largest number that enters a difference of positions, m.
         self._size = 0.0
         if not self.is_near:
@@ -157,13 +163,16 @@ class Sightline(Path):
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
+        known: list[FloatArray] = []
 
         def vectors_at(light):
             if light is None:
                 return self._guess(instant, hi, lo, self.geometric)
             seen = self.geometric._position(instant, *_earlier(hi, lo, light))
-            middle = _earlier(hi, lo, 0.5 * light)
-            return seen - light * self.viewer._state(instant, *middle)[1]
+            if not known or np.max(np.abs(light - known[0]) * light, initial=0.0) > _SAME:
+                middle = _earlier(hi, lo, 0.5 * light)
+                known[:] = light, self.viewer._state(instant, *middle)[1]
+            return seen - light * known[1]
 
         return vectors_at
 

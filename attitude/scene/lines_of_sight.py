@@ -13,6 +13,7 @@ from attitude.immutable import Immutable, frozen, read_only
 from attitude.memory import new_array
 from attitude.paths.path import Path, spelled
 from attitude.paths.uniform import Direction
+from attitude.scene.light_time import Sightline
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -60,6 +61,12 @@ class LineOfSight(Immutable):
         frozen(self.unit)
         if self.distance is not None:
             frozen(self.distance)
+
+    def some(self, part: slice) -> LineOfSight:
+        """The line of sight at some of the epochs."""
+        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, part]
+        distance = None if self.distance is None else self.distance[part]
+        return LineOfSight(unit, distance, self.source, self.error)
 
 
 def fixed(place: Place) -> LineOfSight:
@@ -120,7 +127,10 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
     """The LineOfSight by a compression of the path, or None if that costs more than it saves."""
     if not some[1].size:
         return None
-    nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
+    if isinstance(path, Sightline):
+        nearest = path.nearest
+    else:
+        nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
     first, last = ((float(some[1][k]), float(some[2][k])) for k in (0, 1))
     if not sum(last) > sum(first):
         return None
@@ -185,7 +195,7 @@ class Metered(Path):
     def __init__(self, path: Path, budget: int) -> None:
         self.path, self.left = path, budget
         self.name, self.center, self.source = path.name, path.center, path.source
-        self.span, self.roughness = path.span, path.roughness
+        self.span, self.roughness, self.is_slow = path.span, path.roughness, path.is_slow
 
     def _state(self, instant, hi, lo):
         self.left -= hi.size
