@@ -32,7 +32,7 @@ _MOST_PIECES = 400_000
 _ROUNDINGS = 8.0
 _EPS = np.finfo(np.float64).eps
 # The largest number of pieces that are sampled before it is known which of them are needed.
-_TOGETHER = 7
+_TOGETHER = 3
 # Places of the samples between the nodes, and there the Chebyshev polynomials and their slopes.
 _EXTREMA = np.cos(np.pi * np.arange(_COUNT + 1) / _COUNT)
 _VALUES = np.cos(np.pi * np.outer(np.arange(_COUNT + 1), np.arange(_COUNT)) / _COUNT)

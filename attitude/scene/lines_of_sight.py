@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _BLOCK = 1 << 16
 # Fewer epochs are evaluated faster than fitted; of a slow path fewer than these.
 _FEWEST, _FEWEST_OF_SLOW = 2000, 300
-# States that a fit may evaluate, per epoch; a state costs about two positions.
+# Positions that a fit may evaluate, per epoch.
 _SHARE = 0.25
 # Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
 _LARGEST_TURN, _AIMED_TURN = 4e-10, 1e-10
@@ -183,13 +183,15 @@ def _named(center):
 
 
 class Metered(Path):
-    """A path that raises an AttitudeError after a number of states, to bound the cost of a fit.
+    """A path that raises an AttitudeError after a number of positions, to bound the cost of a fit.
+
+    Velocities are zero: a line of sight needs none, and the `speed_error` of its fit is not used.
 
     Parameters
     ----------
     path : Path
     budget : int
-        Number of states that may be evaluated.
+        Number of positions that may be evaluated.
     """
 
     def __init__(self, path: Path, budget: int) -> None:
@@ -201,7 +203,7 @@ class Metered(Path):
         self.left -= hi.size
         if self.left < 0:
             raise AttitudeError(
-                f"the compression of {self.name} needs more states than direct evaluation; "
+                f"the compression of {self.name} needs more positions than direct evaluation; "
                 "evaluate the path itself."
             )
-        return self.path._state(instant, hi, lo)
+        return self.path._position(instant, hi, lo), np.zeros((3, hi.size))
