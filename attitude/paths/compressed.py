@@ -95,12 +95,12 @@ class Compressed(Path):
         from attitude.paths import chebyshev_loops
 
         pieces = self.pieces
-        given = *since(instant, pieces.start), pieces.most, pieces.width, pieces.cells
-        given = *given, pieces.starts, pieces.widths, pieces.records, pieces.count, sign
-        at = read_only(hi), read_only(lo)
+        at = read_only(hi), read_only(lo), *since(instant, pieces.start)
+        cells = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
+        given = *at, *cells, pieces.records, pieces.count, sign
         for begin in range(0, hi.size, _BATCH):
             end = min(begin + _BATCH, hi.size)
-            outside = chebyshev_loops.directions(*at, *given, begin, end, unit, length)
+            outside = chebyshev_loops.directions(*given, begin, end, unit, length)
             if outside >= 0:
                 self.refuse_outside(instant, hi[outside])
 

@@ -248,6 +248,7 @@ class Geometry(Immutable):
             for part in angles.parts(lit.size):
                 velocity = partial(self._velocity_of, body, part) if moves else None
                 occulter, sun = found.some(part), self.sun_line.some(part)
+                assert occulter.distance is not None
                 lit[part] -= 1.0 - shadow.lit_fraction(
                     occulter.unit * occulter.distance,
                     radius,

@@ -17,6 +17,7 @@ Source: NAIF, SPK Required Reading, "light time corrections"; Kaplan et al., AJ 
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -103,11 +104,15 @@ class Sightline(Path):
         distances = _length(self._guess(*sample, self.geometric))
         self.nearest = float(np.min(distances, initial=np.inf)) if distances.size else 0.0
         self.is_near = bool(np.max(distances, initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
-        # The largest number that enters a difference of positions, m.
-        self._size = 0.0
+        self._sample = sample
+
+    @cached_property
+    def roughness(self) -> float:  # type: ignore[override]  # computed
+        """See `Path`, m: that of the parts, and the rounding of barycentric positions."""
+        size = 0.0
         if not self.is_near:
-            self._size = float(np.max(np.abs(self.viewer._position(*sample)), initial=0.0))
-        self.roughness = self.geometric.roughness + 8.0 * _EPS * self._size
+            size = float(np.max(np.abs(self.viewer._position(*self._sample)), initial=0.0))
+        return self.geometric.roughness + 8.0 * _EPS * size
 
     def _position(self, instant, hi, lo):
         return self._solved(instant, hi, lo)[0]
@@ -127,9 +132,10 @@ class Sightline(Path):
 
     def _solved(self, instant, hi, lo):
         """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
-        vectors_at = self._near(instant, hi, lo) if self.is_near else self._far(instant, hi, lo)
+        at = self._near if self.is_near else self._far
+        vectors_at, size = at(instant, hi, lo)
         seen, light = vectors_at(None), np.zeros(hi.size)
-        limit = self._rounding(seen)
+        limit = _ROUNDINGS * _EPS * (size + np.max(np.abs(seen), initial=0.0))
         found = _length(seen) / SPEED_OF_LIGHT_M_S
         used, speed, slope = light, np.zeros(hi.size), np.zeros(hi.size)
         for _ in range(_MOST_PASSES):
@@ -151,7 +157,10 @@ class Sightline(Path):
         )
 
     def _far(self, instant, hi, lo):
-        """A function of light times (N,), or None for none: vectors from barycentric positions."""
+        """A function of light times (N,), or None for none: vectors from barycentric positions.
+
+        And the largest number that enters these differences, m.
+        """
         own = self.viewer._position(instant, hi, lo)
 
         def vectors_at(light):
@@ -159,7 +168,7 @@ class Sightline(Path):
                 return self._guess(instant, hi, lo, self.target) - own
             return self.target._position(instant, *_earlier(hi, lo, light)) - own
 
-        return vectors_at
+        return vectors_at, np.max(np.abs(own), initial=0.0)
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
@@ -174,7 +183,7 @@ class Sightline(Path):
                 known[:] = light, self.viewer._state(instant, *middle)[1]
             return seen - light * known[1]
 
-        return vectors_at
+        return vectors_at, 0.0
 
     def _guess(self, instant, hi, lo, path):
         """Positions at the epochs of reception, the first guess of the fixed point.
@@ -187,9 +196,6 @@ class Sightline(Path):
             if beyond.any():
                 hi, lo = np.where(beyond, last[0], hi), np.where(beyond, last[1], lo)
         return path._position(instant, hi, lo)
-
-    def _rounding(self, seen):
-        return _ROUNDINGS * _EPS * (self._size + np.max(np.abs(seen), initial=0.0))
 
 
 def _earlier(hi, lo, light):

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.compilation.decorators import sized_entry_point, subroutine
-from attitude.memory import new_array
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -87,7 +86,7 @@ def separation(
 
     2 atan2(|a - b|, |a + b|): exact at 0 and pi, where an arc cosine loses half of its digits.
     """
-    angle = new_array(max(ax.size, bx.size))
+    angle = np.empty(max(ax.size, bx.size))
     far = np.empty(min(angle.size, _BLOCK))
     for begin in range(0, angle.size, _BLOCK):
         near = angle[begin : begin + _BLOCK]
