@@ -39,6 +39,7 @@ ORDERS = {
             "choice",
             "deferral",
             "notice",
+            "source_stamp",
             "disk_cache",
             "ieee",
             "instructions",
@@ -226,6 +227,8 @@ ALLOWED_ACCESS = {
     "attitude.light_curve.table_files": {"file.open"},
     # The argument open= of a mesh, not the function.
     "attitude.shape.mesh": {"open"},
+    # The sources of the package themselves, of which machine code on disk keeps a hash.
+    "attitude.compilation.source_stamp": {"path.read_bytes"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
     "attitude.cli": {"os.open"},
 }
