@@ -12,7 +12,9 @@ from attitude.compilation.simd import (
     at_most,
     bits_set_in_bytes,
     chosen,
+    doubles_of,
     eight,
+    four,
     lanes,
     largest_lane,
     positive_bits,
@@ -63,6 +65,11 @@ def of_eight(array, word):
 def compared(array):
     read = eight(array, 0)
     return largest_lane(read), positive_bits(read)
+
+
+@entry_point
+def of_four(array):
+    return doubles_of(four(array, 2) * 2.0)
 
 
 @entry_point
@@ -120,6 +127,11 @@ def test_the_largest_lane_and_the_lanes_above_zero(largest):
     bits = sum(2**k for k in range(8) if array[k] > 0.0)
     assert compared(array) == (9.0, bits) == compared.py_func(array)
     assert compared(-np.abs(array) - 1.0) == (-np.min(np.abs(array)) - 1.0, 0)
+
+
+@pytest.mark.parametrize("run", [of_four, of_four.py_func])
+def test_four_are_read_and_taken_apart(run):
+    assert run(np.array(EIGHT)) == tuple(2.0 * each for each in EIGHT[2:6])
 
 
 @pytest.mark.parametrize("run", [doubled, doubled.py_func])

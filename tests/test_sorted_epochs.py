@@ -80,7 +80,7 @@ def test_python_gives_the_same_doubles(small):
     pieces, low = small.pieces, np.zeros(1)
     unit, length = np.empty((3, seconds.size)), np.empty(seconds.size)
     bounds = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
-    given = *since(START, pieces.start), *bounds, pieces.records, pieces.count, 1.0
+    given = *since(START, pieces.start), *bounds, pieces.records, small._rows, pieces.count, 1.0
     run = chebyshev_loops.directions._in_python
     assert run(seconds, low, *given, 0, seconds.size, unit, length) == -1
     np.testing.assert_array_equal(np.vstack([unit, length]), directions(small, seconds))

@@ -59,6 +59,12 @@ def _eight_type(array, i):
     return LanesType(8)
 
 
+@_typed(simd.four)
+def _four_type(array, i):
+    return LanesType(4)
+
+
+@_lowered(simd.four)
 @_lowered(simd.eight)
 def _eight(context, builder, signature, arguments):
     kind = signature.return_type
@@ -94,6 +100,18 @@ def _lanes(context, builder, signature, arguments):
         one = builder.extract_value(arguments[0], k)
         made = builder.insert_element(made, one, _INDEX(k))
     return made
+
+
+@_typed(simd.doubles_of)
+def _doubles_type(a):
+    return types.UniTuple(types.float64, a.count)
+
+
+@_lowered(simd.doubles_of)
+def _doubles(context, builder, signature, arguments):
+    count = range(signature.return_type.count)
+    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, found)
 
 
 @_typed(simd.bits_set_in_bytes)

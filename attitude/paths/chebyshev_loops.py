@@ -19,7 +19,7 @@ import math
 
 from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import fma
-from attitude.compilation.simd import eight, positive_bits, put_eight, root
+from attitude.compilation.simd import doubles_of, eight, four, lanes, positive_bits, put_eight, root
 from attitude.solution.twofloat import two_sum
 
 
@@ -129,6 +129,16 @@ def _vector(records, row, skip, count, t):
     )
 
 
+@subroutine
+def _four_at_once(rows, first, count, t):
+    """As `_vector`, the components as the lanes of one vector."""
+    twice = t + t
+    a = last = lanes((0.0, 0.0, 0.0, 0.0))
+    for order in range(count - 1, 0, -1):
+        a, last = fma(twice, a, four(rows, first + 4 * order) - last), a
+    return fma(t, a, four(rows, first) - last)
+
+
 @sized_entry_point
 def values(records, skip, count, piece, x, factor, out):
     """Fill out (3, N) with the vector at each epoch times a factor.
@@ -155,10 +165,12 @@ def values(records, skip, count, piece, x, factor, out):
 
 @sized_entry_point
 def directions(
-    hi, lo, base_hi, base_lo, most, width, cells, starts, widths, records, count, sign, begin, end,
-    unit, length,
+    hi, lo, base_hi, base_lo, most, width, cells, starts, widths, records, rows, count, sign,
+    begin, end, unit, length,
 ):  # fmt: skip
     """Fill unit vectors (3, N) times a sign, and lengths (N,), at the epochs from begin to end.
+
+    rows (pieces 4 count,) holds the coefficients of `records` in the order of x, y, z and a zero.
 
     Pieces as of `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
     before them, or in one other piece, are evaluated together by SIMD: sorted epochs are walked
@@ -193,7 +205,7 @@ def directions(
                     outside = k
                 here = _row_of(p + q, most, width, cells)
                 u = 2.0 * (((p - starts[here]) + q) / widths[here]) - 1.0
-                a, b, c = _vector(records, here, 0, count, u)
+                a, b, c, _ = doubles_of(_four_at_once(rows, 4 * count * here, count, u))
                 size = math.sqrt(a * a + b * b + c * c)
                 length[k] = size
                 scale = sign / size

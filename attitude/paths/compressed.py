@@ -8,6 +8,7 @@ tolerance, so that a close approach of an hour does not refine the year around i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.polynomial import chebyshev as polynomials
 
 from attitude import chebyshev, epochs, pairs, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import read_only
+from attitude.immutable import frozen, read_only
 from attitude.paths.path import Path, since, spelled
 from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
 
@@ -67,6 +68,14 @@ class Compressed(Path):
     source: str
     span: tuple[Instant, Instant]
 
+    @cached_property
+    def _rows(self) -> FloatArray:
+        """The records with x, y, z and a zero of each order together; see `chebyshev_loops`."""
+        count = self.pieces.count
+        rows = np.zeros((len(self.pieces.records), count, 4))
+        rows[:, :, :3] = self.pieces.records.reshape(-1, 3, count).transpose(0, 2, 1)
+        return frozen(rows.reshape(-1))
+
     def _position(self, instant, hi, lo):
         return values(self.pieces, *placed(self, instant, hi, lo))
 
@@ -97,7 +106,7 @@ class Compressed(Path):
         pieces = self.pieces
         at = read_only(hi), read_only(lo), *since(instant, pieces.start)
         cells = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
-        given = *at, *cells, pieces.records, pieces.count, sign
+        given = *at, *cells, pieces.records, self._rows, pieces.count, sign
         for begin in range(0, hi.size, _BATCH):
             end = min(begin + _BATCH, hi.size)
             outside = chebyshev_loops.directions(*given, begin, end, unit, length)
