@@ -86,9 +86,26 @@ def eight(array: FloatArray, i: int) -> Lanes:
     return Lanes(array[i : i + 8])
 
 
+def four(array: FloatArray, i: int) -> Lanes:
+    """The vector array[i], ..., array[i + 3] of a contiguous array of doubles."""
+    i = int(i)
+    return Lanes(array[i : i + 4])
+
+
+def put_eight(array: FloatArray, i: int, numbers: Lanes) -> None:
+    """Fill array[i], ..., array[i + 7] of a contiguous array of doubles."""
+    i = int(i)
+    array[i : i + 8] = numbers.lanes
+
+
 def lanes(numbers: tuple[float, ...]) -> Lanes:
     """The vector of the doubles of a tuple."""
     return Lanes(numbers)
+
+
+def doubles_of(a: Lanes) -> tuple[float, ...]:
+    """The doubles of the lanes as a tuple."""
+    return a.lanes
 
 
 def bits_set_in_bytes(word: int) -> Lanes:

@@ -59,12 +59,32 @@ def _eight_type(array, i):
     return LanesType(8)
 
 
+@_typed(simd.four)
+def _four_type(array, i):
+    return LanesType(4)
+
+
+@_lowered(simd.four)
 @_lowered(simd.eight)
 def _eight(context, builder, signature, arguments):
     kind = signature.return_type
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     here = builder.gep(data, [arguments[1]])
     return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
+
+
+@_typed(simd.put_eight)
+def _put_eight_type(array, i, numbers):
+    return types.void(array, types.intp, numbers)
+
+
+@_lowered(simd.put_eight)
+def _put_eight(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    numbers = arguments[2]
+    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
+    return context.get_dummy_value()
 
 
 @_typed(simd.lanes)
@@ -80,6 +100,18 @@ def _lanes(context, builder, signature, arguments):
         one = builder.extract_value(arguments[0], k)
         made = builder.insert_element(made, one, _INDEX(k))
     return made
+
+
+@_typed(simd.doubles_of)
+def _doubles_type(a):
+    return types.UniTuple(types.float64, a.count)
+
+
+@_lowered(simd.doubles_of)
+def _doubles(context, builder, signature, arguments):
+    count = range(signature.return_type.count)
+    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, found)
 
 
 @_typed(simd.bits_set_in_bytes)
