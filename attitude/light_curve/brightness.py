@@ -9,7 +9,7 @@ import numpy as np
 
 from attitude.blocks import in_blocks
 from attitude.errors import AttitudeError
-from attitude.light_curve.clusters import aligned, clusters_of
+from attitude.light_curve.clusters import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import POINTS, Visibility
 from attitude.scattering import law as known_law
@@ -20,14 +20,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from typing import Any
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
-    from attitude.annotations import FloatArray
+    from attitude.annotations import FloatArray, IntArray
     from attitude.light_curve.clusters import Clusters
     from attitude.scattering import Law
 
 # Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
 BLOCK = 8192
+
+# Facets that are gathered at a time, 0.8 MB of temporary arrays.
+_GATHERED = 32768
 
 # Tables of shadows; each lives as long as its mesh.
 _visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()
@@ -232,16 +235,54 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
 
 def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
-    """The sum for laws that are evaluated facet by facet."""
+    """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
     from attitude.light_curve import sums
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
-    which = np.where(clusters.order < 0, 0, number[clusters.order])
-    rest = clusters.blocks, *_tables(clusters, table), rows, which
-    assert law.of_phase is not None and law.element is not None
-    summed = sums.by_facet(law.of_phase, law.element)
-    return _times(clusters.area, lambda *arrays: summed(*rest, *arrays))
+    which = np.where(clusters.order < 0, -1, number[clusters.order])
+    axes, sky, cells, masks, resolution = _tables(clusters, table)
+    if masks is None:
+        masks = np.full((1, clusters.count), ~np.uint64(0))
+    segments = _segments(which, len(rows))
+    found = (
+        *(clusters.blocks, axes, sky, cells, segments, which.astype(float), masks, resolution),
+    )
+    assert law.of_phase is not None
+    if law.elements is not None:
+        summed = sums.by_eight(law.of_phase, law.elements)
+    else:
+        assert law.element is not None
+        summed = sums.by_facet(law.of_phase, law.element)
+    size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
+
+    def kernel(*arrays: FloatArray) -> None:
+        *directions, out = arrays
+        packed = np.empty((3, size))
+        ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
+        begin = 0
+        while begin < out.size:
+            end = sums.gather(*found, *directions, begin, *packed, ends)
+            own = [each[begin:end] for each in directions]
+            summed(rows, *packed, ends, *own, out[begin:end])
+            begin = end
+
+    return _times(clusters.area, kernel)
+
+
+def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
+    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    found = []
+    of_clusters = which.reshape(-1, SIZE)
+    for row in range(rows):
+        holds = np.any(of_clusters == row, axis=1)
+        padded = np.zeros(-(-len(holds) // WORD) * WORD, dtype=np.uint8)
+        padded[: len(holds)] = holds
+        words = np.packbits(padded, bitorder="little").view("<u8")
+        # each row has a segment, be it empty
+        used = np.flatnonzero(words) if np.any(words) else [0]
+        found += [(word, int(words[word]), row) for word in used]
+    return np.array(found, dtype=np.uint64)
 
 
 def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
