@@ -139,6 +139,11 @@ def packed(a: Lanes, by: Lanes) -> Lanes:
     return Lanes(kept + [0.0] * (len(a.lanes) - len(kept)))
 
 
+def truncated(a: Lanes) -> Lanes:
+    """The whole part, lane by lane, of sizes below 2^31."""
+    return Lanes(math.trunc(x) for x in a.lanes)
+
+
 def nearest_eighth(a: Lanes) -> Lanes:
     """The nearest multiple of 1/8, ties to even, lane by lane; sizes are at most 2^48."""
     return Lanes(round(8.0 * x) / 8.0 for x in a.lanes)

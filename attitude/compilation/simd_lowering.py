@@ -187,6 +187,18 @@ def _packed(context, builder, signature, arguments):
 _WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
 
 
+@_typed(simd.truncated)
+def _truncated_type(a):
+    return a
+
+
+@_lowered(simd.truncated)
+def _truncated(context, builder, signature, arguments):
+    kind = signature.return_type
+    whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
+    return builder.sitofp(whole, kind.vector)
+
+
 @_typed(simd.nearest_eighth)
 def _nearest_type(a):
     return a

@@ -17,13 +17,11 @@ from attitude.scattering import laws
 from attitude.shape import Ellipsoid, Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Any
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
     from attitude.annotations import FloatArray, IntArray
-    from attitude.light_curve.clusters import Clusters
     from attitude.scattering import Law
 
 # Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
@@ -230,8 +228,32 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     assert law.weights is not None
     seeliger, lambert = law.weights
     blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
-    rest = aligned(blocks), *_tables(clusters, table)
-    return _times(clusters.area, lambda *arrays: sums.fused(*rest, *arrays))
+    tables = aligned(blocks), clusters.axes, clusters.sky, clusters.cells
+    if table is None:
+        return _times(clusters.area, lambda *arrays: sums.fused(*tables, None, None, None, *arrays))
+    masks, resolution = table.masks.view(np.uint64), table.resolution
+
+    def kernel(*arrays: FloatArray) -> None:
+        cells = _cells(resolution, arrays[:3]), _cells(resolution, arrays[3:6])
+        sums.fused(*tables, masks, *cells, *arrays)
+
+    return _times(clusters.area, kernel)
+
+
+def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
+    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    from attitude.light_curve import sums
+
+    if resolution == 0:
+        return np.zeros(directions[0].size)
+    missing = -directions[0].size % SIZE
+    if missing:
+        directions = [np.append(each, np.ones(missing)) for each in directions]
+        for each in directions:
+            each.flags.writeable = False  # as `components` gives them: one compiled version
+    cells = np.empty(directions[0].size)
+    sums.cells_of(*directions, float(resolution), cells)
+    return cells
 
 
 def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
@@ -241,16 +263,15 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, -1, number[clusters.order])
-    axes, sky, cells, masks, resolution = _tables(clusters, table)
-    if masks is None:
-        masks = np.full((1, clusters.count), ~np.uint64(0))
-    segments = _segments(which, len(rows))
-    found = (
-        *(clusters.blocks, axes, sky, cells, segments, which.astype(float), masks, resolution),
-    )
+    masks, resolution = np.full((1, clusters.count), ~np.uint64(0)), 0
+    masks.flags.writeable = False
+    if table is not None:
+        masks, resolution = table.masks.view(np.uint64), table.resolution
+    found = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found += _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
     if law.elements is not None:
-        summed = sums.by_eight(law.of_phase, law.elements)
+        summed = sums.by_sixteen(law.of_phase, law.elements)
     else:
         assert law.element is not None
         summed = sums.by_facet(law.of_phase, law.element)
@@ -258,11 +279,12 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
+        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
         packed = np.empty((3, size))
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
         begin = 0
         while begin < out.size:
-            end = sums.gather(*found, *directions, begin, *packed, ends)
+            end = sums.gather(*found, *cells, *directions, begin, *packed, ends)
             own = [each[begin:end] for each in directions]
             summed(rows, *packed, ends, *own, out[begin:end])
             begin = end
@@ -296,11 +318,3 @@ def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
         arrays[-1][:] *= area
 
     return kernel
-
-
-def _tables(clusters: Clusters, table: Visibility | None) -> tuple[Any, ...]:
-    """The arguments by which a sum finds the clusters that face a direction and the free points."""
-    free: tuple[Any, int] = (
-        (None, 0) if table is None else (table.masks.view(np.uint64), table.resolution)
-    )
-    return clusters.axes, clusters.sky, clusters.cells, *free

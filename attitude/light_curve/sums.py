@@ -19,13 +19,17 @@ from attitude.compilation.simd import (
     at_least,
     at_most,
     bits_set_in_bytes,
+    chosen,
     eight,
+    every,
     lanes,
     packed,
     positive_bits,
     put_eight,
+    root,
     sixteen,
     summed_up,
+    truncated,
 )
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
@@ -37,6 +41,7 @@ if TYPE_CHECKING:
 # _TINY replaces mu0 <= 0, which avoids a branch and a division by zero: the sum over facets that
 # are dark or turned away is less than _DARK.
 _TINY, _ZEROS, _ONES = (1e-100,) * SIZE, (0.0,) * SIZE, (1.0,) * SIZE
+_SIXTEEN_ZEROS = (0.0,) * (2 * SIZE)
 _DARK = 1e-90
 
 # Unsigned indices: for signed ones numba adds a test for negative values to every access.  Counters
@@ -98,12 +103,12 @@ def stray(x, y, z):
 
 
 @reduction
-def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, out):
+def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
     g and h are the third and fourth rows of `blocks`.  With masks, one word for the eight facets
-    of a cluster, each term is multiplied by the number of points of the facet that are both lit
-    and seen.  Components of directions and out are (N,).
+    of a cluster, and `cells_of` both directions, each term is multiplied by the number of points of
+    the facet that are both lit and seen.  Components of directions and out are (N,).
     """
     ways = np.empty(16)
     tiny, zeros = lanes(_TINY), lanes(_ZEROS)
@@ -111,8 +116,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
         if masks is not None:
-            free_sun = np.uint64(cell(a, b, c, resolution))
-            free_eye = np.uint64(cell(d, e, f, resolution))
+            free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
         part = zeros
@@ -134,21 +138,38 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         out[t] = total if total > _DARK else 0.0
 
 
+@reduction
+def cells_of(x, y, z, resolution, out):
+    """Write the indices of the cells of directions on the cube of `visibility`, as doubles.
+
+    Eight directions at once, and without branches, which random directions would make the processor
+    guess wrong.  The arrays are as long as the first multiple of eight that holds the directions.
+    """
+    for t in range(0, out.size, 8):
+        a, b, c = eight(x, t), eight(y, t), eight(z, t)
+        ax, ay, az = at_least(a, -1.0 * a), at_least(b, -1.0 * b), at_least(c, -1.0 * c)
+        # lanes above zero: the largest component is not x; of y and z it is z
+        rest, last = at_least(ay, az) - ax, az - ay
+        w = chosen(rest, chosen(last, c, b), a)
+        u = chosen(rest, chosen(last, a, c), b)
+        v = chosen(rest, chosen(last, b, a), c)
+        face = chosen(rest, chosen(last, every(4.0, a), every(2.0, a)), every(0.0, a))
+        face = chosen(-1.0 * w, face + 1.0, face)
+        w = 1.0 / at_least(w, -1.0 * w)
+        column = at_most(
+            truncated((1.0 + _evened_lanes(u * w)) * (0.5 * resolution)), resolution - 1.0
+        )
+        row = at_most(
+            truncated((1.0 + _evened_lanes(v * w)) * (0.5 * resolution)), resolution - 1.0
+        )
+        put_eight(out, t, (face * resolution + row) * resolution + column)
+
+
 @reduction_inlined
-def cell(x, y, z, resolution):
-    """The index of the cell of a direction on the cube of `visibility`."""
-    ax, ay, az = abs(x), abs(y), abs(z)
-    if ax >= ay and ax >= az:
-        face, w, u, v = 0, x, y, z
-    elif ay >= az:
-        face, w, u, v = 1, y, z, x
-    else:
-        face, w, u, v = 2, z, x, y
-    side = 1 if w < 0.0 else 0
-    w = 1.0 / abs(w)
-    column = min(int((1.0 + evened(u * w)) * (0.5 * resolution)), resolution - 1)
-    row = min(int((1.0 + evened(v * w)) * (0.5 * resolution)), resolution - 1)
-    return ((2 * face + side) * resolution + row) * resolution + column
+def _evened_lanes(u):
+    """`evened` of a vector."""
+    s = root(1.0 + 3.0 * at_least(u, -1.0 * u)) - 1.0
+    return chosen(-1.0 * u, -1.0 * s, s)
 
 
 @reduction_inlined
@@ -163,7 +184,7 @@ def evened(u):
 
 @reduction_inlined
 def _filled_up(incidence, emission, weights, used, ones, zeros):
-    """The next multiple of SIZE; the places before it get weights of zero."""
+    """The next multiple of sixteen; the places before it get weights of zero."""
     for place in (used, used + _PLACES):
         put_eight(incidence, place, ones)
         put_eight(emission, place, ones)
@@ -173,31 +194,29 @@ def _filled_up(incidence, emission, weights, used, ones, zeros):
 
 @reduction
 def gather(
-    blocks, axes, sky, cells, segments, which, masks, resolution, sx, sy, sz, ox, oy, oz, begin,
-    incidence, emission, weights, ends,
+    blocks, axes, sky, cells, segments, which, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz,
+    begin, incidence, emission, weights, ends,
 ):  # fmt: skip
     """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
 
     `segments` (S, 3) hold a word of `sky`, the clusters of it with facets of a row of the law, and
-    that row, in the order of rows; `which` the row of each place.  For each epoch and row the
-    cosines mu0, mu and the weights, area times mu0 mu times the share of free points, follow each
-    other from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
-    SIZE by weights of zero.  It stops where another epoch might not fit.
+    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; a
+    row of ones and cells of zero where nothing casts a shadow.  For each epoch and row the cosines
+    mu0, mu and the weights, area times mu0 mu times the share of free points, follow each other
+    from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
+    sixteen by weights of zero.  It stops where another epoch might not fit.
     """
     ways = np.empty(16)
     ones, zeros = lanes(_ONES), lanes(_ZEROS)
     rows = ends.shape[1]
     last = incidence.size - SIZE * (axes.shape[0] + 2 * rows)
     used = np.uint64(0)
-    free_sun, free_eye = _0, _0
     for t in range(begin, min(sx.size, begin + ends.shape[0])):
         if used > last:
             return t
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-        if resolution > 0:
-            free_sun = np.uint64(cell(a, b, c, resolution))
-            free_eye = np.uint64(cell(d, e, f, resolution))
+        free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
         row = _0
@@ -236,32 +255,34 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """The sum over gathered facets for the functions of a law, one facet at a time.
 
     It is compiled for each pair, so that the loop over facets has no branch for the law; see
-    `scattering.law`.  Arguments as of `by_eight`.
+    `scattering.law`.  Arguments as of `by_sixteen`.
     """
 
     @reduction_over(of_phase, element)
     def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
-        numbers = np.empty((rows.shape[0], TERMS))
-        used = 0
-        for t in range(out.size):
-            cos_half = 0.5 * _length(sx[t] + ox[t], sy[t] + oy[t], sz[t] + oz[t])
-            sin_half = 0.5 * _length(sx[t] - ox[t], sy[t] - oy[t], sz[t] - oz[t])
-            total = 0.0
-            for m in range(rows.shape[0]):
-                of_phase(rows[m], cos_half, sin_half, numbers[m])
-                for i in range(used, ends[t, m]):
-                    if weights[i] > 0.0:
-                        r = element(rows[m], numbers[m], fence(incidence[i]), fence(emission[i]))
-                        total += weights[i] * fence(r)
-                used = ends[t, m]
-            out[t] = total
+        terms = np.empty(TERMS)
+        out[:] = 0.0
+        for m in range(rows.shape[0]):
+            row = rows[m]
+            for t in range(out.size):
+                begin, end = _between(ends, t, m)
+                if begin < end:
+                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+                    cos_half = 0.5 * _length(a + d, b + e, c + f)
+                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    total = 0.0
+                    for i in range(begin, end):
+                        if weights[i] > 0.0:
+                            r = element(row, terms, fence(incidence[i]), fence(emission[i]))
+                            total += weights[i] * fence(r)
+                    out[t] += total
 
     return summed
 
 
 @cache
-def by_eight(of_phase: Compilable, elements: Compilable) -> EntryPoint:
-    """As `by_facet`, eight facets at a time.
+def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
+    """As `by_facet`, sixteen facets at a time.
 
     The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arrays of `gather`, the
     directions of its epochs by component, and the output, one number for each epoch.
@@ -269,20 +290,31 @@ def by_eight(of_phase: Compilable, elements: Compilable) -> EntryPoint:
 
     @reduction_over(of_phase, elements)
     def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
-        numbers = np.empty((rows.shape[0], TERMS))
-        used = _0
-        for t in range(out.size):
-            cos_half = 0.5 * _length(sx[t] + ox[t], sy[t] + oy[t], sz[t] + oz[t])
-            sin_half = 0.5 * _length(sx[t] - ox[t], sy[t] - oy[t], sz[t] - oz[t])
-            part = lanes((0.0,) * 16)
-            for m in range(rows.shape[0]):
-                row, terms = rows[m], numbers[m]
-                of_phase(row, cos_half, sin_half, terms)
-                end = np.uint64(ends[t, m])
-                while used < end:
-                    p, q = sixteen(incidence, used), sixteen(emission, used)
-                    part = part + sixteen(weights, used) * elements(row, terms, p, q)
-                    used += _AT_ONCE
-            out[t] = summed_up(part)
+        terms = np.empty(TERMS)
+        out[:] = 0.0
+        for m in range(rows.shape[0]):
+            row = rows[m]
+            for t in range(out.size):
+                begin, end = _between(ends, t, m)
+                if begin < end:
+                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+                    cos_half = 0.5 * _length(a + d, b + e, c + f)
+                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    part = lanes(_SIXTEEN_ZEROS)
+                    for i in range(begin, end, _AT_ONCE):
+                        p, q = sixteen(incidence, i), sixteen(emission, i)
+                        part = part + sixteen(weights, i) * elements(row, terms, p, q)
+                    out[t] += summed_up(part)
 
     return summed
+
+
+@reduction_inlined
+def _between(ends, t, m):
+    """Where the facets of epoch t and row m begin and end."""
+    begin = _0
+    if m > 0:
+        begin = np.uint64(ends[t, m - 1])
+    elif t > 0:
+        begin = np.uint64(ends[t - 1, ends.shape[1] - 1])
+    return begin, np.uint64(ends[t, m])
