@@ -54,7 +54,7 @@ ORDERS = {
             "lowering",
             "decorators",
         ),
-        *("decorators", "callbacks", "status"),
+        *("decorators", "elementary", "callbacks", "status"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
