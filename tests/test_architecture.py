@@ -22,7 +22,7 @@ HOUSE = (
     ("published", "spin"),
     ("attitude_table", "free_rotation"),
     ("paths",),
-    ("scattering", "light_curve", "scene"),
+    ("conditions", "scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),

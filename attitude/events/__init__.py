@@ -22,9 +22,10 @@ events         `Events`, the result
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from attitude.conditions.condition import Condition
+from attitude.conditions.observable import Observable
 from attitude.events.channels import SUN_RADIUS
 from attitude.events.conditions import (
-    Condition,
     beyond_plane,
     glint,
     illuminated,
@@ -35,7 +36,7 @@ from attitude.events.conditions import (
 from attitude.events.directions import Moving
 from attitude.events.discrete import find_discrete, shadow_state, stream
 from attitude.events.events import Events
-from attitude.events.extrema import Observable, brightness, find_maxima, find_minima, separation
+from attitude.events.extrema import brightness, find_maxima, find_minima, separation
 from attitude.events.search import TOUCH
 
 __all__ = [

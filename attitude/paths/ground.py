@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Real
     from attitude.epochs.instants import Instant
 
+_POLE = np.array([0.0, 0.0, 1.0])
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Site(Immutable, Path):
@@ -68,8 +70,17 @@ class Site(Immutable, Path):
         """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`."""
         return self._evaluate(instant, seconds, low, self._zenith)[0]
 
+    def pole(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes; see `Path.position`."""
+        return self._evaluate(instant, seconds, low, self._pole)[0]
+
     def _zenith(self, instant, hi, lo):
         return (self._celestial(instant, hi, lo, self.up)[0],)
+
+    def _pole(self, instant, hi, lo):
+        return (self._celestial(instant, hi, lo, _POLE)[0],)
 
     def _state(self, instant, hi, lo):
         return self._celestial(instant, hi, lo, self.itrs)
