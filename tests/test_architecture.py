@@ -18,7 +18,7 @@ HOUSE = (
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
-    ("shape", "body", "history", "motion", "spectrum"),
+    ("flat_table", "shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation"),
     ("paths",),

@@ -87,13 +87,21 @@ class Mirrored(Channel):
 
     def value(self, moment: Moment) -> FloatArray:
         """r.s - cos(radius) (N,)."""
+        return self._one_minus_cosine(moment) - 0.5 * self._chord_squared(moment)
+
+    def off_mirror(self, moment: Moment) -> FloatArray:
+        """The angle (N,) between the mirrored observer and the Sun, rad."""
+        return 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(self._chord_squared(moment)), 1.0))
+
+    def _chord_squared(self, moment: Moment) -> FloatArray:
+        """|r - s|^2 (N,)."""
         sun, observer = (moment.body(each) for each in self.directions)
         twice = 2.0 * dot(observer, self._normal)
         square = np.zeros(moment.hi.shape)
         for k in range(3):
             part = twice * self._normal[k] - observer[..., k] - sun[..., k]
             square = square + part * part
-        return self._one_minus_cosine(moment) - 0.5 * square
+        return square
 
     def _one_minus_cosine(self, moment: Moment) -> FloatArray | float:
         """1 - cos(radius)."""

@@ -191,9 +191,11 @@ def _extrema(
         # Interpolated attitudes have kinks: there the slope has no bounded derivative.
         limit = pieces(f.source, begin, end)[0][2]
         if not isinstance(limit, Sampled) or limit.smooth:
-            return Events.joined(f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float)
+            return Events.joined(
+                f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float, f.unit
+            )
     spacing = f.spacing(begin, end) if step is None else plain_step(step)
-    return _joined(f.epoch, peaks(f, begin, end, spacing, sign))
+    return _joined(f.epoch, peaks(f, begin, end, spacing, sign), f.unit)
 
 
 def _by_slope(
@@ -207,10 +209,12 @@ def _by_slope(
 
 
 def _joined(
-    epoch: Instant | None, found: Iterable[tuple[FloatArray, FloatArray, FloatArray]]
+    epoch: Instant | None,
+    found: Iterable[tuple[FloatArray, FloatArray, FloatArray]],
+    unit: str = "",
 ) -> Events:
     parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
-    return Events.joined(epoch, parts, float)
+    return Events.joined(epoch, parts, float, unit)
 
 
 class Receding(Channel):
