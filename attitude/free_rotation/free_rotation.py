@@ -79,6 +79,7 @@ class FreeRotation(NormalForm):
     # Without field(), dataclass takes None, the class attribute of Motion, as the default.
     body: Body = field()
     spin: Spin = field()
+    _value = ("body", "spin")
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):

@@ -135,17 +135,27 @@ def site(
             f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
             'as "48.1 deg").'
         )
-    up = np.array(
+    up = _normal(longitude, latitude)
+    squeeze = (1.0 - EARTH_FLATTENING) ** 2
+    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
+    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
+    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
+
+
+def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, source: str) -> Site:
+    """The place at (3,) m in ITRS, whose zenith has a geodetic longitude and latitude, rad."""
+    return Site(np.array(itrs, dtype=np.float64), _normal(longitude, latitude), name, source)
+
+
+def _normal(longitude: float, latitude: float) -> FloatArray:
+    """The normal (3,) of the ellipsoid, ITRS axes."""
+    return np.array(
         [
             math.cos(latitude) * math.cos(longitude),
             math.cos(latitude) * math.sin(longitude),
             math.sin(latitude),
         ]
     )
-    squeeze = (1.0 - EARTH_FLATTENING) ** 2
-    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
-    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
-    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
 
 
 def observatory(code: str, *, long_term: bool = False) -> Site:

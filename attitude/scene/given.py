@@ -11,6 +11,7 @@ from attitude import paths, validation
 from attitude.errors import AttitudeError
 from attitude.paths.bodies import body_name, naif_index
 from attitude.paths.composed import NamedBody
+from attitude.paths.foreign import place_of
 from attitude.paths.place import Place
 
 if TYPE_CHECKING:
@@ -38,7 +39,9 @@ def refuse_plain(times: Any) -> None:
 def place(
     value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
 ) -> Place:
-    """The path or direction given, or the path of a body given by its name or number."""
+    """The path or direction given, that of astropy or skyfield, or of a body by name or number."""
+    foreign = None if isinstance(value, (Place, str, list, tuple)) else place_of(value, name)
+    value = value if foreign is None else foreign
     if isinstance(value, Place):
         if is_direction_allowed or not value.is_direction:
             return value
