@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
     from attitude.annotations import FloatArray, Reals
+    from attitude.axes.framed import FramedHistory
     from attitude.flat_table import FlatTable
 
 # Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
@@ -173,6 +174,33 @@ class AttitudeHistory(Immutable):
     def angular_velocity_inertial(self) -> FloatArray:
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))
+
+    def in_frame(self, frame: str, *, orbit: Any = None) -> FramedHistory:
+        """The attitudes and rates relative to other axes than ICRF.
+
+        Parameters
+        ----------
+        frame : str
+            "lvlh", "rtn", "tnw", "ntw" or "vnc" (axes of an orbit), "itrf", "tod", "teme" and
+            others of the Earth, or "eme2000", "ecliptic", "icrf"; see `attitude.axes`.
+        orbit : Path or skyfield satellite, optional
+            Path of the body about its center, for axes of the orbit: paths.tle(...), paths.oem(...)
+
+        Returns
+        -------
+        FramedHistory
+            With wxyz (body to the frame), angular_velocity (relative to the frame, over the body
+            axes), and angular_velocity_in_frame (over the axes of the frame).
+
+        Raises
+        ------
+        AttitudeError
+            For an unknown frame, axes of an orbit without an orbit, and epochs outside of its span
+            or of the table of the Earth's orientation.
+        """
+        from attitude.axes.framed import FramedHistory
+
+        return FramedHistory(self, frame, orbit)
 
     def body_to_inertial(self, v: Reals) -> FloatArray:
         """Components (S, 3) in ICRF of vectors (3,) or (S, 3) in body axes."""
