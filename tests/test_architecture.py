@@ -14,7 +14,8 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "validation", "pairs", "physical_constants", "blocks", "moved"),
+    ("errors", "immutable", "quantity_text", "validation", "pairs"),
+    ("physical_constants", "blocks", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
@@ -63,7 +64,7 @@ ORDERS = {
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
-    "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
+    "textfiles": ("lines", "kvn", "xml", "records", "toml", "atomic_write"),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")

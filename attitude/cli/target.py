@@ -114,13 +114,13 @@ def _from_file(arguments: argparse.Namespace) -> Target:
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the options."""
-    from attitude.textfiles import quantities
+    from attitude import validation
 
     given: dict[str, Any] = {}
     for option, name, unit, _ in _NUMBERS:
         words = getattr(arguments, name)
         if words is not None:
-            found = quantities.in_unit(" ".join(words), option, unit)
+            found = validation.real(" ".join(words), option, unit=unit)
             given[name] = found[()] if found.size > 1 else float(found.reshape(()))
     for _, name, _ in _WORDS:
         given[name] = getattr(arguments, name)

@@ -44,7 +44,9 @@ _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '
     "or a numpy datetime64"
 )
-_DATES_OR_SECONDS = f"plain seconds, a time Quantity or TimeDelta, or dates: {_DATES}"
+_DATES_OR_SECONDS = (
+    f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {_DATES}'
+)
 
 
 def instant(value: Epoch, name: str = "epoch") -> Instant:
@@ -64,7 +66,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
     """
     if isinstance(value, Instant):
         return value
-    if type(value) is str:
+    if type(value) is str and value[4:5] == "-":
         return Instant(*readers.of_text(value, name))
     kind, leaves, shape = kinds.entries(value, name, _DATES)
     if kind in kinds.LENGTHS:
@@ -95,7 +97,8 @@ def seconds_since(
 
         * Plain numbers: TDB seconds since `start`, returned as they are (a float64 array is not
           copied).
-        * A time Quantity, a timedelta or timedelta64: TDB seconds since `start` in another unit.
+        * A time Quantity, text such as "3 d" or "0, 6, 12 h", a timedelta or timedelta64: TDB
+          seconds since `start` in another unit.
         * A TimeDelta: the epoch that astropy computes as start + t.  Without a scale or in TDB the
           TimeDelta counts seconds of TDB; in TAI or TT (differences of UTC times are in TAI) and
           in TCG or TCB, seconds of that scale from `start`.

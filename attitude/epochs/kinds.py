@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from attitude import validation
+from attitude import quantity_text, validation
 from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 
 # Kinds that are lengths of time; the others are epochs.
-LENGTHS: tuple[str, ...] = ("number", "duration", "TimeDelta")
+LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
 
 _TYPES = (
     ("text", str),
@@ -108,7 +108,9 @@ def _kind(value: Any) -> str | None:
         return None
     for kind, types in _TYPES:
         if isinstance(value, types):
-            return kind
+            # A date of four digits begins "2026-"; other text may be a length such as "3 d".
+            is_length = kind == "text" and value[4:5] != "-" and quantity_text.is_quantity(value)
+            return "text length" if is_length else kind
     if isinstance(value, np.ndarray):
         return {"M": "datetime64", "m": "duration"}.get(
             value.dtype.kind, "number" if value.dtype.kind in "fiu" else None

@@ -50,13 +50,13 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from attitude import paths, validation
+from attitude import paths, quantity_text, validation
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file, spin_sections, state
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.paths.solar_system import SOURCES
 from attitude.scene import Scene, View
-from attitude.textfiles import quantities, toml
+from attitude.textfiles import toml
 from attitude.textfiles.toml import refuse_unknown, text_of, way_of
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class MissionColumn:
             return 1.0
         from astropy.units import Unit
 
-        return float(Unit(own).to(quantities.unit_of(self.unit, "columns")))
+        return float(Unit(own).to(quantity_text.unit_of(self.unit, "columns")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +216,7 @@ def column(text: str) -> MissionColumn:
     if unit and unit != own:
         from astropy import units
 
-        if not own or not units.Unit(own).is_equivalent(quantities.unit_of(unit, "columns")):
+        if not own or not units.Unit(own).is_equivalent(quantity_text.unit_of(unit, "columns")):
             raise AttitudeError(
                 f"columns holds {text!r}, but {name} is "
                 + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
@@ -310,8 +310,7 @@ def _kepler(value: Any, name: str) -> Place:
 
 def _pair(value: Any, name: str) -> list[float]:
     """Longitude and latitude in rad."""
-    found = quantities.in_unit(value, name, "rad") if isinstance(value, str) else value
-    found = validation.real(found, name, unit="rad")
+    found = validation.real(value, name, unit="rad")
     if found.shape != (2,):
         raise AttitudeError(
             f'{name} is {value!r}; give longitude and latitude, as in "15.49, 47.07 deg".'

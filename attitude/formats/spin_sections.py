@@ -13,7 +13,6 @@ from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.sensitivities import covariance as covariances
 from attitude.spin import Spin
-from attitude.textfiles import quantities
 from attitude.textfiles.toml import listed, refuse_unknown
 
 if TYPE_CHECKING:
@@ -194,7 +193,7 @@ def _numbers(section, where, key, shape, unit):
 def _converted(value, name, unit):
     """A number, a text or nested lists of them as floats in the unit."""
     if isinstance(value, str):
-        return quantities.in_unit(value, name, unit).tolist()
+        return validation.real(value, name, unit=unit).tolist()
     if isinstance(value, list):
         kinds = {_kind(each) for each in value}
         if len(kinds) > 1:
