@@ -28,7 +28,7 @@ HOUSE = (
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
     ("ensemble", "survey"),
-    ("inversion", "warm_up"),
+    ("photometry", "inversion", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
