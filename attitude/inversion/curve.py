@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.photometry.table import numbered
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
-from attitude.spectrum.samples import Sampled, Samples
+from attitude.spectrum.samples import HasSamples, Samples
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -35,7 +35,7 @@ _WAYS = "sun= and observer= (vectors from the body), scene=, or path= with site=
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class LightCurve(Immutable, Sampled):
+class LightCurve(Immutable, HasSamples):
     """Magnitudes of a body with the geometry of each.
 
     Parameters

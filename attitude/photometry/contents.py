@@ -38,7 +38,7 @@ class BadRow(NamedTuple):
         return f"line {self.line}: {self.reason}"
 
 
-class Row(NamedTuple):
+class RawPoint(NamedTuple):
     """One observation as text, as it stands in a file; "" where the file has no entry."""
 
     line: int
@@ -107,7 +107,7 @@ class Contents:
 
 
 def of_rows(
-    rows: Sequence[Row],
+    rows: Sequence[RawPoint],
     name: str,
     *,
     scale: str | None = None,
@@ -119,7 +119,7 @@ def of_rows(
 
     Parameters
     ----------
-    rows : sequence of Row
+    rows : sequence of RawPoint
     name : str
         Of the file.
     scale : str or None
@@ -204,7 +204,7 @@ def _listed(bad: Sequence[BadRow]) -> str:
     return "; ".join(map(str, bad[:_NAMED])) + (f"; and {more} more" if more > 0 else "")
 
 
-def _numbers(row: Row, word: str, is_flux: bool) -> tuple[str | None, float, float]:
+def _numbers(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, float, float]:
     """What is wrong with the numbers of a row, or None; its value and error."""
     text = row.value.strip()
     if text[:1] in "<>":
@@ -241,7 +241,7 @@ def _julian_fault(text: str, offset: float) -> str | None:
 
 
 def _times(
-    rows: Sequence[Row], scale: str | None, offset: float
+    rows: Sequence[RawPoint], scale: str | None, offset: float
 ) -> tuple[Any, list[int], list[BadRow]]:
     """Epochs of rows, the numbers of the rows whose dates can be read, and the others."""
     everything = list(range(len(rows)))

@@ -16,7 +16,7 @@ import numpy as np
 from attitude.errors import AttitudeError
 from attitude.formats.damit.light_curve import read_damit_light_curves
 from attitude.photometry import contents
-from attitude.photometry.contents import BadRow, Contents, Row
+from attitude.photometry.contents import BadRow, Contents, RawPoint
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
 from attitude.textfiles import xml
 
@@ -46,7 +46,7 @@ def of_alcdef(text: str, name: str) -> Contents:
     AttitudeError
         If blocks differ in light time (LTCAPP) or distances (REDUCEDMAGS), and as `contents`.
     """
-    rows: list[Row] = []
+    rows: list[RawPoint] = []
     bad: list[BadRow] = []
     meta: dict[str, str] = {}
     seen: list[dict[str, str]] = []
@@ -86,7 +86,7 @@ def of_alcdef(text: str, name: str) -> Contents:
     return found
 
 
-def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int) -> Row:
+def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int) -> RawPoint:
     date = parts[0].strip()
     shift = _MIDDLE.get(meta.get("EXPJD", "").upper(), 0.0)
     try:
@@ -99,7 +99,7 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     band = meta.get("FILTER") or meta.get("MAGBAND", "")
     session = f"{block} {meta.get('SESSIONDATE', '')}".strip()
     error = parts[2].strip() if len(parts) > 2 else ""
-    return Row(number, date, parts[1].strip(), error, band, meta.get("MPCCODE", ""), session)
+    return RawPoint(number, date, parts[1].strip(), error, band, meta.get("MPCCODE", ""), session)
 
 
 def of_ades_text(text: str, name: str) -> Contents:
@@ -130,12 +130,12 @@ def of_ades_xml(text: str, name: str) -> Contents:
     return _of_ades([_ades_row(k, each) for k, each in enumerate(found, 1)], name, [])
 
 
-def _ades_row(number: int, entries: dict[str, str]) -> Row:
+def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
     date, value, error, band, site = (entries.get(key, "") for key in _OPTICAL)
-    return Row(number, date, value, error, band, site)
+    return RawPoint(number, date, value, error, band, site)
 
 
-def _of_ades(rows: list[Row], name: str, bad: list[BadRow]) -> Contents:
+def _of_ades(rows: list[RawPoint], name: str, bad: list[BadRow]) -> Contents:
     return contents.of_rows(rows, name, bad=bad)
 
 
@@ -158,7 +158,7 @@ def is_mpc(line: str) -> bool:
     return 77 <= len(line.rstrip()) <= 81 and _PACKED.match(line[15:32].strip()) is not None
 
 
-def _mpc_row(number: int, line: str) -> Row:
+def _mpc_row(number: int, line: str) -> RawPoint:
     year, month, day = line[15:32].split()
     whole, _, rest = day.partition(".")
     try:
@@ -166,7 +166,7 @@ def _mpc_row(number: int, line: str) -> Row:
         date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
     except ValueError:
         date = f"{year} {month} {day}"  # no date, and reported with its row
-    return Row(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
+    return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 
 def of_damit(path: FilePath, name: str) -> Contents:

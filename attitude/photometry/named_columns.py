@@ -3,7 +3,7 @@
 Names are read in any case, without units in brackets, blanks as underscores:
 
 ==================================  ==============================================================
-utc, date, datetime, time, obstime  ISO dates in UTC
+utc, date, datetime, time, obstime  ISO dates in UTC; utc_emission: when the light left the body
 jd, jd_utc, mjd, jd-2450000         Julian dates in UTC; ``jd-NUMBER`` is a date less a number
 jd_tdb, jd_tt, jd_tai               in another scale
 bjd, bjd_tdb                        at the barycenter of the solar system, TDB
@@ -35,7 +35,7 @@ from attitude import epochs, paths
 from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 from attitude.photometry import contents
-from attitude.photometry.contents import BadRow, Contents, Row
+from attitude.photometry.contents import BadRow, Contents, RawPoint
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude.textfiles import records
 
@@ -53,6 +53,7 @@ _TIMES: dict[str, tuple[str | None, float, str]] = {
     "jd_tai": ("tai", 0.0, "reception"),
     "jd_utc": ("utc", 0.0, "reception"),
     "utc": (None, 0.0, "reception"),
+    "utc_emission": (None, 0.0, "emission"),
     "date": (None, 0.0, "reception"),
     "datetime": (None, 0.0, "reception"),
     "date_obs": (None, 0.0, "reception"),
@@ -146,7 +147,9 @@ def of_table(
     texts = {key: _column(table, key) for key in ("error", "filter", "site", "session")}
     values = _column(table, brightness) or []
     rows = [
-        Row(line, table[date][k], values[k], **{key: col[k] for key, col in texts.items() if col})
+        RawPoint(
+            line, table[date][k], values[k], **{key: col[k] for key, col in texts.items() if col}
+        )
         for k, line in enumerate(lines)
     ]
     found = contents.of_rows(

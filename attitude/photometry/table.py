@@ -12,7 +12,7 @@ from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.photometry.contents import PLACES, BadRow
-from attitude.spectrum.samples import Sampled, Samples
+from attitude.spectrum.samples import HasSamples, Samples
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ _AS_GIVEN = ("epoch", "time_of", "unit_distances", "zero_phase", "is_flux", "not
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Photometry(Immutable, Sampled):
+class Photometry(Immutable, HasSamples):
     """The brightness of a body at epochs, in time order.
 
     Parameters

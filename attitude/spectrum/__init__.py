@@ -2,7 +2,7 @@
 
 frequencies   `lines`: the frequencies at which it has lines
 series        `fit`, `search`: Fourier series in two frequencies through a light curve
-samples       `Sampled`: the base of objects that are a light curve, and their numbers
+samples       `HasSamples`: the base of objects that are a light curve, and their numbers
 refinement    series in any number of frequencies at the least squares of all parameters
 transforms    sums of exponentials over uneven epochs, by a gridded transform
 pair_scan     closed normal equations of pairs of frequencies, compiled
@@ -11,7 +11,7 @@ significance  chance and aliases of one cycle a day
 """
 
 from attitude.spectrum.frequencies import Line, lines
-from attitude.spectrum.samples import Sampled, Samples
+from attitude.spectrum.samples import HasSamples, Samples
 from attitude.spectrum.series import SeriesFit, fit, search
 
-__all__ = ["Line", "Sampled", "Samples", "SeriesFit", "fit", "lines", "search"]
+__all__ = ["HasSamples", "Line", "Samples", "SeriesFit", "fit", "lines", "search"]

@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 # Steps at most, and the part of the resolution 1/span below which a step is the last.
 _STEPS, _LAST = 25, 1e-7
-# Singular values below this part of the greatest belong to lines that the span does not resolve.
-_RANK = 1e-9
+# Eigenvalues of scaled normal equations below this part of the greatest belong to lines that the
+# span does not resolve.
+_RANK = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
-class Refined:
+class RefinedSeries:
     """A series at the least squares of all its parameters.
 
     Attributes
@@ -86,7 +87,9 @@ class Refined:
         return found
 
 
-def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Refined:
+def refined(
+    samples: Samples, frequencies: FloatArray, numbers: IntArray, steps: int = _STEPS
+) -> RefinedSeries:
     """The series of least squares near given frequencies.
 
     Parameters
@@ -96,6 +99,8 @@ def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Ref
         Hz.
     numbers : (K, D) array of int
         Of the lines, without zero.
+    steps : int
+        At most.
 
     Raises
     ------
@@ -116,12 +121,12 @@ def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Ref
     unit = 1.0 / max(samples.span, 1e-300)
     matrix, solution, residuals = _solved(samples, f, numbers, start, weights)
     chi = float(residuals @ residuals)
-    for _ in range(_STEPS):
+    for _ in range(steps):
         joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
-        step = np.linalg.lstsq(joint, residuals, rcond=_RANK)[0][-dimensions:]
+        step = _least_squares(joint, residuals)[-dimensions:]
         step *= min(1.0, 0.3 / max(float(np.abs(step).max()), 1e-300))
         scale = 1.0
-        while scale > 1e-3:
+        while scale > 0.05:
             tried = f + scale * step * unit
             found = _solved(samples, tried, numbers, start, weights)
             if found[2] @ found[2] <= chi:
@@ -136,7 +141,7 @@ def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Ref
     joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
     freedom = max(1, len(samples.t) - parameters)
     inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
-    return Refined(
+    return RefinedSeries(
         f,
         inverse * unit**2 * chi / freedom,
         numbers,
@@ -150,13 +155,26 @@ def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Ref
     )
 
 
-def bootstrap(samples: Samples, found: Refined, draws: int, seed: int) -> FloatArray:
+def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
+    """The series at given frequencies, which are not refined; parameters as of `refined`.
+
+    Its covariance is that of the frequencies as if they were free.
+
+    Raises
+    ------
+    AttitudeError
+        As `refined`.
+    """
+    return refined(samples, frequencies, numbers, steps=0)
+
+
+def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> FloatArray:
     """Frequencies (draws, D) of the series through points drawn anew with replacement.
 
     Parameters
     ----------
     samples : Samples
-    found : Refined
+    found : RefinedSeries
         Of these samples.
     draws, seed : int
     """
@@ -172,7 +190,7 @@ def bootstrap(samples: Samples, found: Refined, draws: int, seed: int) -> FloatA
         for _ in range(4):
             matrix, solution, residuals = _solved(samples, f, found.numbers, found.start, weights)
             joint = _joint(samples, f, found.numbers, found.start, weights, matrix, solution, unit)
-            step = np.linalg.lstsq(joint, residuals, rcond=_RANK)[0][-dimensions:]
+            step = _least_squares(joint, residuals)[-dimensions:]
             f = f + np.clip(step, -0.3, 0.3) * unit
         out[draw] = f
     return out
@@ -190,8 +208,22 @@ def _solved(samples, f, numbers, start, weights):
     angles = _angles(samples.t, start, f, numbers)
     own = samples.curve[:, None] == np.arange(samples.curves)
     matrix = np.concatenate([own, np.cos(angles), np.sin(angles)], axis=1) * weights[:, None]
-    solution = np.linalg.lstsq(matrix, samples.values * weights, rcond=_RANK)[0]
-    return matrix, solution, samples.values * weights - matrix @ solution
+    right = samples.values * weights
+    solution = _least_squares(matrix, right)
+    return matrix, solution, right - matrix @ solution
+
+
+def _least_squares(matrix, right):
+    """The solution of least norm of scaled normal equations, corrected once by its residuals."""
+    scale = np.sqrt(np.einsum("nk,nk->k", matrix, matrix))
+    scale[scale == 0.0] = 1.0
+    scaled = matrix / scale
+    values, vectors = np.linalg.eigh(scaled.T @ scaled)
+    inverse = np.where(values > _RANK * values[-1], 1.0 / np.maximum(values, 1e-300), 0.0)
+    solution = vectors @ (inverse * (vectors.T @ (scaled.T @ right)))
+    rest = right - scaled @ solution
+    solution += vectors @ (inverse * (vectors.T @ (scaled.T @ rest)))
+    return solution / scale
 
 
 def _joint(samples, f, numbers, start, weights, matrix, solution, unit):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,9 +20,11 @@ if TYPE_CHECKING:
 
 # Plain numbers in this interval are Julian dates rather than seconds.
 _JULIAN_DATES = (2.4e6, 2.5e6)
+# Least error in a search of periods, in standard deviations of the values.
+_FLOOR = 0.05
 
 
-class Sampled:
+class HasSamples:
     """Base of objects that are a light curve: `samples` returns it as numbers."""
 
     def samples(self) -> Samples:
@@ -84,8 +86,31 @@ class Samples:
         return found
 
 
+class Given(HasSamples):
+    """Samples as an argument of functions that take a light curve."""
+
+    def __init__(self, found: Samples) -> None:
+        self._found = found
+
+    def samples(self) -> Samples:
+        """The samples."""
+        return self._found
+
+
+def tempered(found: Samples) -> Samples:
+    """The samples with errors of at least a twentieth of the standard deviation of the values.
+
+    Errors far below the scatter of a light curve about any series would leave most points without
+    weight.
+    """
+    floor = _FLOOR * float(np.std(found.detrended))
+    if found.errors is None or not floor > 0.0:
+        return found
+    return replace(found, errors=np.hypot(found.errors, floor))
+
+
 def of(
-    t: Epochs | Sampled,
+    t: Epochs | HasSamples,
     values: Reals | None = None,
     errors: Reals | None = None,
     curve: ArrayLike | None = None,
@@ -94,7 +119,7 @@ def of(
 
     Parameters
     ----------
-    t : Sampled, or (N,) epochs
+    t : HasSamples, or (N,) epochs
         A light curve (`Photometry`, `LightCurve`), without values; or Time objects, dates, time
         Quantities, plain seconds, in any order.
     values : (N,) array_like
@@ -114,7 +139,7 @@ def of(
     AttitudeWarning
         If plain numbers are Julian dates, which count as seconds.
     """
-    if isinstance(t, Sampled):
+    if isinstance(t, HasSamples):
         if values is not None or errors is not None or curve is not None:
             raise AttitudeError(
                 f"t is a {type(t).__name__}, which has its values, errors and curves; leave those "

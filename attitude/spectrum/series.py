@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epochs, FloatArray, IntArray, Real, Reals
-    from attitude.spectrum.samples import Sampled, Samples
+    from attitude.spectrum.samples import HasSamples, Samples
 
 # Singular values below this part of the greatest belong to lines that the span does not resolve.
 _RANK = 1e-8
@@ -122,7 +122,7 @@ class SeriesFit(Immutable):
 
 
 def fit(
-    t: Epochs | Sampled,
+    t: Epochs | HasSamples,
     values: Reals | None = None,
     P_psi: Real | None = None,
     P_phi: Real | None = None,
@@ -135,7 +135,7 @@ def fit(
 
     Parameters
     ----------
-    t : (N,) epochs, or Sampled
+    t : (N,) epochs, or HasSamples
         Time objects, dates, time Quantities or plain seconds, in any order; or a `Photometry` or
         `LightCurve`, without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
     values : (N,) array_like
@@ -208,7 +208,7 @@ def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
 
 
 def search(
-    t: Epochs | Sampled,
+    t: Epochs | HasSamples,
     values: Reals | None = None,
     P_psi: Real | None = None,
     P_phi: Real | None = None,
