@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 # Pairs of frequencies that are turned into candidates.
 PAIRS: int = 4
-# Weights of a line at i/P_phi + j/P_psi of convention L: strongest, even j, odd j.
-_STRONGEST, _EVEN, _ODD = 1.0, 0.6, 0.15
-# Numbers of lines up to which a line counts as explained.
-_MOST_I, _MOST_J = 4, 6
+# Weights of a line at i/P_phi + j/P_psi of convention L: strongest; by |j|, and numbers i counted.
+_STRONGEST = 1.0
+_BY_J = np.array([0.6, 0.3, 0.6, 0.15, 0.2, 0.05, 0.05])
+_MOST_I = 4
 # 1/P_psi in SAM over 1/P_phi of the long axis: bodies whose moments are possible have less.
 _SHORT_AXIS = 1.4
 # Multiples of half of the two frequencies that a basis may have.
@@ -139,8 +139,8 @@ def _score(numbers: FloatArray, power: FloatArray, phi: FloatArray, psi: FloatAr
     whole = np.rint(both)
     fits = np.all(np.abs(both - whole) < 1e-6, axis=0)
     i, j = np.abs(whole)
-    fits &= (i <= _MOST_I) & (j <= _MOST_J)
-    weight = np.where(j % 2 == 0, _EVEN, _ODD) / (1.0 + 0.1 * np.maximum(i + j / 2.0 - 2.0, 0.0))
+    fits &= (i <= _MOST_I) & (j < len(_BY_J))
+    weight = _BY_J[np.minimum(j, len(_BY_J) - 1).astype(int)] / (1.0 + 0.1 * np.maximum(i - 2, 0.0))
     weight = np.where((i == 2) & (j == 0), _STRONGEST, weight)
     return float(np.sum(np.where(fits, weight * power, 0.0)))
 

@@ -67,7 +67,8 @@ class Folded(Immutable):
 
         found = QTable()
         if self.samples.epoch is not None:
-            found["time"] = epochs.times(self.samples.epoch, self.samples.t)
+            found["time"] = epochs.times(self.samples.epoch, self.samples.t).utc
+            found["time"].format = "isot"
         else:
             found["time"] = self.samples.t * units.s
         for k in range(len(self.periods)):
