@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> None:
     span = None
     if arguments.span is not None:
         span = validation.real(arguments.span, "--span", unit="s")
-    figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.name)
+    figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.label)
     try:
         figure.savefig(name, dpi=150)
     except OSError as err:

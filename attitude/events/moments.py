@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import epochs, quaternion
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
-from attitude.motion import motion_of
 from attitude.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@
     step = "1 s"
 
 ==============  ====================================================================================
-spin            A spin file, APM or DAMIT spin file; or ``{ catalog = "Apophis", ... }`` with the
+spin            A spin file, APM or DAMIT spin file; or the name of a complete entry of the
+                catalogue, "4179 Toutatis"; or ``{ catalog = "Apophis", ... }`` with the
                 values that the entry lacks, as `catalog.load` takes them; or sections [body] and
                 [spin] as in a spin file.  Left out if no column needs a rotation.
 errors          Section [errors] as in a spin file; it replaces the errors of the spin file.
@@ -258,7 +259,7 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
     if given is None:
         return None
     if isinstance(given, str):
-        return state.read(_file(given, folder, "spin")).motion
+        return _named(given, folder)
     if isinstance(given, dict) and isinstance(given["catalog"], str):
         from attitude import catalog
 
@@ -268,6 +269,15 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
         f'spin is {given!r}; give the name of a spin file, {{ catalog = "name", ... }}, or the '
         "sections [body] and [spin]."
     )
+
+
+def _named(given: str, folder: str) -> FreeRotation:
+    """The motion of a file, or of an entry of the catalogue if no file has the name."""
+    from attitude import catalog
+
+    if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
+        return catalog.entry(given).motion()
+    return state.read(_file(given, folder, "spin")).motion
 
 
 def _place(given: Any, name: str, folder: str) -> Any:

@@ -1,14 +1,15 @@
 """Periods (P_psi, P_phi) in either mode whose lines are those of a series in two frequencies.
 
-A light curve has lines at i/P_phi + j/P_psi, so that its lattice of lines has many bases, and no
-line belongs to a mode.  Two facts rank the bases: the strongest line of an elongated body is that
-of two circulations of the long axis about the momentum, 2/P_phi of convention L, in both modes; and
-a body with the symmetry of an ellipsoid has even numbers j alone.  The score of a basis is the
-share of the power of all lines that it explains, each line weighted by `_WEIGHTS`, times the share
-of the variance that the series explains.
+A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has many bases.  They
+are ranked by how the powers of the lines resemble those of tumbling bodies: `_POWERS` has the mean
+share of each line over random irregular convex bodies in either mode (benchmarks/photometry.py
+lines), and the score is the sum of sqrt(share found x share expected), from 0 to 1, times the share
+of the variance that the series explains.  Of i/P_phi + j/P_psi in convention L the strongest lines
+are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i) is i/P_phi of
+convention S.
 
-What remains open: 1/P_psi and half of it where all j are even, one cycle a day at one site, and the
-mode; `attitude.inversion.spin_states` decides where the geometry allows it.
+What remains open: one cycle a day at one site, the mode, and bodies unlike the mean;
+`attitude.inversion.spin_states` decides where the geometry allows it.
 """
 
 from __future__ import annotations
@@ -25,10 +26,21 @@ if TYPE_CHECKING:
 
 # Pairs of frequencies that are turned into candidates.
 PAIRS: int = 4
-# Weights of a line at i/P_phi + j/P_psi of convention L: strongest; by |j|, and numbers i counted.
-_STRONGEST = 1.0
-_BY_J = np.array([0.6, 0.3, 0.6, 0.15, 0.2, 0.05, 0.05])
-_MOST_I = 4
+# Mean share of the power of the line i/P_phi + j/P_psi of convention L, by (i, j).
+_POWERS = {
+    "LAM": {
+        **{(2, 2): 0.37, (1, 0): 0.26, (2, 0): 0.25, (1, 2): 0.06, (0, 2): 0.014, (3, 3): 0.008},
+        **{(2, 3): 0.006, (4, 4): 0.005, (1, -2): 0.004, (3, 0): 0.003, (0, 1): 0.003},
+    },
+    "SAM": {
+        **{(1, 1): 0.54, (2, 2): 0.21, (2, 0): 0.19, (1, -1): 0.015, (0, 2): 0.014, (3, 0): 0.006},
+        **{(1, 3): 0.004, (3, 3): 0.004, (2, -1): 0.003, (2, 1): 0.003, (3, 1): 0.003},
+    },
+}
+# Share of any other line; lines that the strongest ones may be; strongest lines that are tried.
+_OTHER = 0.001
+_ROLES = ((2, 0), (2, 2), (1, 0), (1, 1))
+_TRIED = 4
 # 1/P_psi in SAM over 1/P_phi of the long axis: bodies whose moments are possible have less.
 _SHORT_AXIS = 1.4
 # Multiples of half of the two frequencies that a basis may have.
@@ -40,7 +52,7 @@ class PeriodCandidate(NamedTuple):
 
     mode : "LAM" or "SAM"; convention : "L" for LAM, "S" for SAM, of P_phi; P_psi, P_phi : float, s;
     P_phi_long : float, s, P_phi of the long axis (convention L) in either mode; score : float;
-    rank : int, of the pair of frequencies; lines : str, 2/P_phi_long and 1/P_psi in f1 and f2.
+    rank : int, of the pair of frequencies; lines : str, 1/P_phi_long and 1/P_psi in f1 and f2.
     """
 
     mode: str
@@ -98,55 +110,65 @@ def _of_series(
 ) -> list[PeriodCandidate]:
     power = series.amplitudes**2
     power = power / power.sum()
-    numbers = series.numbers
     f = series.frequencies
-    strong = np.argsort(-power)[: min(4, len(power))]
-    found = []
-    for main in strong:
-        # 2/P_phi of the long axis is one of the strongest lines
-        phi = 0.5 * numbers[main].astype(float)
-        if phi @ f < 0.0:
-            phi = -phi
+    found: list[PeriodCandidate] = []
+    seen: set[tuple[float, ...]] = set()
+    for main in np.argsort(-power)[:_TRIED]:
         for a in _HALVES:
             for b in _HALVES:
                 psi = np.array([a, b]) / 2.0
-                rate, circulation = float(psi @ f), float(phi @ f)
-                if not (rate > 0.7 * resolution and abs(_area(phi, psi)) > 0.1):
+                if not psi @ f > 0.7 * resolution:
                     continue
-                score = (1.0 - left) * _score(numbers, power, phi, psi)
-                if score <= 0.0:
-                    continue
-                words = f"2/P_phi(L) = {_words(2.0 * phi)}, 1/P_psi = {_words(psi)}"
-                found += _in_modes(circulation, rate, score, rank, words)
+                for sign in (1.0, -1.0):
+                    for i, j in _ROLES:
+                        phi = (sign * series.numbers[main] - j * psi) / i
+                        key = (*phi, *psi)
+                        if key in seen or not phi @ f > 0.7 * resolution:
+                            continue
+                        seen.add(key)
+                        found += _in_modes(series, power, phi, psi, 1.0 - left, rank)
     return found
 
 
 def _in_modes(
-    circulation: float, rate: float, score: float, rank: int, words: str
+    series: RefinedSeries,
+    power: FloatArray,
+    phi: FloatArray,
+    psi: FloatArray,
+    explained: float,
+    rank: int,
 ) -> list[PeriodCandidate]:
-    long_axis = 1.0 / circulation
-    made = [PeriodCandidate("LAM", "L", 1.0 / rate, long_axis, long_axis, score, rank, words)]
-    if rate < _SHORT_AXIS * circulation:
-        short = 1.0 / (circulation + rate)
-        made.append(PeriodCandidate("SAM", "S", 1.0 / rate, short, long_axis, score, rank, words))
-    return made
-
-
-def _score(numbers: FloatArray, power: FloatArray, phi: FloatArray, psi: FloatArray) -> float:
-    """The share of the power at lines of a basis, each with its weight."""
-    base = np.stack([phi, psi], axis=1)
-    both = np.linalg.solve(base, numbers.T.astype(float))
-    whole = np.rint(both)
-    fits = np.all(np.abs(both - whole) < 1e-6, axis=0)
-    i, j = np.abs(whole)
-    fits &= (i <= _MOST_I) & (j < len(_BY_J))
-    weight = _BY_J[np.minimum(j, len(_BY_J) - 1).astype(int)] / (1.0 + 0.1 * np.maximum(i - 2, 0.0))
-    weight = np.where((i == 2) & (j == 0), _STRONGEST, weight)
-    return float(np.sum(np.where(fits, weight * power, 0.0)))
-
-
-def _area(phi: FloatArray, psi: FloatArray) -> float:
-    return float(phi[0] * psi[1] - phi[1] * psi[0])
+    """The candidates of a basis: phi and psi are 1/P_phi of convention L and 1/P_psi in f1, f2."""
+    determinant = phi[0] * psi[1] - phi[1] * psi[0]
+    if abs(determinant) < 0.1:
+        return []
+    rate, circulation = float(psi @ series.frequencies), float(phi @ series.frequencies)
+    n = series.numbers
+    i = (n[:, 0] * psi[1] - n[:, 1] * psi[0]) / determinant
+    j = (phi[0] * n[:, 1] - phi[1] * n[:, 0]) / determinant
+    j = np.where((i < -1e-9) | ((np.abs(i) < 1e-9) & (j < 0.0)), -j, j)
+    i = np.abs(i)
+    is_line = (np.abs(i - np.rint(i)) < 1e-6) & (np.abs(j - np.rint(j)) < 1e-6)
+    places = [
+        (int(a), int(b)) if fits else None
+        for a, b, fits in zip(np.rint(i), np.rint(j), is_line, strict=True)
+    ]
+    words = f"1/P_phi(L) = {_words(phi)}, 1/P_psi = {_words(psi)}"
+    short = 1.0 / (circulation + rate)
+    found = []
+    for mode, convention, period in (("LAM", "L", 1.0 / circulation), ("SAM", "S", short)):
+        if mode == "SAM" and not rate < _SHORT_AXIS * circulation:
+            continue
+        expected = np.array(
+            [0.0 if each is None else _POWERS[mode].get(each, _OTHER) for each in places]
+        )
+        score = explained * float(np.sum(np.sqrt(power * expected)))
+        found.append(
+            PeriodCandidate(
+                mode, convention, 1.0 / rate, period, 1.0 / circulation, score, rank, words
+            )
+        )
+    return found
 
 
 def _words(numbers: FloatArray) -> str:

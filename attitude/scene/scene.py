@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import epochs, pairs, paths, validation
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
-from attitude.motion import motion_of
 from attitude.paths.bodies import body_name, naif_index
 from attitude.paths.composed import NamedBody
 from attitude.paths.place import Place
@@ -131,7 +131,7 @@ class Scene(Immutable):
 
     def __init__(
         self,
-        motion: HasAttitudes | None,
+        motion: HasAttitudes | str | None,
         center: Path | str | int | None = None,
         observer: Path | Direction | str | int | Reals = "earth",
         sun: Path | Direction | str | int | Reals = "sun",
