@@ -298,7 +298,7 @@ def entry(name: str) -> Entry:
     """
     if not isinstance(name, str) or not name.strip():
         raise AttitudeError(f"name is {name!r}; give one of {', '.join(names())}.")
-    found = _found(name)
+    found = body_names.matching(name, _entries())
     bodies = {each.name.partition(" (")[0] for each in found}
     if len(bodies) == 1:
         return max(found, key=lambda each: each.year)
@@ -306,20 +306,14 @@ def entry(name: str) -> Entry:
         raise AttitudeError(f"{name!r} belongs to {', '.join(sorted(bodies))}; give one of them.")
     entries = _entries()
     near = difflib.get_close_matches(name, entries, n=1)
-    raise AttitudeError(
-        f"the catalogue has no {name!r}; "
-        + (f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}.")
-    )
+    other = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}."
+    raise AttitudeError(f"the catalogue has no {name!r}; {other}")
 
 
 def has(name: str) -> bool:
     """Whether `entry` finds one body by a name."""
-    return len({each.name.partition(" (")[0] for each in _found(name)}) == 1
-
-
-def _found(name: str) -> list[Entry]:
-    """The entries that a name means; see `published.body_names`."""
-    return body_names.matching(name, {each.name: each for each in _entries().values()})
+    found = body_names.matching(name, _entries())
+    return len({each.name.partition(" (")[0] for each in found}) == 1
 
 
 def load(name: str, **given: Any) -> Loaded:

@@ -14,10 +14,10 @@
     step = "1 s"
 
 ==============  ====================================================================================
-spin            A spin file, APM or DAMIT spin file; or the name of a complete entry of the
-                catalogue, "4179 Toutatis"; or ``{ catalog = "Apophis", ... }`` with the
-                values that the entry lacks, as `catalog.load` takes them; or sections [body] and
-                [spin] as in a spin file.  Left out if no column needs a rotation.
+spin            A spin file, APM or DAMIT spin file; a name in the catalogue ("4179 Toutatis"), or
+                ``{ catalog = "Apophis", ... }`` with the values that the entry lacks, as
+                `catalog.load` takes them; or sections [body] and [spin] as in a spin file.  Left
+                out if no column needs a rotation.
 errors          Section [errors] as in a spin file; it replaces the errors of the spin file.
 center          The place of the centre of mass.
 observer, sun   Places; "earth" and "sun" by default.
@@ -51,7 +51,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from attitude import paths, quantity_text, validation
+from attitude import catalog, paths, quantity_text, validation
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file, spin_sections, state
 from attitude.free_rotation.free_rotation import FreeRotation
@@ -261,20 +261,14 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
     if isinstance(given, str):
         return _named(given, folder)
     if isinstance(given, dict) and isinstance(given["catalog"], str):
-        from attitude import catalog
-
         rest = {key: value for key, value in given.items() if key != "catalog"}
         return catalog.entry(given["catalog"]).motion(**rest)
-    raise AttitudeError(
-        f'spin is {given!r}; give the name of a spin file, {{ catalog = "name", ... }}, or the '
-        "sections [body] and [spin]."
-    )
+    ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
+    raise AttitudeError(f"spin is {given!r}; give {ways}.")
 
 
 def _named(given: str, folder: str) -> FreeRotation:
     """The motion of a file, or of an entry of the catalogue if no file has the name."""
-    from attitude import catalog
-
     if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
         return catalog.entry(given).motion()
     return state.read(_file(given, folder, "spin")).motion

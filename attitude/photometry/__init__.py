@@ -17,6 +17,7 @@ from attitude.photometry.contents import BadRow
 from attitude.photometry.files import read
 from attitude.photometry.folding import Folded, fold
 from attitude.photometry.periodograms import Peak, Periodogram, periodogram
+from attitude.photometry.reduction import phase_angle
 from attitude.photometry.table import Photometry
 from attitude.photometry.two_frequencies import PeriodPair, TwoPeriods, two_periods
 
@@ -31,6 +32,7 @@ __all__ = [
     "TwoPeriods",
     "fold",
     "periodogram",
+    "phase_angle",
     "read",
     "two_periods",
 ]

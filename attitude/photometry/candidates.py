@@ -2,11 +2,11 @@
 
 A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has many bases.  They
 are ranked by how the powers of the lines resemble those of tumbling bodies: `_POWERS` has the mean
-share of each line over random irregular convex bodies in either mode (benchmarks/photometry.py
-lines), and the score is the sum of sqrt(share found x share expected), from 0 to 1, times the share
-of the variance that the series explains.  Of i/P_phi + j/P_psi in convention L the strongest lines
-are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i) is i/P_phi of
-convention S.
+share of each line over random convex bodies in either mode (benchmarks/photometry.py lines), some
+bodies have one dominant line, and the score is the sum of sqrt(share found x share expected), from
+0 to 1, times the share of the variance that the series explains.  Of i/P_phi + j/P_psi in the convention
+L the strongest lines are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i)
+is i/P_phi of convention S.
 
 What remains open: one cycle a day at one site, the mode, and bodies unlike the mean;
 `attitude.inversion.spin_states` decides where the geometry allows it.
@@ -29,14 +29,18 @@ PAIRS: int = 4
 # Mean share of the power of the line i/P_phi + j/P_psi of convention L, by (i, j).
 _POWERS = {
     "LAM": {
-        **{(2, 2): 0.37, (1, 0): 0.26, (2, 0): 0.25, (1, 2): 0.06, (0, 2): 0.014, (3, 3): 0.008},
-        **{(2, 3): 0.006, (4, 4): 0.005, (1, -2): 0.004, (3, 0): 0.003, (0, 1): 0.003},
+        **{(1, 0): 0.35, (2, 0): 0.28, (2, 2): 0.26, (1, 2): 0.06, (0, 2): 0.017, (3, 0): 0.003},
+        **{(4, 0): 0.003, (3, 3): 0.003, (4, 4): 0.002, (1, -2): 0.002, (2, 3): 0.002},
     },
     "SAM": {
-        **{(1, 1): 0.54, (2, 2): 0.21, (2, 0): 0.19, (1, -1): 0.015, (0, 2): 0.014, (3, 0): 0.006},
-        **{(1, 3): 0.004, (3, 3): 0.004, (2, -1): 0.003, (2, 1): 0.003, (3, 1): 0.003},
+        **{(1, 1): 0.54, (2, 0): 0.25, (2, 2): 0.15, (0, 2): 0.015, (1, -1): 0.008, (1, 3): 0.007},
+        **{(3, 3): 0.003, (3, 0): 0.003, (3, 1): 0.003, (4, 0): 0.002, (2, -1): 0.002},
     },
 }
+# Lines that dominate the light curves of some bodies, and the weight of such a body; the dominant
+# share, of which the rest is distributed as the mean.
+_DOMINANT = (((2, 0), 1.0), ((2, 2), 0.95), ((1, 0), 0.85), ((1, 1), 0.85))
+_SHARE = 0.85
 # Share of any other line; lines that the strongest ones may be; strongest lines that are tried.
 _OTHER = 0.001
 _ROLES = ((2, 0), (2, 2), (1, 0), (1, 1))
@@ -159,15 +163,26 @@ def _in_modes(
     for mode, convention, period in (("LAM", "L", 1.0 / circulation), ("SAM", "S", short)):
         if mode == "SAM" and not rate < _SHORT_AXIS * circulation:
             continue
-        expected = np.array(
-            [0.0 if each is None else _POWERS[mode].get(each, _OTHER) for each in places]
-        )
-        score = explained * float(np.sum(np.sqrt(power * expected)))
+        score = explained * _likeness(power, places, _POWERS[mode])
         found.append(
             PeriodCandidate(
                 mode, convention, 1.0 / rate, period, 1.0 / circulation, score, rank, words
             )
         )
+    return found
+
+
+def _likeness(
+    power: FloatArray, places: list[tuple[int, int] | None], mean: dict[tuple[int, int], float]
+) -> float:
+    """How lines resemble those of the mean body, or of one that has a dominant line."""
+    expected = np.array([0.0 if each is None else mean.get(each, _OTHER) for each in places])
+    found = float(np.sum(np.sqrt(power * expected)))
+    for line, weight in _DOMINANT:
+        if mean.get(line, 0.0) > _OTHER:
+            strong = np.array([float(each == line) for each in places])
+            mixed = (1.0 - _SHARE) * expected + _SHARE * strong
+            found = max(found, weight * float(np.sum(np.sqrt(power * mixed))))
     return found
 
 

@@ -90,7 +90,9 @@ class Periodogram(Immutable):
     def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
         """The light curve folded with the period of a peak; see `photometry.fold`."""
         return folding.fold(
-            samples.Given(self.samples), self.peaks[rank].period, order=order or max(self.order, 2)
+            samples.GivenSamples(self.samples),
+            self.peaks[rank].period,
+            order=order or max(self.order, 2),
         )
 
     def bootstrap(self, rank: int = 0, *, draws: int = 200, seed: int = 0) -> float:

@@ -134,7 +134,7 @@ class TwoPeriods(Immutable):
 
     def fold(self, rank: int = 0) -> Folded:
         """The light curve folded with both periods of a pair; see `photometry.fold`."""
-        given = samples.Given(self.samples)
+        given = samples.GivenSamples(self.samples)
         return folding.fold(given, self.pairs[rank].periods, order=self.order)
 
     def bootstrap(self, rank: int = 0, *, draws: int = 100, seed: int = 0) -> tuple[float, float]:

@@ -86,7 +86,7 @@ class Samples:
         return found
 
 
-class Given(HasSamples):
+class GivenSamples(HasSamples):
     """Samples as an argument of functions that take a light curve."""
 
     def __init__(self, found: Samples) -> None:
