@@ -4,9 +4,9 @@ A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has
 are ranked by how the powers of the lines resemble those of tumbling bodies: `_POWERS` has the mean
 share of each line over random convex bodies in either mode (benchmarks/photometry.py lines), some
 bodies have one dominant line, and the score is the sum of sqrt(share found x share expected), from
-0 to 1, times the share of the variance that the series explains.  Of i/P_phi + j/P_psi in the convention
-L the strongest lines are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i)
-is i/P_phi of convention S.
+0 to 1, times the share of the variance that the series explains.  Of i/P_phi + j/P_psi in L the
+strongest lines are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i) is
+i/P_phi of convention S.
 
 What remains open: one cycle a day at one site, the mode, and bodies unlike the mean;
 `attitude.inversion.spin_states` decides where the geometry allows it.

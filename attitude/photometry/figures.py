@@ -109,10 +109,11 @@ def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
     best = found.pairs[0]
     first, second = (each / _HOUR for each in best.periods)
     plane.set_title(f"#1: {first:.6g} h and {second:.6g} h, {best.left:.3f} left", fontsize=9)
-    for line, amplitude in found.lines():
+    lines = found.lines()
+    for line, amplitude in lines:
         x = line.frequency * _DAY
         spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
-        if amplitude > 0.15 * found.lines()[0][1]:
+        if amplitude > 0.15 * lines[0][1]:
             spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=8, ha="center")
     spectrum.set_ylim(0.0, None)
     spectrum.set_xlabel("frequency of the line i f2 + j f1, 1/d")

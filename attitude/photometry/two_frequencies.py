@@ -34,8 +34,8 @@ _DAY, _HOUR = 86400.0, 3600.0
 _LEAST, _MOST_PAIRS = 2, 400_000_000
 # Standard deviation of a point of the scan, in that of all values; the ridge is one of these.
 _NOISE = 0.05
-# Steps of the refinement of a pair.
-_STEPS = 10
+# Peaks of the scan that are refined, steps for all of them, and for the best.
+_PEAKS, _FIRST_STEPS, _STEPS = 120, 3, 10
 # Turns in the span below which a strong line is a drift of the zero point.
 _SLOW = 4.0
 # Pairs of halves with which one lattice of lines follows from another, the simplest first.
@@ -244,7 +244,7 @@ def two_periods(
     number = validation.count(order, "order")
     if number > 4:
         raise AttitudeError(f"order is {number}; give 1 to 4.")
-    numbers = _numbers(number)
+    numbers, kept = _numbers(number), validation.count(count, "count")
     if len(data.t) <= data.curves + 2 * len(numbers) + 2:
         raise AttitudeError(
             f"{len(data.t)} values are given for {data.curves} zero points and {len(numbers)} "
@@ -259,9 +259,9 @@ def two_periods(
     unit = (data.t - 0.5 * (data.t.min() + data.t.max())) / data.span
     made = pair_search.tables(unit, weights, y / scale, 1.0 / OVERSAMPLING, 4 * number * end + 2)
     scan = pair_search.best(
-        made, low, high, number, pair_search.RIDGE, 2 * validation.count(count, "count"), progress
+        made, low, high, number, pair_search.RIDGE, max(_PEAKS, 2 * kept), progress
     )
-    pairs = _refined(data, scan, numbers, count)
+    pairs = _refined(data, scan, numbers, kept)
     chance = significance.share_of_chance(
         unit, weights, y / scale, end / OVERSAMPLING, number, seed
     )
@@ -327,9 +327,15 @@ def _refined(
     size = OVERSAMPLING * data.span
     total = float(np.sum((data.weights * data.detrended) ** 2))
     near = 0.3 / data.span
+    # a peak may lie a third of the resolution from the grid, where the scan sees half of it
+    rough = [
+        refinement.refined(data, np.array(pair) / size, numbers, steps=_FIRST_STEPS)
+        for pair in zip(scan.first, scan.second, strict=True)
+    ]
+    rough.sort(key=lambda each: each.chi_squared)
     rows: list[tuple[str, float, FloatArray, FloatArray]] = []
-    for a, b in zip(scan.first, scan.second, strict=True):
-        best = refinement.refined(data, np.array([a, b]) / size, numbers, steps=_STEPS)
+    for each in rough[: 2 * count]:
+        best = refinement.refined(data, each.frequencies, numbers, steps=_STEPS)
         f = np.abs(best.frequencies)
         order = np.argsort(f)
         f, errors = f[order], best.errors[order]
