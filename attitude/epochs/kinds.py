@@ -21,7 +21,6 @@ from attitude.errors import AttitudeError
 LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
 
 _TYPES = (
-    ("text", str),
     ("Instant", Instant),
     ("datetime", datetime.datetime),
     ("datetime64", np.datetime64),
@@ -106,11 +105,13 @@ def _kind(value: Any) -> str | None:
     """The kind of one entry, or None for a type that is not allowed."""
     if isinstance(value, (bool, np.bool_)):
         return None
+    if isinstance(value, str):
+        # A date of four digits begins "2026-"; other text may be a length such as "3 d".
+        is_length = value[4:5] != "-" and quantity_text.is_quantity(value)
+        return "text length" if is_length else "text"
     for kind, types in _TYPES:
         if isinstance(value, types):
-            # A date of four digits begins "2026-"; other text may be a length such as "3 d".
-            is_length = kind == "text" and value[4:5] != "-" and quantity_text.is_quantity(value)
-            return "text length" if is_length else kind
+            return kind
     if isinstance(value, np.ndarray):
         return {"M": "datetime64", "m": "duration"}.get(
             value.dtype.kind, "number" if value.dtype.kind in "fiu" else None

@@ -163,8 +163,10 @@ def of_rows(
         )
     both = np.array(numbers).reshape(-1, 2)
     notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
-    words = {
-        key: [getattr(rows[k], key).strip() for k in kept] for key in ("filter", "site", "session")
+    words: dict[str, Any] = {
+        key: each if any(each) else None
+        for key in ("filter", "site", "session")
+        for each in [[getattr(rows[k], key).strip() for k in kept]]
     }
     return Contents(
         name,
@@ -175,7 +177,9 @@ def of_rows(
         rows=np.array(kept),
         bad=left_out,
         notes=notes,
-        **{key: each if any(each) else None for key, each in words.items()},
+        filter=words["filter"],
+        site=words["site"],
+        session=words["session"],
     )
 
 

@@ -47,7 +47,8 @@ def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
 def of_periodogram(found: Periodogram, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((11.0, 8.0))
-    above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
+    above, below = parts
     axes = above.subplots()
     frequency, power = _extremes(found.frequency * _DAY, np.asarray(found.power))
     axes.plot(frequency, power, color=_DATA, lw=0.7)

@@ -240,7 +240,7 @@ def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> F
             f"between the periods lie {count} frequencies, and at most {_MOST} are searched; give "
             "a longer min_period, or a shorter span."
         )
-    return 1.0 / high + step * np.arange(count)
+    return 1.0 / high + step * np.arange(count, dtype=np.float64)
 
 
 def _fourier(
@@ -265,7 +265,7 @@ def _has_nifty(engine: str) -> bool:
     if engine == "astropy":
         return False
     try:
-        import nifty_ls  # noqa: F401  registers itself with astropy
+        import nifty_ls  # noqa: F401  it registers itself with astropy
     except ImportError:
         if engine == "nifty-ls":
             raise AttitudeError(

@@ -119,7 +119,7 @@ def _function(given: Any, g: Real | None) -> Callable[[FloatArray], FloatArray] 
             f"phase_function is {validation.shown(given)}; give a function of the phase angle in "
             'rad without g, or "hg" with g.'
         )
-    return given  # type: ignore[no-any-return]
+    return given
 
 
 def _from_path(

@@ -345,8 +345,8 @@ def _refined(
     pairs: list[PeriodPair] = []
     for slow, left, f, errors in rows[:count]:
         words = slow or _relation(f, pairs, near)
-        both = (float(x) for x in (*f, *errors))
-        pairs.append(PeriodPair(*both, left, words))
+        first, second, a, b = map(float, (*f, *errors))
+        pairs.append(PeriodPair(first, second, a, b, left, words))
     return tuple(pairs)
 
 

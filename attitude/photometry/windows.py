@@ -52,8 +52,8 @@ def window(samples: Samples, most: float) -> Window:
     count = max(int(most / spacing) + 2, 8)
     weights = samples.weights**2
     made = transforms.sums(samples.t - samples.t.min(), weights[None], spacing, count)[0]
-    power = np.abs(made) ** 2 / np.sum(weights) ** 2
-    frequency = spacing * np.arange(count)
+    power = np.asarray(np.abs(made) ** 2 / np.sum(weights) ** 2, dtype=np.float64)
+    frequency: FloatArray = spacing * np.arange(count, dtype=np.float64)
     inner = np.arange(1, count - 1)
     is_peak = (power[inner] >= power[inner - 1]) & (power[inner] >= power[inner + 1])
     at = inner[is_peak & (power[inner] > _STRONG) & (frequency[inner] > 2.0 / samples.span)]
