@@ -467,7 +467,10 @@ def test_catalogue_names_are_motions(attitude_command, tmp_path):
     code, out, _ = attitude_command("propagate", "4179 Toutatis", *options)
     assert code == 0
     _, of_file, _ = attitude_command("propagate", TOUTATIS, *options)
-    assert out == of_file
+    mine, theirs = ([row.split(",") for row in text.splitlines()[1:]] for text in (out, of_file))
+    assert [row[0] for row in mine] == [row[0] for row in theirs] and len(mine) == 3
+    numbers = [np.array([row[1:] for row in rows], float) for rows in (mine, theirs)]
+    np.testing.assert_allclose(*numbers, rtol=0.0, atol=1e-14)
     target = tmp_path / "x.aem"
     code, _, err = attitude_command("convert", "toutatis", target, *options)
     assert code == 0, err
