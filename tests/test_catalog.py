@@ -225,3 +225,17 @@ def test_names_where_motions_are_taken():
     assert scene.motion.period_psi == catalog.entry("toutatis").motion().period_psi
     with pytest.raises(AttitudeError, match="the catalogue has no 'Vesta'"):
         Scene("Vesta", None, (1, 0, 0), (0, 1, 0))
+
+
+def test_units_are_converted_as_by_astropy():
+    from astropy import units
+
+    to = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}
+    for name in catalog.names():
+        entry = catalog.entry(name)
+        for each in (*entry.given.values(), *entry.printed.values()):
+            if each.unit is None or isinstance(each.value, str):
+                continue
+            quantity = np.array(each.value) * units.Unit(each.unit)
+            expected = quantity.to_value(to.get(each.unit, each.unit))
+            assert np.array_equal(each.si, expected), f"{name}: {each}"
