@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,6 +22,20 @@ _FREE = np.zeros(10, bool)
 _AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
 # Standard deviation of the logarithms of squared ratios of axes.
 _RATIOS = 1.5
+
+
+class Held(NamedTuple):
+    """Standard deviation of the logarithms of the moments of the motion, and from which moments.
+
+    From those of the ellipsoid, or from those given, of which moments has the logarithms,
+    ascending.
+    """
+
+    width: float = math.inf
+    moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+
+
+_FREELY = Held()
 
 
 class Pool(NamedTuple):
@@ -67,7 +82,7 @@ def minimised(
     states: FloatArray,
     iterations: int,
     *,
-    tie: float = np.inf,
+    tie: Held = _FREELY,
     fixed: BoolArray = _FREE,
     gain: float = 1e-4,
 ) -> Pool:
@@ -83,7 +98,7 @@ def minimised(
         problem.root,
         problem.u,
         fixed,
-        np.array([_RATIOS, tie]),
+        np.array([_RATIOS, tie.width, *tie.moments]),
         iterations,
         gain,
         cost,
@@ -109,7 +124,7 @@ def around(
     *,
     screens: int = 8,
     iterations: int = 8,
-    tie: float = np.inf,
+    tie: Held = _FREELY,
 ) -> Pool:
     """Minima from `count` random starts for each pair of rates, in the order of the rates.
 

@@ -172,13 +172,13 @@ def _moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
 def _log_density(solution: Solution, factor: FloatArray) -> Any:
     """The logarithm of the density of scaled offsets (8,)."""
     problem, state = solution.weighted.problem, solution.state
-    tolerance = solution.tolerance
+    tie = solution.tie
 
     def density(scaled: FloatArray) -> float:
         trial = _moved(state, factor @ scaled)
         inside = -0.3 < trial[4] < 0.95 and -8.0 < trial[3] < -0.01
         if not inside or not states.is_admissible(trial):
             return -math.inf
-        return -0.5 * refinement.profiled_cost(problem, trial, tolerance)
+        return -0.5 * refinement.profiled_cost(problem, trial, tie)
 
     return density

@@ -17,6 +17,7 @@ from attitude.inversion import refinement
 
 if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
 
@@ -76,7 +77,7 @@ def refined(
     problem: CurveProblem,
     start: FloatArray,
     *,
-    tolerance: float,
+    tie: Tie,
     fixed: BoolArray | None = None,
     iterations: int = 20,
     gain: float = 1e-4,
@@ -88,7 +89,7 @@ def refined(
     ----------
     problem : CurveProblem
         With the model error.
-    start, tolerance, fixed
+    start, tie, fixed
         As of `refinement.refine`.
     trials : float
         Frequencies that were tried; twice its logarithm is added to the evidence.
@@ -97,7 +98,7 @@ def refined(
     size = np.hypot(problem.sigma, problem.model_error)
     for turn in range(_ROUNDS + 1):
         found = refinement.refine(
-            own, state, tolerance=tolerance, fixed=fixed, iterations=iterations, gain=gain
+            own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
         )
         state = found.state
         residual, coefficients = residuals(own, state)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.ellipsoid_search import Pool
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 ELLIPSOID_ERROR = 0.07
 # Standard deviation of the logarithms of the moments of motion and ellipsoid.
 _TIE = 0.15
+# The same for moments that are given, so wide that an iteration reaches them from any start.
+_TIE_GIVEN = 0.03
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
@@ -86,8 +89,8 @@ class Search:
     most : float
         Largest frequency, turns per span.
     modes : tuple of str
-    tolerance : float
-        Of the logarithms of the ratios of moments.
+    tie : Tie
+        Of the moments of motion and shape.
     shifts : tuple of float
         Turns per span of a day, where the epochs lie at one time of the day.
     generator : Generator
@@ -104,7 +107,7 @@ class Search:
     problem: CurveProblem
     most: float
     modes: tuple[str, ...]
-    tolerance: float
+    tie: Tie
     shifts: tuple[float, ...]
     generator: np.random.Generator
     deadline: float
@@ -130,12 +133,20 @@ class Search:
             if self.shifts and not self.is_over:
                 rates = self._displaced()
                 made = ellipsoids.around(
-                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=_TIE
+                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=self._held
                 )
                 self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break
+
+    @property
+    def _held(self) -> ellipsoids.Held:
+        """What holds the moments of the motions of ellipsoids."""
+        if self.tie.given is None:
+            return ellipsoids.Held(_TIE)
+        a, b, c = np.log(self.tie.given).tolist()
+        return ellipsoids.Held(_TIE_GIVEN, (a, b, c))
 
     @property
     def has_reached_floor(self) -> bool:
@@ -165,7 +176,7 @@ class Search:
         parts = []
         for start in range(0, len(rates), _BLOCK):
             part = rates[start : start + _BLOCK]
-            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=_TIE)
+            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=self._held)
             parts.append(ellipsoids.best_of_each(made, len(part)))
             self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
             if self.is_over:
@@ -177,7 +188,7 @@ class Search:
                 break
             deep.append(
                 ellipsoids.around(
-                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=_TIE
+                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=self._held
                 )
             )
         return ellipsoids.in_order(*deep)
@@ -254,7 +265,7 @@ class Search:
                 refinement.refine(
                     self.problem,
                     state,
-                    tolerance=self.tolerance,
+                    tie=self.tie,
                     fixed=self._fixed(state),
                     gain=3e-3,
                 )
@@ -283,6 +294,7 @@ class Search:
             best = self._robust(self.problem.with_model_error(error), chosen[0])
             error = robust.model_error(self.problem, best.residual)
         problem = self.problem.with_model_error(error)
+        self._last = problem
         found = [self._robust(problem, each) for each in chosen]
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
@@ -297,7 +309,7 @@ class Search:
         return robust.refined(
             problem,
             given.state,
-            tolerance=self.tolerance,
+            tie=self.tie,
             fixed=self._fixed(given.state),
             trials=trials,
         )

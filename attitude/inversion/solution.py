@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, minkowski, predictions, refinement, search, states
+from attitude.inversion import aliases, convex, minkowski, predictions, search, states
 from attitude.inversion.facets import sphere
 from attitude.inversion.verdicts import COMPETING_POLES
 from attitude.scattering import LommelSeeligerLambert
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from astropy.table import QTable
 
     from attitude.annotations import Epochs, FilePath, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
     from attitude.inversion.posterior import Posterior
     from attitude.inversion.problem import CurveProblem
@@ -40,8 +41,8 @@ class Solution:
     curve : LightCurve
     weighted : Weighted
         Parameters of the search, residuals and weights.
-    tolerance : float
-        Of the logarithms of ratios of moments of motion and shape.
+    tie : Tie
+        Of the moments of motion and shape.
     relation : str
         To the best solution, in words.
     evidence : float
@@ -53,11 +54,11 @@ class Solution:
         curve: LightCurve,
         weighted: Weighted,
         problem: CurveProblem,
-        tolerance: float,
+        tie: Tie,
         rank: int,
     ) -> None:
         self.curve, self.weighted, self.rank = curve, weighted, rank
-        self._problem, self.tolerance = problem, tolerance
+        self._problem, self.tie = problem, tie
         self._rivals: list[Solution] = [self]
         self.evidence: float = weighted.evidence
         self.relation: str = ""
@@ -147,7 +148,7 @@ class Solution:
     @property
     def law(self) -> LommelSeeligerLambert:
         """The scattering law without its phase function, which the linear terms replace."""
-        return LommelSeeligerLambert(c=refinement.LAMBERT, a=0.0, k=0.0)
+        return LommelSeeligerLambert(c=convex.LAMBERT, a=0.0, k=0.0)
 
     @property
     def residuals(self) -> FloatArray:

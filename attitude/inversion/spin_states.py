@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
+from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     curve_problem,
     ellipsoid_search,
-    facets,
     lattices,
     refinement,
     search,
     states,
     verdicts,
 )
+from attitude.inversion.convex import Tie
 from attitude.inversion.curve import LightCurve
 from attitude.inversion.solution import Solution, SpinStates
 
@@ -46,7 +47,7 @@ def spin_states(
     *,
     modes: Sequence[str] = _MODES,
     shape: str = "convex",
-    moments: str | float = "shape",
+    moments: str | float | Body | Sequence[float] = "shape",
     budget: Real = 60.0,
     seed: int = 0,
     threads: int = 1,
@@ -63,9 +64,10 @@ def spin_states(
         "LAM", "SAM" or both.
     shape : str
         "convex", or "ellipsoid".
-    moments : str or float
+    moments : str, float, three floats or Body
         "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
-        to 0.05; a number replaces this tolerance; "free": any moments of a body.
+        to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
+        moments, of which the ratios count, or a Body: known moments, with any shape.
     budget : float or text
         Time, s, after which the best so far is returned.
     seed : int
@@ -89,22 +91,18 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
-    most, tolerance = _checked(curve, max_frequency, modes, shape, moments)
+    most, tie = _checked(curve, max_frequency, modes, shape, moments)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
     with _linear_algebra(threads):
-        found = _searched(
-            curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
-        )
+        found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
         offsets = _offsets(found)
         if zero_points == "auto" and len(offsets) > 2 and offsets.std() > _UNCALIBRATED:
             zero_points = "free"
-            found = _searched(
-                curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
-            )
+            found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
     return _results(curve, found)
 
 
@@ -114,7 +112,9 @@ def _compile(curve: LightCurve, most: float) -> None:
     problem, _ = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, "shared")
     found, _ = lattices.pairs(problem, 2.0, 1)
     rate = lattices.Candidate(float(found[0, 0]), -1.0)
-    pool = ellipsoid_search.around(problem, generator, [rate], 1, iterations=1, tie=1.0)
+    pool = ellipsoid_search.around(
+        problem, generator, [rate], 1, iterations=1, tie=ellipsoid_search.Held(1.0)
+    )
     refinement.refine(problem, pool.states[0], iterations=1)
 
 
@@ -139,13 +139,28 @@ def _checked(curve, max_frequency, modes, shape, moments):
     for mode in modes:
         validation.one_of(mode, "modes", _MODES)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
-    if moments == "shape":
-        return most, facets.TOLERANCE
-    if moments == "free":
-        return most, math.inf
+    return most, _tie(moments)
+
+
+def _tie(moments: str | float | Body | Sequence[float]) -> Tie:
+    """What the moments of the motion agree with."""
     if isinstance(moments, str):
-        raise AttitudeError(f'moments is {moments!r}; give "shape", "free" or a tolerance.')
-    return most, validation.positive(moments, "moments")
+        if moments not in ("shape", "free"):
+            raise AttitudeError(
+                f'moments is {moments!r}; give "shape", "free", a tolerance, three moments or a '
+                "Body."
+            )
+        return Tie() if moments == "shape" else Tie(math.inf)
+    if isinstance(moments, Body):
+        known = moments
+    elif np.ndim(moments) == 0:
+        return Tie(validation.positive(moments, "moments"))
+    else:
+        known = Body(moments=moments, relative=True)
+    ordered = np.sort(known.moments)
+    if ordered[0] <= 0.0:
+        raise AttitudeError("moments has one of zero; a light curve is that of a body with width.")
+    return Tie(given=ordered / ordered[2])
 
 
 def _linear_algebra(threads: int) -> AbstractContextManager[object]:
@@ -158,13 +173,13 @@ def _linear_algebra(threads: int) -> AbstractContextManager[object]:
     return limits
 
 
-def _searched(curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress):
+def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
     problem, bins = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, zero_points)
     made = search.Search(
         problem,
         most * curve.span,
         tuple(modes),
-        tolerance,
+        tie,
         _shifts(curve),
         np.random.default_rng(seed),
         deadline,
@@ -214,7 +229,7 @@ def _offsets(found):
 
 def _results(curve, found):
     solutions = [
-        Solution(curve, each, found.problem, found.tolerance, k)
+        Solution(curve, each, found.problem, found.tie, k)
         for k, each in enumerate(found.solutions)
         if states.is_admissible(each.refined.state)
     ]
