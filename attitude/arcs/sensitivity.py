@@ -118,7 +118,7 @@ class ChainedSensitivity(Derivatives):
         low: FloatArray | None,
         rates: bool,
     ) -> tuple[FloatArray, FloatArray | None]:
-        """Changes (S, 3, P) of attitude and rates from those (9, P) of the first state of each arc."""
+        """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
         t = np.asarray(seconds, dtype=np.float64).reshape(-1)
         rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
         width = maps[0].shape[1]

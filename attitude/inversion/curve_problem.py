@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
     from attitude.inversion.curve import LightCurve
 
+# Standard deviation of the fitted zero points, mag, above which they are taken as free.
+_UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
 # Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
@@ -58,6 +60,11 @@ def problem(curve: LightCurve, most_frequency: float, error: float, zero_points:
         error,
     )
     return found, bins
+
+
+def are_free(offsets: FloatArray) -> bool:
+    """Whether fitted zero points (S,), mag, are those of sessions that share no system."""
+    return bool(len(offsets) > 2 and offsets.std() > _UNCALIBRATED)
 
 
 def phase_terms(alpha: FloatArray, t: FloatArray) -> FloatArray:

@@ -36,6 +36,8 @@ class Held(NamedTuple):
 
 
 _FREELY = Held()
+# Starts about a pole, each the best of so many random ones.
+_AROUND, _SCREENS = 4, 8
 
 
 class Pool(NamedTuple):
@@ -161,3 +163,25 @@ def axial(
     given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
     chosen = screened(problem, given, len(rates) * count)
     return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)
+
+
+def axial_at_poles(
+    problem: CurveProblem, generator: np.random.Generator, rate: float, count: int
+) -> Pool:
+    """Rotations at a rate (turns per span) about `count` directions, which stay, in their order."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
+    poles = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
+    size = _AROUND * _SCREENS
+    given = starts(generator, np.full(count * size, 0.5 * rate), np.full(count * size, -1.0))
+    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
+    third = np.repeat(poles, size, axis=0)
+    first = np.cross(third, generator.standard_normal(third.shape))
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    turns = np.stack([first, np.cross(third, first), third], axis=-1)
+    given[:, 5:14] = turns.reshape(-1, 9)
+    chosen = screened(problem, given, count * _AROUND)
+    fixed = AXIAL_FIXED.copy()
+    fixed[:2] = True
+    return best_of_each(minimised(problem, chosen, 20, fixed=fixed), count)

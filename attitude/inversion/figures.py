@@ -12,6 +12,7 @@ from attitude.inversion import aliases, search
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
     from attitude.inversion.periods import Periods
+    from attitude.inversion.refine import Refinement
     from attitude.inversion.solution import Solution, SpinStates
 
 _DAY = 86400.0
@@ -26,6 +27,14 @@ def of_solution(solution: Solution, path: FilePath | None = None) -> Any:
     _folded(axes[0, 1], solution, 0)
     _folded(axes[1, 1], solution, 1)
     figure.suptitle(repr(solution)[1:-1], fontsize=9)
+    return _saved(figure, path)
+
+
+def of_fit(found: Refinement, path: FilePath | None = None) -> Any:
+    """The fit of a refinement and its residuals."""
+    figure = plots.new_figure((8.0, 8.0))
+    _fit(*figure.subplots(2, 1), found)
+    figure.suptitle(repr(found)[1:-1], fontsize=9)
     return _saved(figure, path)
 
 
@@ -70,7 +79,7 @@ def of_pairs(found: Periods, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def _fit(above: Any, below: Any, solution: Solution) -> None:
+def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     problem = solution.weighted.problem
     days = problem.t * problem.span / _DAY
     shown = problem.magnitude

@@ -74,6 +74,8 @@ class Refined:
     gradient : (SIZE,) array
         Minus the first ones.
     areas : (F,) array
+    magnitude : (N,) array
+        Of the model.
     """
 
     state: FloatArray
@@ -83,6 +85,7 @@ class Refined:
     normal: FloatArray
     gradient: FloatArray
     areas: FloatArray
+    magnitude: FloatArray
 
 
 def _penalties(
@@ -143,7 +146,7 @@ def refine(
         here = model(problem, trial)
         priors = _penalties(trial, here, tie, bool(held[6]))
         made = linearised(problem, here.magnitude, here.jacobian, priors, held)
-        return Refined(trial, *made, here.areas)
+        return Refined(trial, *made, here.areas, here.magnitude)
 
     return iteration.minimum(
         at, lambda best, step: _moved(best.state, step, bool(held[6])), state, iterations, gain
@@ -179,6 +182,16 @@ def linearised(
     normal[held, :] = normal[:, held] = 0.0
     normal[held, held] = 1.0
     return chi + float(prior @ prior), chi, strain, normal, gradient
+
+
+def inverse(normal: FloatArray) -> FloatArray:
+    """The inverse (P, P) of a normal matrix, whose parameters may have any units; 0 where it has
+    none."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    scale[scale == 0.0] = 1.0
+    size = np.outer(scale, scale)
+    found: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
+    return found
 
 
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:

@@ -53,6 +53,11 @@ FLOOR, FLOOR_ERROR = 1.0, 0.01
 LEFT, ALONE = 0.12, 120.0
 _ROUNDS = 4
 _AXIAL_RATES, _AXIAL_STARTS = 12, 12
+# Poles from which rotation about one axis is refined, where chi-squared of the best such rotation
+# is at most this times that of the best solution.
+_AXIAL_POLES, _AXIAL_WORSE = 40, 2.0
+# Tumbling bodies among all: the odds before the curve is seen.
+_TUMBLERS = 0.01
 
 
 def pole(state: FloatArray) -> FloatArray:
@@ -136,6 +141,8 @@ class Search:
                     self.problem, self.generator, rates, _ALIASES, iterations=30, tie=self._held
                 )
                 self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
+            if number == 0:
+                self._axial_poles()
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break
@@ -251,12 +258,26 @@ class Search:
         self._refine(ellipsoids.in_order(pool), keep=_CONVEX // 2)
         self.progress("rotations about one axis")
 
-    def _refine(self, pool: Pool, keep: int = _CONVEX) -> None:
+    def _axial_poles(self) -> None:
+        """Rotations about one axis from poles all over the sky, if one explains the curve.
+
+        The minima of convex bodies are more, and at other poles, than those of ellipsoids.
+        """
+        axial = [each for each in self.convex if is_axial(each.state)]
+        if not axial or self.is_over:
+            return
+        if axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
+            return
+        rate = 2.0 * float(axial[0].state[0])
+        made = ellipsoids.axial_at_poles(self.problem, self.generator, rate, _AXIAL_POLES)
+        self._refine(made, keep=_AXIAL_POLES, poles=_AXIAL_POLES)
+
+    def _refine(self, pool: Pool, keep: int = _CONVEX, poles: int = _POLES) -> None:
         """Add the convex bodies of the best distinct ellipsoids."""
         chosen: list[FloatArray] = []
         for state in pool.states:
             alike = [other for other in chosen if has_rates(state, other)]
-            if len(alike) < _POLES and not any(is_same(state, other) for other in alike):
+            if len(alike) < poles and not any(is_same(state, other) for other in alike):
                 chosen.append(state)
                 if len(chosen) >= keep:
                     break
@@ -288,13 +309,12 @@ class Search:
                     break
         axial = [each for each in self.convex if is_axial(each.state) and each not in chosen]
         chosen += axial[:_FINAL_AXIAL]
-        residual, _ = robust.residuals(self.problem, chosen[0].state)
+        residual, _ = robust.residuals(self.problem, chosen[0].magnitude)
         error = robust.model_error(self.problem, residual)
         for _ in range(2):
             best = self._robust(self.problem.with_model_error(error), chosen[0])
             error = robust.model_error(self.problem, best.residual)
         problem = self.problem.with_model_error(error)
-        self._last = problem
         found = [self._robust(problem, each) for each in chosen]
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
@@ -305,7 +325,7 @@ class Search:
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most
+        trials = 1.0 if is_axial(given.state) else self.most / _TUMBLERS
         return robust.refined(
             problem,
             given.state,

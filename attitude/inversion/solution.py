@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, convex, minkowski, predictions, search, states
+from attitude.inversion import aliases, convex, minkowski, predictions, refinement, search, states
 from attitude.inversion.facets import sphere
 from attitude.inversion.verdicts import COMPETING_POLES
 from attitude.scattering import LommelSeeligerLambert
@@ -211,6 +211,10 @@ class Solution:
             For epochs outside of the curve.
         """
         return predictions.predicted(self, times)
+
+    def _model(self, problem: CurveProblem) -> refinement.ShapeModel:
+        """Magnitudes and their derivatives at the epochs of a problem."""
+        return refinement.model(problem, self.state)
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure: fit by night, residuals, folded by both periods; saved if a path is given."""

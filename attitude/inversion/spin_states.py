@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
@@ -10,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
-from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     curve_problem,
@@ -19,9 +17,9 @@ from attitude.inversion import (
     refinement,
     search,
     states,
+    ties,
     verdicts,
 )
-from attitude.inversion.convex import Tie
 from attitude.inversion.curve import LightCurve
 from attitude.inversion.solution import Solution, SpinStates
 
@@ -29,14 +27,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude.annotations import Real
+    from attitude.body import Body
     from attitude.inversion.problem import CurveProblem
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
 # Frequencies searched at most, turns per span; more need a shorter curve.
 _MOST_TURNS = 1500.0
-# Standard deviation of the fitted zero points, mag, above which they are searched as free.
-_UNCALIBRATED = 0.15
 # Of the epochs, the share that lies within the same third of the day for one site.
 _ONE_SITE = 0.9
 
@@ -100,7 +97,7 @@ def spin_states(
     with _linear_algebra(threads):
         found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
         offsets = _offsets(found)
-        if zero_points == "auto" and len(offsets) > 2 and offsets.std() > _UNCALIBRATED:
+        if zero_points == "auto" and curve_problem.are_free(offsets):
             zero_points = "free"
             found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
     return _results(curve, found)
@@ -139,28 +136,7 @@ def _checked(curve, max_frequency, modes, shape, moments):
     for mode in modes:
         validation.one_of(mode, "modes", _MODES)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
-    return most, _tie(moments)
-
-
-def _tie(moments: str | float | Body | Sequence[float]) -> Tie:
-    """What the moments of the motion agree with."""
-    if isinstance(moments, str):
-        if moments not in ("shape", "free"):
-            raise AttitudeError(
-                f'moments is {moments!r}; give "shape", "free", a tolerance, three moments or a '
-                "Body."
-            )
-        return Tie() if moments == "shape" else Tie(math.inf)
-    if isinstance(moments, Body):
-        known = moments
-    elif np.ndim(moments) == 0:
-        return Tie(validation.positive(moments, "moments"))
-    else:
-        known = Body(moments=moments, relative=True)
-    ordered = np.sort(known.moments)
-    if ordered[0] <= 0.0:
-        raise AttitudeError("moments has one of zero; a light curve is that of a body with width.")
-    return Tie(given=ordered / ordered[2])
+    return most, ties.of(moments)
 
 
 def _linear_algebra(threads: int) -> AbstractContextManager[object]:
@@ -222,8 +198,7 @@ def _offsets(found):
     if not found.solutions:
         return np.zeros(0)
     best = found.solutions[0]
-    magnitude = refinement.model(best.problem, best.refined.state).magnitude
-    coefficients = best.problem.coefficients(magnitude)
+    coefficients = best.problem.coefficients(best.refined.magnitude)
     return coefficients[best.problem.prior == curve_problem.CALIBRATED]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -88,29 +88,56 @@ def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray
     night : (N,) array of int
         The night of each point.
     """
-    inverse = np.linalg.pinv(found.refined.normal, hermitian=True)
     here = refinement.model(found.problem, found.refined.state)
+    of_motion = of_scores(found, here, night, 8)
+    slopes = _slopes(found.refined.state)
+    total = slopes @ of_motion @ slopes.T
+    return 0.5 * (total + total.T), of_motion
+
+
+class Modelled(Protocol):
+    """Magnitudes (N,) and their Jacobian (P, N)."""
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Of each point."""
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """By all parameters, those of the motion first."""
+
+
+def of_scores(found: Weighted, here: Modelled, night: IntArray, count: int) -> FloatArray:
+    """Covariance (count, count) of the first parameters; see `covariance`.
+
+    Parameters
+    ----------
+    found : Weighted
+    here : Modelled
+        Of its state, at the points of its problem.
+    night : (N,) array of int
+    count : int
+    """
+    inverse = refinement.inverse(found.refined.normal)
     problem = found.problem
     r = (problem.y - here.magnitude) * problem.root
     r = r - problem.u.T @ (problem.u @ r)
     jacobian = here.jacobian * problem.root
     jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
     data = jacobian @ jacobian.T
-    formal = np.diag(inverse)[:8]
-    rise = np.ones(8)
+    formal = np.diag(inverse)[:count]
+    rise = np.ones(count)
     for group, least in ((night, _NIGHTS_RISE), (_parts(problem.t), _PARTS_RISE)):
-        count = int(group.max()) + 1
-        scores = np.stack([np.bincount(group, row * r, count) for row in jacobian])
-        meat = scores @ scores.T * (count / max(count - 1.0, 1.0))
-        wide = np.diag(inverse @ (meat + found.refined.normal - data) @ inverse)[:8]
+        groups = int(group.max()) + 1
+        scores = np.stack([np.bincount(group, row * r, groups) for row in jacobian])
+        meat = scores @ scores.T * (groups / max(groups - 1.0, 1.0))
+        wide = np.diag(inverse @ (meat + found.refined.normal - data) @ inverse)[:count]
         ratio = wide / np.where(formal > 0.0, formal, 1.0)
         rise = np.where(ratio > least, np.maximum(rise, ratio), rise)
-    held = np.diag(found.refined.normal)[:8] == 1.0
+    held = np.diag(found.refined.normal)[:count] == 1.0
     size = np.where(held, 0.0, np.sqrt(rise))
-    of_motion = inverse[:8, :8] * np.outer(size, size)
-    slopes = _slopes(found.refined.state)
-    total = slopes @ of_motion @ slopes.T
-    return 0.5 * (total + total.T), of_motion
+    of_motion: FloatArray = inverse[:count, :count] * np.outer(size, size)
+    return of_motion
 
 
 def _parts(t: FloatArray) -> IntArray:

@@ -206,13 +206,15 @@ class TorquedSensitivity(Derivatives):
         for j, others in enumerate(self._others):
             for weight, other in zip(_SIDED[1:], others, strict=True):
                 end, gain = _kicked(other, wxyz, omega, given)
-                by_mass[:, :3, j] += weight / longest * _turns(end, after)
+                if self._slips:
+                    by_mass[:, :3, j] += weight / longest * _turns(end, after)
                 by_mass[:, 3:, j] += weight / longest * (gain - gained)
         maps[:, :6, 6:9] = by_mass @ np.linalg.inv(_BY_MASS)
         for j, (size, others) in enumerate(self._parameters, start=9):
             for weight, other in zip(_WEIGHTS / size, others, strict=True):
                 end, gain = _kicked(other, wxyz, omega, given)
-                maps[:, :3, j] += weight * _turns(end, after)
+                if self._slips:
+                    maps[:, :3, j] += weight * _turns(end, after)
                 maps[:, 3:6, j] += weight * (gain - gained)
         return after, omega + gained, maps
 
