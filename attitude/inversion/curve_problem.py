@@ -21,7 +21,14 @@ MOST_POINTS = 2500
 _SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
 
 
-def problem(curve: LightCurve, most_frequency: float, error: float, zero_points: Any) -> Any:
+def problem(
+    curve: LightCurve,
+    most_frequency: float,
+    error: float,
+    zero_points: Any,
+    *,
+    is_known: bool = False,
+) -> Any:
     """The problem of a curve, and its points (N,) or None where they are averages.
 
     Parameters
@@ -33,14 +40,16 @@ def problem(curve: LightCurve, most_frequency: float, error: float, zero_points:
         Model error, mag.
     zero_points : str, float or tuple of str
         As of `LightCurve`.
+    is_known : bool
+        Whether shape and law are known: without terms of the phase angle and of time.
     """
     span = curve.span
     bins = _bins(curve, most_frequency)
     values = _averaged(curve, bins)
     t = values["emission"] / span
     alpha = values["alpha"]
-    terms = list(phase_terms(alpha, t).T)
-    prior = [np.inf, np.inf, _CURVATURE, _DRIFT]
+    terms = [] if is_known else list(phase_terms(alpha, t).T)
+    prior = [] if is_known else [np.inf, np.inf, _CURVATURE, _DRIFT]
     for k in range(len(curve.filters)):
         terms.append((values["filter"] == k).astype(float))
         prior.append(np.inf)

@@ -41,6 +41,12 @@ class KnownShape:
     mesh: Mesh
     law: Law
 
+    def over(self, axes: FloatArray) -> KnownShape:
+        """The same over other axes, the columns (3, 3)."""
+        if np.array_equal(axes, np.eye(3)):
+            return self
+        return KnownShape(self.mesh.turned(axes.T), self.law)
+
     def flux(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
         """Brightness (...) seen from unit vectors (..., 3) over the axes of the body, m2/sr."""
         return light_curve.brightness(self.mesh, self.law, sun, observer)
@@ -63,7 +69,7 @@ class KnownShape:
                 for side in (_TURN, -_TURN)
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _TURN)
-        nothing = np.zeros((0, len(sun)))
+        nothing = np.zeros((0, sun.shape[0]))
         here = self.magnitudes(sun, observer, least)
         return Lit(here, across, nothing, _NOTHING, np.zeros((0, 0)))
 

@@ -176,6 +176,24 @@ class Fit:
         return self.minimum(problem, state, _LAST)
 
 
+def of(
+    epoch: Instant,
+    problem: CurveProblem,
+    point: Point,
+    known: KnownShape | None,
+    tie: convex.Tie,
+    is_ellipsoid: bool = False,
+) -> Fit:
+    """What is fitted to a problem from a point; moments that are given or of a known shape stay."""
+    fixed = np.zeros(point.size + (0 if known else convex.SIZE), bool)
+    if known is not None or tie.given is not None:
+        fixed[6:8] = True
+    if is_ellipsoid:
+        fixed[point.size + convex.ELLIPSOID :] = True
+    least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
+    return Fit(epoch, known, least, tie, fixed)
+
+
 def _impossible(state: State, size: int, count: int) -> Found:
     """What a state without magnitudes is: of infinite cost."""
     normal, gradient = np.eye(size), np.zeros(size)

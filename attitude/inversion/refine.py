@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from attitude.inversion.moving import Motion, Point
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
+    from attitude.published.published import Published
     from attitude.scattering import Law
     from attitude.torques import Torque
 
@@ -59,14 +60,23 @@ class Refinement:
         The state and the changes of the motion.
     evidence : float
         As of `Solution`.
+    rank, relation : int, str
+        Among the solutions of `spin_states` for a known shape.
     """
 
     def __init__(
-        self, curve: LightCurve, weighted: Weighted, problem: CurveProblem, fit: moving_fit.Fit
+        self,
+        curve: LightCurve,
+        weighted: Weighted,
+        problem: CurveProblem,
+        fit: moving_fit.Fit,
+        body: Body,
     ) -> None:
         self.curve, self.weighted, self._problem, self._fit = curve, weighted, problem, fit
         self.point: Point = weighted.refined.state.point
         self.evidence: float = weighted.evidence
+        self.rank, self.relation = 0, "best"
+        self._body = body
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -90,6 +100,39 @@ class Refinement:
             spin.epoch, spin.wxyz_icrf, spin.angular_velocity, covariance=0.5 * (found + found.T)
         )
         return self.point.motion_of(with_errors)
+
+    @property
+    def mode(self) -> str:
+        """ "LAM", "SAM", or "PA" for rotation about one axis, of the first arc."""
+        return str(self._published.mode or "PA")
+
+    @property
+    def P_psi(self) -> float:
+        """s; infinite for rotation about one axis."""
+        return float(self._published.P_psi)
+
+    @property
+    def P_phi(self) -> float:
+        """s, of the long axis about the momentum."""
+        return float(self._published.P_phi)
+
+    @property
+    def pole(self) -> FloatArray:
+        """Longitude and latitude of the momentum, J2000 ecliptic, rad, on the first arc."""
+        return self._published.pole
+
+    @cached_property
+    def _published(self) -> Published:
+        return FreeRotation(self.point.body, self.point.spin).published("L", frame="ecliptic")
+
+    def write(self, path: FilePath, **labels: str | None) -> None:
+        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
+        from attitude.formats import spin_file
+
+        note = labels.pop("note", None) or f"by a fit to a light curve: {self!r}"
+        source = labels.pop("source", None) or "attitude.inversion"
+        first = FreeRotation(self.motion.body, self.motion.spin)
+        spin_file.write(path, first, source=source, note=note, **labels)
 
     @property
     def states(self) -> tuple[FreeRotation, ...]:
@@ -123,7 +166,7 @@ class Refinement:
     def shape(self) -> Mesh:
         """The closed convex mesh of the areas, of the volume of the unit sphere; or that given."""
         if self._fit.known is not None:
-            return self._fit.known.mesh
+            return self._fit.known.over(self._body.principal_axes.T).mesh
         return minkowski.mesh(self.weighted.refined.areas, sphere().normals)
 
     @property
@@ -220,38 +263,30 @@ def refine(
     point = moving.of(motion, curve.epoch, ends, arcs, torques)
     if tie.given is not None:
         point = ties.with_moments(point, tie.given)
-    known = known_shape.known(shape, law) if isinstance(shape, Mesh) else None
-    if known is None:
+    known = None
+    if isinstance(shape, Mesh):
+        known = known_shape.known(shape, law).over(motion.body.principal_axes)
+        params = np.zeros(0)
+    else:
         validation.one_of(shape, "shape", ("convex", "ellipsoid"))
         params = own if own is not None else _ellipsoid(point.body.moments)
         if shape == "ellipsoid":
             params = np.concatenate([params[:2], np.zeros(MODES)])
-    else:
-        params = np.zeros(0)
     rate = float(np.linalg.norm(point.spin.angular_velocity)) / (2.0 * math.pi)
     most = 3.0 * max(rate, _LEAST_TURNS / curve.span)
     zero_points = curve.zero_points
     for _ in range(2):
-        problem, _ = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, zero_points)
-        fit = _fit_of(curve, problem, point, known, tie, shape == "ellipsoid")
+        problem, _ = curve_problem.problem(
+            curve, most, search.ELLIPSOID_ERROR, zero_points, is_known=known is not None
+        )
+        fit = moving_fit.of(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
         found = fit.weighted(problem, moving_fit.State(point, params))
         offsets = robust.residuals(problem, found.refined.magnitude)[1]
         offsets = offsets[problem.prior == curve_problem.CALIBRATED]
         if zero_points != "auto" or not curve_problem.are_free(offsets):
             break
         zero_points = "free"
-    return Refinement(curve, found, problem, fit)
-
-
-def _fit_of(curve, problem, point, known, tie, is_ellipsoid):
-    """What is fitted to a problem."""
-    fixed = np.zeros(point.size + (0 if known else convex.SIZE), bool)
-    if known is not None or tie.given is not None:
-        fixed[6:8] = True
-    if is_ellipsoid:
-        fixed[point.size + convex.ELLIPSOID :] = True
-    least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
-    return moving_fit.Fit(curve.epoch, known, least, tie, fixed)
+    return Refinement(curve, found, problem, fit, motion.body)
 
 
 def _start(start: Any) -> tuple[Any, FloatArray | None]:

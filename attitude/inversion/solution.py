@@ -13,7 +13,6 @@ from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
 from attitude.inversion import aliases, convex, minkowski, predictions, refinement, search, states
 from attitude.inversion.facets import sphere
-from attitude.inversion.verdicts import COMPETING_POLES
 from attitude.scattering import LommelSeeligerLambert
 
 if TYPE_CHECKING:
@@ -240,8 +239,8 @@ class Solution:
         )
 
 
-class SpinStates(Sequence[Solution]):
-    """The solutions of a light curve, the best first.
+class SpinStates(Sequence[Any]):
+    """The solutions of a light curve, the best first; of a known shape, each a `Refinement`.
 
     Attributes
     ----------
@@ -254,25 +253,18 @@ class SpinStates(Sequence[Solution]):
     """
 
     def __init__(
-        self, solutions: list[Solution], verdict: str, criterion: str, notes: tuple[str, ...]
+        self, solutions: list[Any], verdict: str, criterion: str, notes: tuple[str, ...]
     ) -> None:
         self._solutions = solutions
         self.verdict, self.criterion, self.notes = verdict, criterion, notes
-        for each in solutions:
-            each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
-            each._rivals = [each] + [
-                other
-                for other in solutions
-                if other is not each and abs(other.evidence - each.evidence) < COMPETING_POLES
-            ]
 
     @overload
-    def __getitem__(self, index: int) -> Solution: ...
+    def __getitem__(self, index: int) -> Any: ...
 
     @overload
-    def __getitem__(self, index: slice) -> list[Solution]: ...
+    def __getitem__(self, index: slice) -> list[Any]: ...
 
-    def __getitem__(self, index: int | slice) -> Solution | list[Solution]:
+    def __getitem__(self, index: int | slice) -> Any:
         """The solution of a rank."""
         if isinstance(index, int) and not self._solutions:
             raise AttitudeError(f"there is no solution: {self.criterion}")

@@ -11,8 +11,10 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import (
+    aliases,
     curve_problem,
     ellipsoid_search,
+    known_states,
     lattices,
     refinement,
     search,
@@ -22,6 +24,7 @@ from attitude.inversion import (
 )
 from attitude.inversion.curve import LightCurve
 from attitude.inversion.solution import Solution, SpinStates
+from attitude.shape import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from attitude.annotations import Real
     from attitude.body import Body
     from attitude.inversion.problem import CurveProblem
+    from attitude.scattering import Law
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
@@ -43,7 +47,8 @@ def spin_states(
     max_frequency: Real,
     *,
     modes: Sequence[str] = _MODES,
-    shape: str = "convex",
+    shape: str | Mesh = "convex",
+    law: str | Law | None = None,
     moments: str | float | Body | Sequence[float] = "shape",
     budget: Real = 60.0,
     seed: int = 0,
@@ -59,12 +64,17 @@ def spin_states(
         Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
     modes : sequence of str
         "LAM", "SAM" or both.
-    shape : str
-        "convex", or "ellipsoid".
+    shape : str or Mesh
+        "convex", or "ellipsoid"; or a known mesh, such as a satellite, whose axes are the body's.
+        Then `max_frequency` is that of the rate itself, and solutions are `Refinement` objects.
+    law : str or Law, optional
+        Of a known mesh, such as `attitude.scattering.Materials`; by default Lommel-Seeliger's law
+        and a tenth of Lambert's.
     moments : str, float, three floats or Body
         "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
         to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
-        moments, of which the ratios count, or a Body: known moments, with any shape.
+        moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
+        mesh "shape" is homogeneous, and three moments are about its own axes.
     budget : float or text
         Time, s, after which the best so far is returned.
     seed : int
@@ -88,6 +98,14 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
+    if isinstance(shape, Mesh):
+        most = _checked_turns(curve, max_frequency)
+        length = validation.positive(budget, "budget", unit="s")
+        given = curve, most, shape, law, moments, length, seed, progress
+        with _linear_algebra(validation.count(threads, "threads")):
+            return SpinStates(*known_states.found(*given))
+    if law is not None:
+        raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
     most, tie = _checked(curve, max_frequency, modes, shape, moments)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
@@ -115,7 +133,8 @@ def _compile(curve: LightCurve, most: float) -> None:
     refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _checked(curve, max_frequency, modes, shape, moments):
+def _checked_turns(curve, max_frequency):
+    """The largest frequency, Hz."""
     if not isinstance(curve, LightCurve):
         raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
@@ -131,6 +150,11 @@ def _checked(curve, max_frequency, modes, shape, moments):
             f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
             "the curve."
         )
+    return most
+
+
+def _checked(curve, max_frequency, modes, shape, moments):
+    most = _checked_turns(curve, max_frequency)
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
@@ -210,5 +234,11 @@ def _results(curve, found):
     ]
     for k, each in enumerate(solutions):
         each.rank = k
+        each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
+        each._rivals = [each] + [
+            other
+            for other in solutions
+            if other is not each and abs(other.evidence - each.evidence) < verdicts.COMPETING_POLES
+        ]
     verdict, criterion = verdicts.verdict([each.weighted for each in solutions], found.problem)
     return SpinStates(solutions, verdict, criterion, tuple(found.notes))
