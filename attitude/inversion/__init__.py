@@ -13,6 +13,8 @@ convex, iteration      magnitudes and priors of a convex body; the iteration of 
 refinement, robust     orientation, elements and areas together; Student's errors
 facets, facet_sums     convex bodies by areas of facets, their moments and their brightness
 minkowski              the closed mesh of areas and normals
+jackknife              covariances that contain the error of the model
+pass_search            states of a body of known shape; `known_states`, their ranking
 states                 motion and covariance from the parameters of a search
 predictions, figures   magnitudes and figures of a solution
 aliases, verdicts      relations between solutions in words; what a curve decides

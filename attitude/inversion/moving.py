@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import epochs, quaternion
+from attitude import representations as forms
 from attitude.arcs import Arcs, Impulse
 from attitude.arcs.triggers import Trigger
 from attitude.body import Body
@@ -112,6 +113,14 @@ class Point:
         slopes = np.delete(found, 8, axis=-1)
         slopes[..., 6:8] *= self.body.moments[:2]
         return matrix, slopes
+
+    def difference(self, origin: Point) -> FloatArray:
+        """The parameters (P,) of this point from those of another."""
+        turn = quaternion.multiply(self.spin.wxyz_icrf, quaternion.conjugate(origin.spin.wxyz_icrf))
+        rates = self.spin.angular_velocity - origin.spin.angular_velocity
+        ratios = self.log_ratios - origin.log_ratios
+        values = self.values - origin.values
+        return np.concatenate([forms.to_rotation_vector(turn), rates, ratios, values])
 
     def by_state(self) -> FloatArray:
         """Changes (9, P) of the state of `Spin.covariance` for unit changes of the parameters."""

@@ -14,6 +14,7 @@ from attitude.free_rotation import FreeRotation
 from attitude.inversion import (
     convex,
     curve_problem,
+    jackknife,
     known_shape,
     minkowski,
     moving,
@@ -21,7 +22,6 @@ from attitude.inversion import (
     predictions,
     robust,
     search,
-    states,
     ties,
 )
 from attitude.inversion.curve import LightCurve
@@ -34,7 +34,7 @@ from attitude.spin import Spin
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import Epochs, FilePath, FloatArray
+    from attitude.annotations import BoolArray, Epochs, FilePath, FloatArray
     from attitude.arcs import Impulse
     from attitude.body import Body
     from attitude.inversion.moving import Motion, Point
@@ -82,13 +82,20 @@ class Refinement:
     def covariance(self) -> FloatArray:
         """(P, P): turn (rad, ICRF), rates (rad/s), ln of two ratios of moments, the changes.
 
-        As of `Solution.covariance`: of the curvature, or of the scatter of the scores of nights and
-        of tenths of the span where it is larger.
+        As of `Solution.covariance`, with the error of the model by `jackknife`.
         """
-        night = states.nights(self._problem.t * self._problem.span)
-        return states.of_scores(
-            self.weighted, self._model(self.weighted.problem), night, self.point.size
+        problem, state = self.weighted.problem, self.weighted.refined.state
+
+        def refitted(keep: BoolArray) -> FloatArray | None:
+            again = self._fit.minimum(problem.part(keep), state, gain=1e-4)
+            return again.state.point.difference(self.point)
+
+        session = None if len(problem) < len(self.curve) else self.curve.session
+        groups = jackknife.groupings(problem.t, problem.span, session)
+        made = jackknife.errors(
+            self.weighted, self._model(problem), groups, self.point.size, refitted
         )
+        return made.covariance
 
     @cached_property
     def motion(self) -> Motion:

@@ -11,7 +11,16 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, convex, minkowski, predictions, refinement, search, states
+from attitude.inversion import (
+    aliases,
+    convex,
+    jackknife,
+    minkowski,
+    predictions,
+    refinement,
+    search,
+    states,
+)
 from attitude.inversion.facets import sphere
 from attitude.scattering import LommelSeeligerLambert
 
@@ -21,6 +30,7 @@ if TYPE_CHECKING:
     from attitude.annotations import Epochs, FilePath, FloatArray
     from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
+    from attitude.inversion.jackknife import Errors
     from attitude.inversion.posterior import Posterior
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
@@ -78,9 +88,11 @@ class Solution:
         return states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
 
     @cached_property
-    def _covariances(self) -> tuple[FloatArray, FloatArray]:
-        night = states.nights(self._problem.t * self._problem.span)
-        return states.covariance(self.weighted, night)
+    def _covariances(self) -> tuple[FloatArray, Errors]:
+        problem = self._problem
+        session = None if len(problem) < len(self.curve) else self.curve.session
+        groups = jackknife.groupings(problem.t, problem.span, session)
+        return states.covariance(self.weighted, groups, self.tie)
 
     @property
     def covariance(self) -> FloatArray:
@@ -113,7 +125,7 @@ class Solution:
     @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
-        c = self._covariances[1]
+        c = self._covariances[1].covariance
         phi, psi = aliases.rates(self.state)
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
@@ -136,7 +148,7 @@ class Solution:
     @property
     def pole_sigma(self) -> float:
         """Standard error of the direction of the momentum, rad, the larger of two."""
-        inner = self._covariances[1][:2, :2]
+        inner = self._covariances[1].covariance[:2, :2]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
     @cached_property
