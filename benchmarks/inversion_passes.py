@@ -1,9 +1,9 @@
 """A satellite of known shape over a site: `python benchmarks/inversion_passes.py 20 7000`.
 
 Circular orbits over a site, a box with one wing of random size and materials, tumbling by Euler's
-equations (DOP853, `inversion_cases`); brightness from facets divided in 16, whose shadows are finer than
-those of the inversion; 0.1 mag, 200 points.  Nothing of the truth but shape, materials and
-moments is in the input.  The rate vector is compared over axes in space.
+equations (DOP853, `inversion_cases`); brightness from facets divided in 16, with finer shadows.
+200 points of 0.1 mag.  The input has shape, materials, moments and geometry, rates up to twice the
+true one are searched.  The rate vector is compared over axes in space.
 """
 
 from __future__ import annotations
@@ -140,8 +140,8 @@ def main(arguments: list[str]) -> None:
         turns = np.linalg.norm(given.omega) * given.curve.span / (2.0 * math.pi)
         print(
             f"{k:2d} {turns:.1f} turns, {len(given.curve)} points: error of the rate "
-            f"{100.0 * errors[0]:.2f} %, rank {listed[:1]}, {found.verdict}, rms {found[0].rms:.3f}, "
-            f"{spent[-1]:.1f} s",
+            f"{100.0 * errors[0]:.2f} %, rank {listed[:1]}, {found.verdict}, "
+            f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
     print(

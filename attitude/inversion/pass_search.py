@@ -35,6 +35,9 @@ _REFINED, _KEPT, _LEFT = 3000, 500, 60
 _GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
 # Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
 _ERRORS = 0.4, 0.1
+# First spans that are tried, and the number of points over the cost at which a state fits: errors
+# of the model are added to those of the points.
+_ATTEMPTS, _EXPECTED = 14, 1.3
 # States that are sampled from their errors when the span grows, and samples of each.
 _SAMPLED, _SAMPLES = 12, 6
 # Rows (states times points) that are computed together.
@@ -96,25 +99,41 @@ class PassSearch:
     origin: float = field(init=False)
 
     def run(self) -> None:
-        """Search; `found` has the states that are left."""
+        """Search from one first span after another, until the residuals are as the errors."""
         problem = self.problem
         seconds = problem.t * problem.span
         self.least = self.known.floor(problem.sun.T, problem.observer.T)
-        middle, span = _first_span(seconds, self.most)
+        best: States | None = None
+        origin = 0.0
+        for attempt in range(_ATTEMPTS):
+            middle, span = _first_span(seconds, self.most, attempt)
+            self._from(middle, span)
+            self.progress(f"attempt {attempt + 1}: cost {self.found.cost[0]:.0f}")
+            if best is None or self.found.cost[0] < best.cost[0]:
+                best, origin = self.found, self.origin
+            size = len(problem) / _EXPECTED
+            if best.cost[0] < size or time.monotonic() > self.deadline:
+                break
+        assert best is not None
+        self.found, self.origin = best, origin
+
+    def _from(self, middle: float, span: float) -> None:
+        """Search from one first span: its middle and half its length, s."""
+        problem = self.problem
         self.origin = middle
-        away = np.abs(seconds - middle)
+        away = np.abs(problem.t * problem.span - middle)
         own = problem.part(away <= span).with_model_error(_ERRORS[0])
         self.found = self._screened(own, span)
         self.found = self._refined(own, self.found, _ITERATIONS)
         self._keep(_KEPT)
         whole = float(away.max())
+        first = span
         while span < whole:
             span = min(span * _GROWTH, whole)
-            here = away <= span
             count = max(int(len(self.found.cost) / 1.35), _LEFT)
-            share = math.log(whole / span) / math.log(max(whole / 1e-9, 2.0))
-            error = _ERRORS[1] * (_ERRORS[0] / _ERRORS[1]) ** min(1.0, 8.0 * share)
-            own = problem.part(here).with_model_error(error)
+            share = math.log(span / first) / math.log(whole / first)
+            error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
+            own = problem.part(away <= span).with_model_error(error)
             self.found = self._refined(own, self._branched(own, self.found), _ITERATIONS)
             self._keep(count)
             self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
@@ -249,17 +268,15 @@ class PassSearch:
         self.found = found.rows(np.array(chosen))
 
 
-def _first_span(seconds: FloatArray, most: float) -> tuple[float, float]:
-    """Middle and half the length of the first span: where points are densest."""
-    count = min(_FIRST_POINTS, len(seconds))
+def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
+    """Middle and half the length of the first span: near the median epoch, later elsewhere."""
     ordered = np.sort(seconds)
-    lengths = ordered[count - 1 :] - ordered[: len(ordered) - count + 1]
+    wanted = (0.5, 0.25, 0.75, 0.38, 0.62, 0.12, 0.88)[attempt % 7]
+    count = min(_FIRST_POINTS + 4 * (attempt // 7), len(ordered))
+    first = int(wanted * (len(ordered) - count))
     turns = 2.0 * math.pi * _FIRST_TURNS / most
-    # spans about as long as the median, so that points are not crowded at one phase
-    middle = 0.5 * (ordered[count - 1 :] + ordered[: len(ordered) - count + 1])
-    centre = np.abs(middle - np.median(ordered))
-    k = int(np.argmin(lengths / np.median(lengths) + 0.3 * centre / max(np.ptp(ordered), 1e-9)))
-    return float(middle[k]), 0.5 * max(float(lengths[k]), turns) * 1.0001
+    low, high = float(ordered[first]), float(ordered[first + count - 1])
+    return 0.5 * (low + high), 0.5 * max(high - low, turns) * 1.0001
 
 
 def _over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

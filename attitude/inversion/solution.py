@@ -314,6 +314,8 @@ class SpinStates(Sequence[Any]):
         """A figure of the best fit, and of the periods and poles of all solutions."""
         from attitude.inversion import figures
 
+        if not isinstance(self[0], Solution):
+            return figures.of_fit(self[0], path)
         return figures.of_states(self, path)
 
     def __repr__(self) -> str:
