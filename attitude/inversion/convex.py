@@ -29,7 +29,7 @@ _GIVEN = 0.003
 _MAGNITUDE = -2.5 / math.log(10.0)
 
 
-class Lit(NamedTuple):
+class BodyLight(NamedTuple):
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
     across (N, 3): by a turn of the body, rad, over its own axes; by_shape (SIZE, N); areas (F,)
@@ -77,7 +77,7 @@ class MotionMoments(NamedTuple):
     is_swapped: bool
 
 
-def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Lit:
+def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> BodyLight:
     """The magnitudes of a shape (SIZE,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = facets.areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
@@ -87,7 +87,7 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Lit:
     factor = _MAGNITUDE / total
     across = (np.cross(by[:, :3], sun) + np.cross(by[:, 3:], observer)) * factor[:, None]
     parts *= factor[:, None]
-    return Lit(_MAGNITUDE * np.log(total), across, (parts @ slopes).T, area, slopes)
+    return BodyLight(_MAGNITUDE * np.log(total), across, (parts @ slopes).T, area, slopes)
 
 
 def penalties(
@@ -104,7 +104,7 @@ def penalties(
     ----------
     shape : (SIZE,) array
     areas, slopes
-        As of `Lit`.
+        As of `BodyLight`.
     moments : MotionMoments or None
         None for rotation about the third axis, which is then that of the greatest moment.
     motion : int

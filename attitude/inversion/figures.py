@@ -35,7 +35,8 @@ def of_solution(solution: Solution, path: FilePath | None = None) -> Any:
 def of_fit(found: Refinement, path: FilePath | None = None) -> Any:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
-    _fit(*figure.subplots(2, 1), found)
+    above, below = figure.subplots(2, 1)
+    _fit(above, below, found)
     figure.suptitle(repr(found)[1:-1], fontsize=9)
     return _saved(figure, path)
 
@@ -91,12 +92,12 @@ def _map(axes: Any, best: Solution) -> None:
     step = 1.0 / lattices.OVERSAMPLING
     sides = []
     for centre in (phi, 2.0 * psi):
-        first = max(2, round(centre / step) - _SIDE)
-        sides.append(np.arange(first, first + 2 * _SIDE + 1))
+        least = max(2, round(centre / step) - _SIDE)
+        sides.append(np.arange(least, least + 2 * _SIDE + 1))
     made = lattices.tables(problem, 8 * int(max(each[-1] for each in sides)) + 8)
-    first, second = (each.ravel() for each in np.meshgrid(*sides, indexing="ij"))
-    gain = np.empty(len(first))
-    pair_scan.decreases(*made[:4], first, second, pair_scan.harmonics(2), 1.0, gain)
+    one, two = (each.ravel() for each in np.meshgrid(*sides, indexing="ij"))
+    gain = np.empty(len(one))
+    pair_scan.decreases(*made[:4], one, two, pair_scan.harmonics(2), 1.0, gain)
     left = (1.0 - gain / made.total).reshape(len(sides[0]), len(sides[1]))
     unit = step / best.curve.span * _DAY
     x, y = sides[0] * unit, 0.5 * sides[1] * unit
@@ -115,9 +116,8 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
     above.legend(fontsize=8)
-    session = solution.curve.session
-    if len(session) != len(days):
-        session = np.zeros(len(days), int)
+    averaged = len(solution.curve) != len(days)
+    session = np.zeros(len(days), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):
         own = session == number
         below.plot(days[own], solution.residuals[own], ".", color=f"C{number % 10}")

@@ -44,7 +44,7 @@ class Modelled(Protocol):
         """By all parameters, those of the motion first."""
 
 
-class Errors(NamedTuple):
+class GroupErrors(NamedTuple):
     """Covariances (K, K) of the parameters of the motion: of the curvature, and with model error.
 
     widening (K, K) turns samples of the former into those of the latter.
@@ -61,7 +61,7 @@ def errors(
     groupings: Sequence[IntArray],
     count: int,
     refitted: Callable[[BoolArray], FloatArray | None],
-) -> Errors:
+) -> GroupErrors:
     """The covariances of the first `count` parameters.
 
     Parameters
@@ -86,7 +86,9 @@ def errors(
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0
     scaled = normal / np.outer(scale, scale)
-    factor = np.linalg.cholesky(_regular(formal[np.ix_(free, free)]))
+    factor: FloatArray = np.asarray(
+        np.linalg.cholesky(_regular(formal[np.ix_(free, free)])), dtype=np.float64
+    )
     inflation = np.eye(len(factor))
     for group in groupings:
         total = int(group.max()) + 1
@@ -98,7 +100,7 @@ def errors(
             part = jacobian[:, on]
             change = np.linalg.solve(scaled - part @ part.T, -part @ r[on]) / scale
             changes.append(np.linalg.solve(factor, change[:count][free]))
-        _refit(changes, group, lambda keep: refitted(keep), factor, free)
+        _refit(changes, group, refitted, factor, free)
         spread = np.array(changes)
         inner = (total - 1.0) / total * spread.T @ spread
         inflation = _larger(inflation, inner, total)
@@ -109,7 +111,7 @@ def errors(
     covariance[at] = factor @ inflation @ factor.T
     kept = np.zeros((count, count))
     kept[at] = formal[at]
-    return Errors(kept, 0.5 * (covariance + covariance.T), widening)
+    return GroupErrors(kept, 0.5 * (covariance + covariance.T), widening)
 
 
 def _refit(

@@ -10,7 +10,7 @@ import numpy as np
 
 from attitude import light_curve
 from attitude.errors import AttitudeError
-from attitude.inversion.convex import Lit
+from attitude.inversion.convex import BodyLight
 from attitude.scattering import LommelSeeligerLambert
 from attitude.scattering import law as known_law
 from attitude.shape import Mesh
@@ -60,7 +60,7 @@ class KnownShape:
         """The least flux that counts, from directions (..., 3) over any axes."""
         return max(_DARK * float(np.mean(self.flux(sun, observer))), 1e-300)
 
-    def lit(self, sun: FloatArray, observer: FloatArray, least: float) -> Lit:
+    def lit(self, sun: FloatArray, observer: FloatArray, least: float) -> BodyLight:
         """Magnitudes (N,) and their slopes (N, 3) by a turn of the body about its own axes."""
         across = np.empty((*sun.shape[:-1], 3))
         for k in range(3):
@@ -71,7 +71,7 @@ class KnownShape:
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _TURN)
         nothing = np.zeros((0, sun.shape[0]))
         here = self.magnitudes(sun, observer, least)
-        return Lit(here, across, nothing, _NOTHING, np.zeros((0, 0)))
+        return BodyLight(here, across, nothing, _NOTHING, np.zeros((0, 0)))
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:

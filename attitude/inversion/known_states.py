@@ -107,7 +107,7 @@ def _fitted(curve, problem, known, body, made, k):
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = moving.of(FreeRotation(own, spin), curve.epoch, ends, None, None)
     fit = moving_fit.of(curve.epoch, problem, point, known, Tie())
-    weighted = fit.weighted(problem, moving_fit.State(point, np.zeros(0)))
+    weighted = fit.weighted(problem, moving_fit.MovingState(point, np.zeros(0)))
     return Refinement(curve, weighted, problem, fit, body)
 
 

@@ -40,7 +40,7 @@ _SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class MovingPoint:
     """A state and the changes of the motion from then on.
 
     Attributes
@@ -76,8 +76,9 @@ class Point:
             return Arcs(self.body, spin, self.impulses)
         if self.torques:
             low, high = min(self.reach[0], 0.0), max(self.reach[1], 0.0)
-            given = {"tolerance": _TOLERANCE, "span": (low, high)}
-            return TorquedRotation(self.body, spin, self.torques, **given)
+            return TorquedRotation(
+                self.body, spin, self.torques, tolerance=_TOLERANCE, span=(low, high)
+            )
         return FreeRotation(self.body, spin)
 
     @property
@@ -114,7 +115,7 @@ class Point:
         slopes[..., 6:8] *= self.body.moments[:2]
         return matrix, slopes
 
-    def difference(self, origin: Point) -> FloatArray:
+    def difference(self, origin: MovingPoint) -> FloatArray:
         """The parameters (P,) of this point from those of another."""
         turn = quaternion.multiply(self.spin.wxyz_icrf, quaternion.conjugate(origin.spin.wxyz_icrf))
         rates = self.spin.angular_velocity - origin.spin.angular_velocity
@@ -129,7 +130,7 @@ class Point:
         found[6, 6], found[7, 7] = self.body.moments[:2]
         return found
 
-    def moved(self, step: FloatArray) -> Point | None:
+    def moved(self, step: FloatArray) -> MovingPoint | None:
         """The point after a step of limited length; None if that is no body's."""
         longest = max(
             float(np.linalg.norm(step[:3])) / 0.5,
@@ -143,7 +144,7 @@ class Point:
         except AttitudeError:
             return None
         impulses, torques = self._changed(self.values + step[STATE:])
-        return Point(body, spin, impulses, torques, self.reach)
+        return MovingPoint(body, spin, impulses, torques, self.reach)
 
     def _changed(self, values: FloatArray) -> tuple[tuple[Impulse, ...], tuple[Torque, ...]]:
         """The changes with other numbers."""
@@ -185,7 +186,9 @@ class Point:
         raise AssertionError(number)
 
 
-def of(start: Motion, epoch: Instant, reach: tuple[float, float], arcs: Any, torques: Any) -> Point:
+def of(
+    start: Motion, epoch: Instant, reach: tuple[float, float], arcs: Any, torques: Any
+) -> MovingPoint:
     """The point of a motion and of changes that are given, at the epoch of its spin.
 
     Parameters
@@ -233,10 +236,10 @@ def of(start: Motion, epoch: Instant, reach: tuple[float, float], arcs: Any, tor
         )
     shift = epoch.seconds - spin.epoch.seconds
     ends = reach[0] + shift, reach[1] + shift
-    return Point(own, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
+    return MovingPoint(own, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
 
 
-def seconds_of(point: Point, epoch: Instant, seconds: FloatArray) -> FloatArray:
+def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> FloatArray:
     """Seconds since the epoch of a point's spin, of seconds (N,) since another epoch."""
     hi, lo = epochs.seconds_since(point.spin.epoch, epoch)
     return seconds + (float(hi) + (0.0 if lo is None else float(lo)))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray
     from attitude.epochs.instants import Instant
     from attitude.inversion.known_shape import KnownShape
-    from attitude.inversion.moving import Point
+    from attitude.inversion.moving import MovingPoint
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
 
@@ -28,10 +28,10 @@ _BAD = 1.5
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class MovingState:
     """A point and the parameters of a convex shape, none for a known one."""
 
-    point: Point
+    point: MovingPoint
     shape: FloatArray
 
 
@@ -49,7 +49,7 @@ class MovingModel:
 class Found:
     """A state near its least cost; attributes as of `refinement.Refined`."""
 
-    state: State
+    state: MovingState
     cost: float
     chi_squared: float
     strain: float
@@ -60,7 +60,7 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class MovingFit:
     """What is fitted.
 
     Attributes
@@ -83,7 +83,7 @@ class Fit:
     tie: convex.Tie
     fixed: BoolArray
 
-    def model(self, problem: CurveProblem, state: State) -> MovingModel:
+    def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
         """The magnitudes of a state, with derivatives."""
         point = state.point
         seconds = moving.seconds_of(point, self.epoch, problem.t * problem.span)
@@ -99,14 +99,16 @@ class Fit:
         jacobian = np.concatenate([of_motion, lit.by_shape])
         return MovingModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
 
-    def near(self, problem: CurveProblem, state: State) -> Found:
+    def near(self, problem: CurveProblem, state: MovingState) -> Found:
         """The cost near a state."""
         here = self.model(problem, state)
         priors = self._priors(state, here)
         made = refinement.linearised(problem, here.magnitude, here.jacobian, priors, self.fixed)
         return Found(state, *made, here.areas, here.magnitude)
 
-    def _priors(self, state: State, here: MovingModel) -> tuple[FloatArray, FloatArray, float]:
+    def _priors(
+        self, state: MovingState, here: MovingModel
+    ) -> tuple[FloatArray, FloatArray, float]:
         point = state.point
         if self.known is not None:
             return np.zeros(0), np.zeros((0, point.size)), 0.0
@@ -116,7 +118,7 @@ class Fit:
         given = state.shape, here.areas, here.slopes
         return convex.penalties(*given, moments, point.size, self.tie)
 
-    def moved(self, best: Found, step: FloatArray) -> State | None:
+    def moved(self, best: Found, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""
         count = best.state.point.size
         shape = step[count:]
@@ -129,14 +131,18 @@ class Fit:
         new = best.state.shape + step[count:]
         if len(new) and float(np.abs(new[:2]).max()) >= 6.0:
             return None
-        return State(point, new)
+        return MovingState(point, new)
 
     def minimum(
-        self, problem: CurveProblem, start: State, iterations: int = _ITERATIONS, gain: float = 1e-3
+        self,
+        problem: CurveProblem,
+        start: MovingState,
+        iterations: int = _ITERATIONS,
+        gain: float = 1e-3,
     ) -> Found:
         """The state of least cost near a start."""
 
-        def at(state: State) -> Found:
+        def at(state: MovingState) -> Found:
             try:
                 return self.near(problem, state)
             except AttitudeError:
@@ -144,7 +150,7 @@ class Fit:
 
         return iteration.minimum(at, self.moved, start, iterations, gain)
 
-    def weighted(self, problem: CurveProblem, start: State) -> Weighted:
+    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
         """The state of largest posterior density, with Student's errors and a model error."""
         whole = problem.with_model_error(ELLIPSOID_ERROR)
         best = self.minimum(whole, start, _LAST)
@@ -158,13 +164,13 @@ class Fit:
             whole = problem.with_model_error(robust.model_error(problem, residual))
             best = self.minimum(whole, best.state)
 
-        def fit(own: CurveProblem, state: State) -> Found:
+        def fit(own: CurveProblem, state: MovingState) -> Found:
             return self.minimum(own, state, _LAST, 1e-5)
 
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return robust.student(whole, best.state, fit, free)
 
-    def _in_stages(self, problem: CurveProblem, start: State) -> Found:
+    def _in_stages(self, problem: CurveProblem, start: MovingState) -> Found:
         """The least cost from fits of points near the epoch of the start, then of more."""
         seconds = moving.seconds_of(start.point, self.epoch, problem.t * problem.span)
         away = np.abs(seconds)
@@ -179,11 +185,11 @@ class Fit:
 def of(
     epoch: Instant,
     problem: CurveProblem,
-    point: Point,
+    point: MovingPoint,
     known: KnownShape | None,
     tie: convex.Tie,
     is_ellipsoid: bool = False,
-) -> Fit:
+) -> MovingFit:
     """What is fitted to a problem from a point; moments that are given or of a known shape stay."""
     fixed = np.zeros(point.size + (0 if known else convex.SIZE), bool)
     if known is not None or tie.given is not None:
@@ -191,10 +197,10 @@ def of(
     if is_ellipsoid:
         fixed[point.size + convex.ELLIPSOID :] = True
     least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
-    return Fit(epoch, known, least, tie, fixed)
+    return MovingFit(epoch, known, least, tie, fixed)
 
 
-def _impossible(state: State, size: int, count: int) -> Found:
+def _impossible(state: MovingState, size: int, count: int) -> Found:
     """What a state without magnitudes is: of infinite cost."""
     normal, gradient = np.eye(size), np.zeros(size)
     nothing = np.zeros(0), np.full(count, math.nan)

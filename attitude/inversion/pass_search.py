@@ -58,7 +58,7 @@ class States(NamedTuple):
         return States(self.wxyz[chosen], self.omega[chosen], self.cost[chosen])
 
 
-class Near(NamedTuple):
+class NearMany(NamedTuple):
     """Costs (M,), normal matrices (M, 6, 6) and gradients (M, 6) of states."""
 
     cost: FloatArray
@@ -174,16 +174,16 @@ class PassSearch:
         sun, observer = _over_body(quaternion.matrix(turned), problem)
         return _squares(problem, self.known.magnitudes(sun, observer, self.least))[0]
 
-    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> Near:
+    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         """Costs and their derivatives by turn (rad, inertial axes) and rates."""
         parts = []
         block = max(_BLOCK // len(problem), 1)
         for begin in range(0, len(wxyz), block):
             here = slice(begin, begin + block)
             parts.append(self._near_block(problem, wxyz[here], omega[here]))
-        return Near(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+        return NearMany(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
-    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> Near:
+    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         t = problem.t * problem.span - self.origin
         turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
         matrix = quaternion.matrix(turned)
@@ -194,7 +194,7 @@ class PassSearch:
         out = jacobian @ problem.u.T
         normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
         gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
-        return Near(cost, normal, gradient)
+        return NearMany(cost, normal, gradient)
 
     def _refined(self, problem: CurveProblem, given: States, iterations: int) -> States:
         """States after Levenberg and Marquardt's iteration, side by side."""
@@ -203,7 +203,7 @@ class PassSearch:
         damping = np.full(len(wxyz), 1e-2)
         active = np.arange(len(wxyz))
         for _ in range(iterations):
-            part = Near(*(each[active] for each in best))
+            part = NearMany(*(each[active] for each in best))
             step = self._step(part, damping[active], omega[active])
             q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
             w = omega[active] + step[:, 3:]
@@ -222,7 +222,7 @@ class PassSearch:
                 break
         return States(wxyz, omega, best.cost)
 
-    def _step(self, near: Near, damping: FloatArray, omega: FloatArray) -> FloatArray:
+    def _step(self, near: NearMany, damping: FloatArray, omega: FloatArray) -> FloatArray:
         """Damped steps (M, 6) of limited length."""
         scale = np.sqrt(np.maximum(np.einsum("mii->mi", near.normal), 1e-12))
         scaled = near.normal / scale[:, :, None] / scale[:, None, :]

@@ -73,7 +73,7 @@ def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, Fl
     return t - light, sun, observer
 
 
-def _terms(solution: Solution, emission: FloatArray, alpha: FloatArray) -> FloatArray:
+def _terms(solution: Solution | Refinement, emission: FloatArray, alpha: FloatArray) -> FloatArray:
     """Linear terms (T, L) at other epochs: of the first filter, sessions at their mean."""
     own = solution.weighted.problem
     found = np.zeros((len(emission), own.terms.shape[1]))

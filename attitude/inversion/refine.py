@@ -24,7 +24,7 @@ from attitude.inversion import (
     search,
     ties,
 )
-from attitude.inversion.curve import LightCurve
+from attitude.inversion.curve import CALIBRATED, LightCurve
 from attitude.inversion.facets import MODES, sphere
 from attitude.inversion.solution import Solution
 from attitude.scattering import LommelSeeligerLambert
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from attitude.annotations import BoolArray, Epochs, FilePath, FloatArray
     from attitude.arcs import Impulse
     from attitude.body import Body
-    from attitude.inversion.moving import Motion, Point
+    from attitude.inversion.moving import Motion, MovingPoint
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
     from attitude.published.published import Published
@@ -56,7 +56,7 @@ class Refinement:
     curve : LightCurve
     weighted : Weighted
         Parameters, residuals and weights.
-    point : Point
+    point : MovingPoint
         The state and the changes of the motion.
     evidence : float
         As of `Solution`.
@@ -69,11 +69,11 @@ class Refinement:
         curve: LightCurve,
         weighted: Weighted,
         problem: CurveProblem,
-        fit: moving_fit.Fit,
+        fit: moving_fit.MovingFit,
         body: Body,
     ) -> None:
         self.curve, self.weighted, self._problem, self._fit = curve, weighted, problem, fit
-        self.point: Point = weighted.refined.state.point
+        self.point: MovingPoint = weighted.refined.state.point
         self.evidence: float = weighted.evidence
         self.rank, self.relation = 0, "best"
         self._body = body
@@ -287,9 +287,9 @@ def refine(
             curve, most, search.ELLIPSOID_ERROR, zero_points, is_known=known is not None
         )
         fit = moving_fit.of(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
-        found = fit.weighted(problem, moving_fit.State(point, params))
+        found = fit.weighted(problem, moving_fit.MovingState(point, params))
         offsets = robust.residuals(problem, found.refined.magnitude)[1]
-        offsets = offsets[problem.prior == curve_problem.CALIBRATED]
+        offsets = offsets[problem.prior == CALIBRATED]
         if zero_points != "auto" or not curve_problem.are_free(offsets):
             break
         zero_points = "free"

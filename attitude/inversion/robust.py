@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from attitude.inversion.refinement import Refined
 
 State = TypeVar("State")
+Found = TypeVar("Found", covariant=True)
 
 
-class Fitted(Protocol[State]):
+class Fitted(Protocol[Found]):
     """What a fit returns, such as `Refined`."""
 
     @property
-    def state(self) -> State:
+    def state(self) -> Found:
         """Of the least cost."""
 
     @property
@@ -158,6 +159,7 @@ def student(
         if turn < _ROUNDS:
             own = problem.with_sigma(size / np.sqrt((FREEDOM + 1.0) / (FREEDOM + square)))
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
+    evidence += 2.0 * float(np.sum(np.log(size)))
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
     evidence += found.cost - found.chi_squared
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))

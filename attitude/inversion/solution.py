@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from attitude.annotations import Epochs, FilePath, FloatArray
     from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
-    from attitude.inversion.jackknife import Errors
+    from attitude.inversion.jackknife import GroupErrors
     from attitude.inversion.posterior import Posterior
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
@@ -88,7 +88,7 @@ class Solution:
         return states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
 
     @cached_property
-    def _covariances(self) -> tuple[FloatArray, Errors]:
+    def _covariances(self) -> tuple[FloatArray, GroupErrors]:
         problem = self._problem
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)

@@ -22,7 +22,7 @@ from attitude.inversion import (
     ties,
     verdicts,
 )
-from attitude.inversion.curve import LightCurve
+from attitude.inversion.curve import CALIBRATED, LightCurve
 from attitude.inversion.solution import Solution, SpinStates
 from attitude.shape import Mesh
 
@@ -223,7 +223,7 @@ def _offsets(found):
         return np.zeros(0)
     best = found.solutions[0]
     coefficients = best.problem.coefficients(best.refined.magnitude)
-    return coefficients[best.problem.prior == curve_problem.CALIBRATED]
+    return coefficients[best.problem.prior == CALIBRATED]
 
 
 def _results(curve, found):

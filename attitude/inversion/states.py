@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray, IntArray
     from attitude.epochs.instants import Instant
     from attitude.inversion.convex import Tie
-    from attitude.inversion.jackknife import Errors
+    from attitude.inversion.jackknife import GroupErrors
     from attitude.inversion.robust import Weighted
 
 # Steps of the derivatives of state by parameters, relative to their scales.
@@ -82,7 +82,7 @@ def covariance(
     found: Weighted,
     groups: Sequence[IntArray],
     tie: Tie,
-) -> tuple[FloatArray, Errors]:
+) -> tuple[FloatArray, GroupErrors]:
     """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
 
     Parameters

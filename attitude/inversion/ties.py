@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import FloatArray
-    from attitude.inversion.moving import Point
+    from attitude.inversion.moving import MovingPoint
 
 
 def of(moments: str | float | Body | Sequence[float]) -> Tie:
@@ -38,7 +38,7 @@ def of(moments: str | float | Body | Sequence[float]) -> Tie:
     if isinstance(moments, Body):
         known = moments
     elif np.ndim(moments) == 0:
-        return Tie(validation.positive(moments, "moments"))
+        return Tie(validation.positive(cast("float", moments), "moments"))
     else:
         known = Body(moments=moments, relative=True)
     ordered = np.sort(known.moments)
@@ -47,7 +47,7 @@ def of(moments: str | float | Body | Sequence[float]) -> Tie:
     return Tie(given=ordered / ordered[2])
 
 
-def with_moments(point: Point, given: FloatArray) -> Point:
+def with_moments(point: MovingPoint, given: FloatArray) -> MovingPoint:
     """The point with given moments (3,), ascending, in the order of those that it has."""
     order = np.argsort(np.argsort(point.body.moments))
     scaled = given[order] * (float(point.body.moments.max()) / given[2])

@@ -210,8 +210,8 @@ class TorquedSensitivity(Derivatives):
                     by_mass[:, :3, j] += weight / longest * _turns(end, after)
                 by_mass[:, 3:, j] += weight / longest * (gain - gained)
         maps[:, :6, 6:9] = by_mass @ np.linalg.inv(_BY_MASS)
-        for j, (size, others) in enumerate(self._parameters, start=9):
-            for weight, other in zip(_WEIGHTS / size, others, strict=True):
+        for j, (step, systems) in enumerate(self._parameters, start=9):
+            for weight, other in zip(_WEIGHTS / step, systems, strict=True):
                 end, gain = _kicked(other, wxyz, omega, given)
                 if self._slips:
                     maps[:, :3, j] += weight * _turns(end, after)
