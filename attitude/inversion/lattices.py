@@ -61,6 +61,27 @@ def pairs(
     return both, found.left
 
 
+def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Pairs (P, 2) and the share of chi-squared left, the linear terms projected out exactly.
+
+    `pairs` takes them off the magnitudes only: zero points of sessions have parts along the lines
+    of a series, which a fit of both at once finds.  The best pair is first.
+    """
+    lines = pair_scan.harmonics(order)[1:]
+    y = problem.y * problem.root
+    y = y - problem.u.T @ (problem.u @ y)
+    total, left = float(y @ y), np.empty(len(found))
+    for k, pair in enumerate(found):
+        angle = 2.0 * np.pi * np.outer(lines @ pair, problem.t)
+        basis = np.concatenate([np.cos(angle), np.sin(angle)]) * problem.root
+        basis -= (basis @ problem.u.T) @ problem.u
+        along = basis @ y
+        normal = basis @ basis.T + RIDGE * np.eye(len(basis))
+        left[k] = 1.0 - float(along @ np.linalg.solve(normal, along)) / total
+    best = np.argsort(left, kind="stable")
+    return found[best], left[best]
+
+
 def candidates(
     found: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
 ) -> list[Candidate]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Error of the model, mag, and turns per span searched at most.
 _ERROR, _MOST_TURNS = 0.02, 1500.0
+# Pairs that are fitted with the linear terms, for each that is returned.
+_MORE = 10
 
 
 class Pair(NamedTuple):
@@ -135,7 +137,9 @@ def periods(
             f"{_MOST_TURNS:.0f} are searched."
         )
     problem, _ = curve_problem.problem(curve, most, _ERROR, curve.zero_points)
-    found, left = lattices.pairs(problem, turns, validation.count(count, "count"), number)
+    keep = validation.count(count, "count")
+    near, _ = lattices.pairs(problem, turns, _MORE * keep, number)
+    found, left = (each[:keep] for each in lattices.exactly(problem, near, number))
     found = np.sort(found, axis=1) / curve.span
     pairs: list[Pair] = []
     for (first, second), share in zip(found, left, strict=True):

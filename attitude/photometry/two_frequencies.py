@@ -322,7 +322,7 @@ def _refuse_many(low: tuple[int, int], high: tuple[int, int]) -> None:
 
 
 def _refined(
-    data: Samples, scan: pair_search.Found, numbers: Any, count: int
+    data: Samples, scan: pair_search.BestPairs, numbers: Any, count: int
 ) -> tuple[PeriodPair, ...]:
     size = OVERSAMPLING * data.span
     total = float(np.sum((data.weights * data.detrended) ** 2))

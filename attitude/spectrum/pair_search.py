@@ -41,7 +41,7 @@ class Tables(NamedTuple):
     total: float
 
 
-class Found(NamedTuple):
+class BestPairs(NamedTuple):
     """The best pairs.
 
     first, second : (P,) arrays of int, numbers on the grid; left : (P,) array, the share of
@@ -82,7 +82,7 @@ def best(
     ridge: float,
     keep: int,
     progress: Callable[[int, int], None] | None = None,
-) -> Found:
+) -> BestPairs:
     """The best pairs a < b, a number of either range each, no two of them neighbours.
 
     Parameters
@@ -126,7 +126,7 @@ def best(
     a, b, gain = (np.concatenate(each) for each in zip(*kept, strict=True))
     chosen = _peaks(a, b, gain, keep)
     shares = np.where(np.isfinite(cells), 1.0 - cells / made.total, np.nan)
-    return Found(
+    return BestPairs(
         a[chosen], b[chosen], 1.0 - gain[chosen] / made.total, shares, (edges[0], edges[1]), tried
     )
 
