@@ -14,7 +14,17 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "validation", "pairs", "physical_constants", "blocks", "moved"),
+    (
+        "errors",
+        "immutable",
+        "validation",
+        "pairs",
+        "physical_constants",
+        "blocks",
+        "moved",
+        "progress",
+        "markup",
+    ),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
@@ -27,7 +37,7 @@ HOUSE = (
     ("events", "arcs"),
     ("catalog", "plots", "formats", "selftest"),
     ("ensemble", "survey"),
-    ("inversion", "warm_up"),
+    ("inversion", "viewer", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
@@ -63,7 +73,9 @@ ORDERS = {
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
-    "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
+    "textfiles": (
+        *("lines", "kvn", "xml", "records", "toml", "quantities", "json_text", "atomic_write"),
+    ),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")

@@ -4,11 +4,13 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
 wrong input.
 
-propagate, describe, geometry, lightcurve, invert, plot, convert, check, warm_up    the commands
+propagate, describe, geometry, lightcurve, invert, plot, view, convert, check, warm_up
+                the commands
 target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
 output          the option --output
+view_source     what view shows
 table           rows of CSV and ECSV
 curve_figure    the figure of a light curve
 observed        the option --observed
@@ -38,6 +40,7 @@ COMMANDS: tuple[str, ...] = (
     "lightcurve",
     "invert",
     "plot",
+    "view",
     "convert",
     "check",
     "warm-up",
