@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude import validation
+from attitude import markup, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
@@ -226,6 +226,22 @@ class Entry:
         if self.missing:
             lines.append(f"  not in the catalogue: {', '.join(self.missing)}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: each value with its error, unit and source."""
+        rows = [
+            (
+                each.name,
+                each.value if isinstance(each.value, str) else _spelled(each.value),
+                "" if each.error is None else _error(each.error),
+                each.unit or "",
+                each.source,
+            )
+            for each in self._values()
+        ]
+        if self.missing:
+            rows.append(("not in the catalogue", ", ".join(self.missing), "", "", ""))
+        return markup.table(f"{self.name}: {self.mode or 'mode open'}, {self.frame}", rows)
 
     def _request(self, missing: list[str]) -> str:
         """The error text for missing values."""

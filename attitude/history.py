@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, quaternion, validation
+from attitude import epochs, markup, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 # Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
 # instead of 10 to 16: for fewer, loading the loop (4 ms, once) takes longer.
 _MANY = 1 << 17
+# Epochs of the table for notebooks.
+_SHOWN = 5
 
 
 class AttitudeHistory(Immutable):
@@ -94,6 +96,28 @@ class AttitudeHistory(Immutable):
 
     def __repr__(self) -> str:
         return f"<AttitudeHistory of {self.seconds.size} epochs from {self.epoch.utc_iso} UTC>"
+
+    def _repr_html_(self) -> str:
+        """A table of the first epochs, and the quaternion against time, for notebooks."""
+        rows = self.seconds.size
+        flat = np.atleast_1d(self.seconds)[:_SHOWN] if self.shape else self.seconds.reshape(1)
+        wxyz = self.wxyz.reshape(-1, 4)
+        if len(self.shape) > 1:
+            return markup.table(repr(self), [])
+        cells: list[tuple[str, ...]] = [("s since the epoch", "w", "x", "y", "z")]
+        cells += [
+            (f"{t:.9g}", *(f"{each:.6f}" for each in q))
+            for t, q in zip(flat.tolist(), wxyz[:_SHOWN].tolist(), strict=True)
+        ]
+        if rows > _SHOWN:
+            cells.append(("...", "", "", "", ""))
+        pictures = []
+        if rows > 2:
+            lines = [(self.seconds, wxyz[:, k]) for k in range(4)]
+            colors = ("#444444", "#0072b2", "#d55e00", "#009e73")
+            pictures.append(markup.line_plot(lines, "w, x, y, z against time", colors=colors))
+        head = f"{rows} attitudes, body to ICRF, from {self.epoch.utc_iso} UTC"
+        return markup.table(head, cells, *pictures)
 
     @cached_property
     def time(self) -> Time:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from attitude import epochs, validation
+from attitude import epochs, markup, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
 from attitude.immutable import Immutable, copied, frozen
@@ -218,6 +218,12 @@ class Motion(Immutable):
         AttitudeError as `covariance_at`.
         """
         raise self._without_derivatives()
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: the description, or the class and its span."""
+        head, rows = markup.rows_of(str(self))
+        ends = zip(("from", "to"), self.span or (), strict=False)
+        return markup.table(head, rows or [(name, str(each)) for name, each in ends])
 
     def _without_derivatives(self) -> AttitudeError:
         return AttitudeError(

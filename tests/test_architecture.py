@@ -35,7 +35,7 @@ HOUSE = (
     ("scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
-    ("catalog", "plots", "formats", "selftest"),
+    ("catalog", "shown_figure", "plots", "formats", "selftest"),
     ("ensemble", "survey"),
     ("inversion", "viewer", "warm_up"),
     ("cli", "__main__"),

@@ -59,7 +59,7 @@ def content(
         "sun": None,
         "observer": None,
         "curve": None,
-        "speed": _speed(subject, found),
+        "speed": seconds_a_second(subject, found),
     }
     if subject.scene is not None:
         for which in ("sun", "observer"):
@@ -149,8 +149,8 @@ def _poinsot(subject: Subject) -> dict[str, Any] | None:
     return found
 
 
-def _speed(subject: Subject, found: list[poses.PosePiece]) -> float:
-    """Seconds of the motion a second of the viewer: a turn in some eight seconds."""
+def seconds_a_second(subject: Subject, found: list[poses.PosePiece]) -> float:
+    """Seconds of the motion that a second of a picture shows: a turn in some eight seconds."""
     rates = [np.linalg.norm(each.angular_velocity, axis=1).mean() for each in found]
     fastest = float(np.max(rates))
     turns = fastest * subject.duration / (2.0 * np.pi)
