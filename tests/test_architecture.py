@@ -30,7 +30,7 @@ HOUSE = (
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
-    ("attitude_table", "free_rotation"),
+    ("attitude_table", "free_rotation", "jacobi"),
     ("paths",),
     ("scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
