@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from attitude.cli import output
+from attitude.cli import output, target
 from attitude.errors import AttitudeError
 from attitude.progress import ProgressBar
 
@@ -36,7 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "file",
         metavar="FILE",
-        help="a body and its state: spin file (.toml), APM, or DAMIT spin file (.spin)",
+        help="a body and its state: spin file (.toml), APM or DAMIT spin file (.spin); or the name "
+        "of an entry of the catalogue",
     )
     parser.add_argument(
         "--start",
@@ -73,7 +74,12 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.formats import state
 
     kind = output.kind_of(arguments.output)
-    motion = state.read(arguments.file).motion
+    if target.is_file(arguments.file):
+        motion = state.read(arguments.file).motion
+    else:
+        from attitude import catalog
+
+        motion = catalog.entry(arguments.file).motion()
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:
         raise AttitudeError(
