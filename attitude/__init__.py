@@ -76,6 +76,22 @@ _MODULES = (
 
 __all__ = ["AttitudeError", *sorted(_WHERE)]
 
+# The modules whose names are public; others may change in any release.
+PUBLIC_MODULES: tuple[str, ...] = (
+    "attitude",
+    *(
+        f"attitude.{name}"
+        for name in (
+            *("arcs", "arcs.triggers", "attitude_table", "body", "catalog", "ensemble", "epochs"),
+            *("errors", "events", "fitting", "formats", "frames", "free_rotation", "history"),
+            *("inversion", "jacobi", "jax", "light_curve", "motion", "paths", "plots"),
+            *("propagation", "published", "quaternion", "referee", "regime", "representations"),
+            *("scattering", "scene", "sensitivities", "shape", "spectrum", "spin", "splitting"),
+            *("survey", "torch", "torques", "viewer"),
+        )
+    ),
+)
+
 
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.

@@ -25,13 +25,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from attitude import markup
 from attitude import motion as motions
-from attitude import validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.published import body_names
 from attitude.published.dynamic_inertia import moments_from_ratios
+from attitude.published.values import Value
 from attitude.spin import Spin
 from attitude.textfiles import toml
 from attitude.textfiles.lines import packaged
@@ -48,10 +49,6 @@ _NEEDED = {
     "rates": ("moments", "wxyz", "angular_velocity", "epoch"),
     "periods": ("moments", "mode", "convention", "P_psi", "P_phi", "pole", "phi0", "psi0", "epoch"),
 }
-# SI units and radians in the units of the catalogue, as astropy converts them.
-_DEGREE = np.pi / 180.0
-_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": 86400.0}
-_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / 86400.0}
 _KEYWORDS = (*_NEEDED["periods"], "theta_branch", "wxyz", "angular_velocity", "frame")
 
 
@@ -60,43 +57,6 @@ class Loaded(NamedTuple):
 
     body: Body
     spin: Spin
-
-
-@dataclass(frozen=True)
-class Value:
-    """One published number.
-
-    Attributes
-    ----------
-    name : str
-    value : float, list or str
-        In `unit`.
-    unit : str or None
-        As astropy spells it; None for text and pure numbers.
-    error : float or list or None
-        As printed, in `unit`; [minus, plus] where they differ.
-    source : str
-        Publication.
-    """
-
-    name: str
-    value: Any
-    unit: str | None
-    error: Any
-    source: str
-
-    @property
-    def si(self) -> Any:
-        """The value as a float or array in SI units and radians; text as it is."""
-        if isinstance(self.value, str):
-            return self.value
-        return validation.real(self.value, self.name)[()] * _SI[self.unit]
-
-    def __str__(self) -> str:
-        value = self.value if isinstance(self.value, str) else _spelled(self.value)
-        error = "" if self.error is None else f" ({_error(self.error)})"
-        unit = "" if self.unit is None else f" {self.unit}"
-        return f"{self.name}: {value}{error}{unit} [{self.source}]"
 
 
 @dataclass(frozen=True)
@@ -225,6 +185,16 @@ class Entry:
         if self.missing:
             lines.append(f"  not in the catalogue: {', '.join(self.missing)}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: each value with its error, unit and source."""
+        rows = [
+            (each.name, each.spelled, each.spelled_error, each.unit or "", each.source)
+            for each in self._values()
+        ]
+        if self.missing:
+            rows.append(("not in the catalogue", ", ".join(self.missing), "", "", ""))
+        return markup.table(f"{self.name}: {self.mode or 'mode open'}, {self.frame}", rows)
 
     def _request(self, missing: list[str]) -> str:
         """The error text for missing values."""
@@ -383,13 +353,3 @@ def _entry(name: str, table: Mapping[str, Any], sources: Mapping[str, str]) -> E
         printed=values(table.get("printed", [])),
         note=table.get("note", ""),
     )
-
-
-def _spelled(value: Any) -> str:
-    if isinstance(value, list):
-        return "(" + ", ".join(_spelled(each) for each in value) + ")"
-    return repr(value)
-
-
-def _error(error: Any) -> str:
-    return f"-{error[0]} +{error[1]}" if isinstance(error, list) else f"+-{error}"

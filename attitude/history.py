@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, quaternion, validation
+from attitude import epochs, markup, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
 # instead of 10 to 16: for fewer, loading the loop (4 ms, once) takes longer.
 _MANY = 1 << 17
+# Epochs of the table for notebooks.
 
 
 class AttitudeHistory(Immutable):
@@ -95,6 +96,13 @@ class AttitudeHistory(Immutable):
 
     def __repr__(self) -> str:
         return f"<AttitudeHistory of {self.seconds.size} epochs from {self.epoch.utc_iso} UTC>"
+
+    def _repr_html_(self) -> str:
+        """A table of the first epochs, and the quaternion against time, for notebooks."""
+        if len(self.shape) > 1:
+            return markup.table(repr(self), [])
+        head = f"{self.seconds.size} attitudes, body to ICRF, from {self.epoch.utc_iso} UTC"
+        return markup.attitudes(head, self.seconds.reshape(-1), self.wxyz.reshape(-1, 4))
 
     @cached_property
     def time(self) -> Time:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from attitude import epochs, validation
+from attitude import epochs, markup, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
 from attitude.immutable import Valued, copied, frozen
@@ -225,11 +225,15 @@ class Motion(Valued):
         """
         raise self._without_derivatives()
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks: the description, or the class and its span."""
+        head, rows = markup.rows_of(str(self))
+        ends = zip(("from", "to"), self.span or (), strict=False)
+        return markup.table(head, rows or [(name, str(each)) for name, each in ends])
+
     def _without_derivatives(self) -> AttitudeError:
-        return AttitudeError(
-            f"{self._kind} has no derivatives; standard deviations and covariances follow from a "
-            "FreeRotation whose spin has a covariance."
-        )
+        follow = "standard deviations and covariances follow from a FreeRotation whose spin has one"
+        return AttitudeError(f"{self._kind} has no derivatives; {follow}.")
 
     @property
     def _kind(self) -> str:

@@ -114,13 +114,13 @@ def new_figure(size: tuple[float, float]) -> Figure:
         If matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure
+        from attitude.shown_figure import ShownFigure
     except ImportError as err:
         raise AttitudeError(
             "matplotlib is not installed, which draws the plots; install it with pip install "
             "matplotlib."
         ) from err
-    return Figure(figsize=size, layout="constrained")
+    return ShownFigure(figsize=size, layout="constrained")
 
 
 def time_span(motion: FreeRotation, span: Real | None = None) -> float:
@@ -309,14 +309,19 @@ def _legend(axes: Axes, height: float) -> None:
     )
 
 
+def time_unit(longest: float) -> tuple[float, str]:
+    """The unit that suits a span of seconds: its length in s, and its name."""
+    for least, unit, name in _UNITS:
+        if longest >= least:
+            return unit, name
+    raise AssertionError("the last unit applies to every span")
+
+
 def _time(given: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
     """Times in a unit that suits their span, and a label with that unit and the epoch."""
     seconds = np.asarray(given, dtype=np.float64)
-    longest = np.max(np.abs(seconds))
-    for least, unit, name in _UNITS:
-        if longest >= least:
-            return seconds / unit, f"time since {epoch.utc_iso} UTC, {name}"
-    raise AssertionError("the last unit applies to every span")
+    unit, name = time_unit(float(np.max(np.abs(seconds))))
+    return seconds / unit, f"time since {epoch.utc_iso} UTC, {name}"
 
 
 def _map(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:

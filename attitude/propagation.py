@@ -276,7 +276,7 @@ def _epochs(t, lead, count):
 def result_memory(
     out: Any, name: str, shape: tuple[int, ...], width: tuple[int, ...], scalar: bool
 ) -> FloatArray:
-    """Component-major memory (..., *width, T) for the result; that of `out` where possible."""
+    """Component-major memory (..., width, T) for the result; that of `out` where possible."""
     if out is not None:
         expected = (*shape[:-1], *width) if scalar else (*shape, *width)
         if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:

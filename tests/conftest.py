@@ -69,3 +69,16 @@ def _peer(opened, address):
 _THIS_MACHINE = (None, "", "localhost", "127.0.0.1", "::1")
 socket.getaddrinfo = _on_this_machine(socket.getaddrinfo, lambda host=None, *_: host)
 socket.socket.connect = _on_this_machine(socket.socket.connect, _peer)
+
+
+def pytest_addoption(parser):
+    """`--short`: the files named in tests/short.txt alone."""
+    parser.addoption("--short", action="store_true", help="a selection that ends in 90 s")
+
+
+def pytest_ignore_collect(collection_path, config):
+    """With --short, skip files of tests and of the package that are not named."""
+    if not config.getoption("--short") or collection_path.is_dir():
+        return None
+    named = (Path(__file__).parent / "short.txt").read_text().split()
+    return None if collection_path.name in named else True

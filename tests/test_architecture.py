@@ -25,6 +25,8 @@ HOUSE = (
         "blocks",
         "memory",
         "moved",
+        "progress",
+        "markup",
     ),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
@@ -32,13 +34,13 @@ HOUSE = (
     ("flat_table", "paths", "axes"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
-    ("attitude_table", "free_rotation", "catalog"),
+    ("attitude_table", "free_rotation", "catalog", "jacobi"),
     ("conditions", "scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
-    ("plots", "formats", "selftest"),
+    ("shown_figure", "plots", "formats", "selftest"),
     ("ensemble", "survey"),
-    ("photometry", "inversion", "warm_up"),
+    ("photometry", "inversion", "viewer", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
@@ -75,7 +77,7 @@ ORDERS = {
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
-    "textfiles": ("lines", "kvn", "xml", "records", "toml", "atomic_write"),
+    "textfiles": ("lines", "kvn", "xml", "records", "toml", "json_text", "atomic_write"),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")

@@ -41,3 +41,26 @@ def test_files_that_recipes_name_exist():
     assert len(named) > 8
     for name in named:
         assert (ROOT / name).is_file(), name
+
+
+def test_the_gallery_is_that_of_the_examples():
+    """Each figure was drawn by the example as it is."""
+    spec = importlib.util.spec_from_file_location("make_gallery", ROOT / "docs" / "make_gallery.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    stored = made.stored()
+    assert len(stored) >= 3
+    assert stored == {name: made.hash_of(name) for name in stored}, "run docs/make_gallery.py"
+    assert set(stored) == {file.stem for file in made.FOLDER.glob("*.webp")}
+    assert (ROOT / "docs" / "gallery.md").read_text() == made.page()
+
+
+def test_public_modules_exist_and_pages_are_in_the_site():
+    import attitude
+
+    for name in attitude.PUBLIC_MODULES:
+        file = ROOT.joinpath(*name.split("."))
+        assert file.with_suffix(".py").is_file() or (file / "__init__.py").is_file(), name
+    index = (ROOT / "docs" / "index.md").read_text()
+    for page in (ROOT / "docs").glob("*.md"):
+        assert page.stem == "index" or f"\n{page.stem}\n" in index, f"{page.name} is in no contents"

@@ -351,7 +351,7 @@ def test_a_table_is_kept_on_disk_by_the_content_of_the_mesh(tmp_path, monkeypatc
 
 
 def test_the_first_brightness_of_a_large_mesh_is_not_silent(monkeypatch):
-    from attitude.light_curve import progress_bar
+    from attitude import progress
 
     class Terminal(io.StringIO):
         def isatty(self):
@@ -362,7 +362,7 @@ def test_the_first_brightness_of_a_large_mesh_is_not_silent(monkeypatch):
     monkeypatch.setattr("sys.stderr", shown)
     brightness(peanut(3), "lambert", up, up)
     assert shown.getvalue() == ""  # done in less than a second
-    monkeypatch.setattr(progress_bar, "_PATIENCE", 0.0)
+    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
     brightness(peanut(4), "lambert", up, up)
     assert "\rattitude: shadows of 320 facets [" in shown.getvalue()
     assert shown.getvalue().endswith("[" + "#" * 30 + "] 100 %\n")

@@ -178,6 +178,8 @@ def test_blocks_do_not_show(lightcurve, file, monkeypatch, tmp_path):
 def test_progress_is_told_to_a_terminal(lightcurve, file, monkeypatch):
     monkeypatch.setattr("attitude.cli.lightcurve._BLOCK", 5)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("attitude.progress._PATIENCE", 0.0)
+    monkeypatch.setattr("attitude.progress._INTERVAL", 0.0)
     err = lightcurve(file(FIXED))[2]
     assert " 38 %" in err and err.endswith("100 %\n")
 

@@ -4,12 +4,13 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
 wrong input.
 
-propagate, describe, geometry, lightcurve, invert, periods, fold, plot, convert, check, warm_up
-                the commands
+propagate, describe, geometry, lightcurve, invert, periods, fold, plot, view, convert, check,
+warm_up         the commands
 target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
 output          the option --output
+view_source     what view shows
 table           rows of CSV and ECSV
 curve_figure    the figure of a light curve
 observed        the option --observed
@@ -41,6 +42,7 @@ COMMANDS: tuple[str, ...] = (
     "periods",
     "fold",
     "plot",
+    "view",
     "convert",
     "check",
     "warm-up",

@@ -9,6 +9,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from attitude.cli import output
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from attitude.cli.grid import Grid
@@ -77,7 +78,7 @@ def _list() -> None:
 
 def _blocks(mission: Mission, arguments: argparse.Namespace) -> Iterator[list[Any]]:
     """Columns of blocks of rows: texts of UTC, then lists of numbers."""
-    for view, digits in views(mission, arguments, _BLOCK):
+    for view, digits in views(mission, arguments, _BLOCK, ProgressBar("geometry")):
         yield [*dates(view, digits), *numbers(mission, view)]
 
 

@@ -138,6 +138,11 @@ def grid(epoch: epochs.Instant, start: str, stop: str, step: str) -> Grid:
     return Grid(epoch, begin, pace, max(count, 1), uniform_in)
 
 
+def one(epoch: epochs.Instant, text: str, name: str) -> epochs.Instant:
+    """The Instant of one text, as --start of `grid`; the name begins error messages."""
+    return _instant(_moment(text, name), epoch, "tdb", name, text)
+
+
 def duration(text: str, name: str) -> Fraction:
     """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d".
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -12,6 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from attitude.cli import geometry, output
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -91,7 +91,7 @@ def run(arguments: argparse.Namespace) -> None:
         return
     if kind == "txt":
         _require_paths(mission.scene, arguments.output)
-    views = geometry.views(mission, arguments, _BLOCK, _print_progress)
+    views = geometry.views(mission, arguments, _BLOCK, ProgressBar("light curve"))
     first = next(views)  # errors are raised before anything is written
     mission = replace(mission, columns=_columns(mission, first[0]))
     curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
@@ -217,13 +217,6 @@ class _Curve:
 
         parts = [part[name] for part in self._parts]
         return parts[0] if name == "epoch" else np.concatenate(parts)
-
-
-def _print_progress(done: int, count: int) -> None:
-    """Print the share of the epochs that are done on stderr, if that is a terminal."""
-    if count > _BLOCK and sys.stderr.isatty():
-        end = "\n" if done == count else ""
-        print(f"\rattitude: {100.0 * done / count:3.0f} %", end=end, file=sys.stderr, flush=True)
 
 
 def _columns(mission: Mission, view: View) -> tuple[MissionColumn, ...]:

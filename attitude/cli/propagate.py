@@ -6,6 +6,7 @@ import argparse
 
 from attitude.cli import output, target
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 
 HELP: str = "write a table of attitudes at equally spaced epochs"
 EPILOG: str = """\
@@ -80,5 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
     table.rows(epochs, motion, epochs.count - 1, 1, **columns)
     with output.opened(arguments.output) as file:
         file.write(table.header(kind, motion, **columns))
+        progress = ProgressBar("attitudes")
         for first in range(0, epochs.count, _BLOCK):
             file.write(table.rows(epochs, motion, first, _BLOCK, **columns))
+            progress(min(first + _BLOCK, epochs.count), epochs.count)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import quaternion
+from attitude import markup, quaternion
 from attitude.fitting import minimum
 from attitude.fitting.observations import Observations, Rates
 from attitude.free_rotation.free_rotation import FreeRotation
@@ -70,6 +70,15 @@ class Fit(Immutable):
     def rate_rms(self) -> float:
         """Root mean square of the sizes of the residuals of rates, rad/s; NaN without rates."""
         return np.nan if self.rate_residuals is None else _rms(self.rate_residuals)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: residuals, then the motion with its errors."""
+        size = self.rms if len(self.residuals) else self.rate_rms
+        unit = "rad" if len(self.residuals) else "rad/s"
+        count = len(self.residuals) or len(self.rate_residuals or ())
+        head, rows = markup.rows_of(str(self.motion))
+        first = ("records", f"{count}, rms {size:.3g} {unit}")
+        return markup.table(f"Fit. {head}", [first, *rows])
 
     def __repr__(self) -> str:
         if len(self.residuals) or self.rate_residuals is None:

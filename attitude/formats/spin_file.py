@@ -37,7 +37,7 @@
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
            the unit of the body); or ``covariance``, nine or six rows as of `Spin`, in rad, rad/s
            and the unit of the body.
-at the top ``name``, ``source``, ``note``: text, all optional.
+top level  ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================
 
 A number is plain, in SI units and radians, or text with a unit.  A list is written

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import evaluation, frames, published, quaternion, validation
+from attitude import evaluation, frames, markup, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
@@ -368,6 +368,10 @@ class FreeRotation(OtherEpochs):
         from attitude.free_rotation.description import description
 
         return description(self)
+
+    def _repr_html_(self) -> str:
+        """The description as a table, and the polhode, for notebooks."""
+        return markup.table(*markup.rows_of(str(self)), *polhode.pictures(self))
 
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import quaternion, validation
+from attitude import markup, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.published import conventions
 from attitude.solution import codes
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+    from attitude.free_rotation.free_rotation import FreeRotation
 
 
 def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> FloatArray:
@@ -70,6 +71,28 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
     over_principal[[first, second, third]] = signs[:, None] * inner
     curve: FloatArray = (principal_axes @ over_principal).T
     return curve
+
+
+def pictures(motion: FreeRotation) -> list[str]:
+    """An SVG of the polhode on the ellipsoid of its energy; none at rest and for a rod."""
+    if not motion.energy > 0.0 or np.min(motion.body.moments) <= 0.0:
+        return []
+    axes = motion.body.principal_axes
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+    circles = np.zeros((3, len(turn), 3))
+    for k in range(3):
+        circles[k, :, (k + 1) % 3], circles[k, :, (k + 2) % 3] = np.cos(turn), np.sin(turn)
+    sections = circles * np.sqrt(2.0 * motion.energy / motion.body.moments) @ axes.T
+    # Seen from a place above the first octant of the principal axes.
+    right, up = np.array([[-0.6, 0.8, 0.0], [-0.36, -0.27, 0.89]]) @ axes.T
+    return [
+        markup.line_plot(
+            [(each @ right, each @ up) for each in (*sections, motion.polhode(181))],
+            "polhode on the ellipsoid of its energy, with the principal sections",
+            colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", "#d55e00"),
+            is_equal=True,
+        )
+    ]
 
 
 def plane(momentum: FloatArray) -> FloatArray:

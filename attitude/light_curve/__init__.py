@@ -12,8 +12,7 @@ visibility   the table of shadows that a body casts on itself; `painting`, its c
 raycast      the same shadows by casting rays
 sums         the compiled sums; `clusters`, the layout of facets for them
 closed_form  the compiled brightness of an ellipsoid
-directions   checks of directions; `blocks`, division of the work among threads;
-             `progress_bar`, how far it is
+directions   checks of directions; `blocks`, division of the work among threads
 """
 
 from attitude.light_curve.brightness import brightness, stream

@@ -21,7 +21,7 @@ import numpy as np
 from attitude.errors import AttitudeError
 from attitude.light_curve import table_files
 from attitude.light_curve.clusters import SIZE, Clusters, clusters_of
-from attitude.light_curve.progress_bar import ProgressBar
+from attitude.progress import ProgressBar
 from attitude.shape import Mesh
 from attitude.shape.closure import parts
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import quaternion, validation
+from attitude import markup, quaternion, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.published import conventions, dynamic_inertia, states
@@ -81,6 +81,10 @@ class Published(Immutable):
         """The keywords with which ``Spin.from_periods(body, **keywords)`` makes the same spin."""
         names = ("mode", "convention", "P_psi", "P_phi", "pole", "phi0", "psi0", "theta_branch")
         return {name: getattr(self, name) for name in (*names, "epoch", "frame")}
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks."""
+        return markup.table(*markup.rows_of(str(self)))
 
     def __str__(self) -> str:
         degrees = np.degrees([*self.pole, self.phi0, self.theta0, self.psi0])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, pairs, paths, validation
+from attitude import epochs, markup, pairs, paths, validation
 from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
@@ -323,6 +323,35 @@ class Scene(Immutable):
                 "center, or leave out shadow_of."
             )
         return found
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, with a light curve where it needs no ephemeris and no mesh."""
+        rows = [
+            ("motion", "none" if self.motion is None else type(self.motion).__name__),
+            ("center", "none" if self.center is None else self.center.name),
+            ("observer", self.observer.name),
+            ("Sun", self.sun.name),
+            ("shape", "none" if self.shape is None else repr(self.shape)),
+            ("scattering law", str(self.law.name)),
+        ]
+        if self.epoch is not None:
+            rows.append(("epoch", f"{self.epoch.utc_iso} UTC"))
+        return markup.table("Scene", rows, *self._pictures())
+
+    def _pictures(self) -> list[str]:
+        """The light curve of a scene of directions and an ellipsoid, over two turns."""
+        from attitude.shape import Ellipsoid
+
+        is_cheap = isinstance(self.shape, Ellipsoid) and self.law.has_ellipsoid_form
+        if not is_cheap or self.motion is None or self.center is not None:
+            return []
+        rate = float(np.linalg.norm(self.motion.at(0.0).angular_velocity))
+        if not rate > 0.0:
+            return []
+        times = np.linspace(0.0, 4.0 * np.pi / rate, 201)
+        magnitudes = self.at(times).reduced_magnitude
+        caption = f"reduced magnitude over {times[-1]:.4g} s"
+        return [markup.line_plot([(times, magnitudes)], caption, is_downward=True)]
 
     def __repr__(self) -> str:
         motion = "no motion" if self.motion is None else type(self.motion).__name__

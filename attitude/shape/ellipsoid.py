@@ -73,6 +73,8 @@ class Ellipsoid(Immutable):
         AttitudeError
             For moments that no ellipsoid has, and a diameter that is not greater than zero.
 
+        Examples
+        --------
         >>> Ellipsoid.of_moments((5, 10, 13), diameter=2).semi_axes.round(6)    # 3 : 2 : 1
         array([1.650964, 1.100642, 0.550321])
         """

@@ -1,0 +1,34 @@
+"""The mathematics of the solution: elliptic integrals and functions, theta functions, the paper.
+
+Names are those of the Digital Library of Mathematical Functions (dlmf.nist.gov, chapters 19, 20
+and 22), arguments are the parameter m = k^2 and the nome q; all functions take arrays.
+
+integrals   `K`, `E`, `Pi`, `F`, `E_incomplete`, `nome`
+functions   `am`, `sn`, `cn`, `dn`, `theta`
+steps       `steps`: the constants of van Zon & Schofield (2006) for a motion, and its attitude
+loops       the compiled loops, over those of the solution
+
+>>> from attitude import jacobi
+>>> float(jacobi.sn(jacobi.K(0.5), 0.5).round(12))
+1.0
+"""
+
+from attitude.jacobi.functions import am, cn, dn, sn, theta
+from attitude.jacobi.integrals import E, E_incomplete, F, K, Pi, nome
+from attitude.jacobi.steps import PaperSteps, steps
+
+__all__ = [
+    "E",
+    "E_incomplete",
+    "F",
+    "K",
+    "PaperSteps",
+    "Pi",
+    "am",
+    "cn",
+    "dn",
+    "nome",
+    "sn",
+    "steps",
+    "theta",
+]

@@ -1,0 +1,99 @@
+// The picture: body, arrows, light and shadows in ICRF, drawn at one time.
+import { arrowsOf } from "./arrows.js";
+import { Labels } from "./labels.js";
+import { Poinsot } from "./poinsot.js";
+import { Directions, Poses } from "./poses.js";
+import { bodyMesh } from "./surface.js";
+
+const SHADOWS = 2048; // texels a side
+
+export class Stage {
+  constructor(canvas, labels, data) {
+    this.canvas = canvas;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.enabled = !data.surface.convex;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.scene = new THREE.Scene();
+    this.scene.background = new THREE.Color(0x10131a);
+    this.camera = new THREE.PerspectiveCamera(32, 1, 0.05, 60);
+    this.labels = new Labels(labels);
+    this.world = new THREE.Group(); // ICRF, turned for the point of view
+    this.body = new THREE.Group(); // body axes
+    this.world.add(this.body);
+    this.scene.add(this.world);
+
+    this.poses = new Poses(data.poses);
+    this.sun = data.sun ? new Directions(data.sun, data.duration) : null;
+    this.observer = data.observer ? new Directions(data.observer, data.duration) : null;
+    this.mesh = bodyMesh(data.surface);
+    this.body.add(this.mesh);
+    this.arrows = arrowsOf(data, this.labels);
+    for (const [name, group] of Object.entries(this.arrows)) {
+      for (const arrow of group) (name === "axes" ? this.body : this.world).add(arrow.object);
+    }
+    this.addPoinsot(data);
+    this.addLight();
+    this.pose = new THREE.Quaternion();
+    this.rate = new THREE.Vector3();
+    this.direction = new THREE.Vector3();
+  }
+
+  addPoinsot(data) {
+    this.poinsot = null;
+    if (!data.poinsot) return;
+    // The body itself is this ellipsoid, or stands inside it.
+    const isBody = data.surface.kind === "ellipsoid of inertia";
+    this.poinsot = new Poinsot(data.poinsot, isBody ? 1.002 : 1.25);
+    this.body.add(this.poinsot.inBody);
+    this.world.add(this.poinsot.inSpace);
+  }
+
+  addLight() {
+    this.light = new THREE.DirectionalLight(0xffffff, 3);
+    this.light.castShadow = true;
+    this.light.shadow.mapSize.set(SHADOWS, SHADOWS);
+    Object.assign(this.light.shadow.camera, {
+      left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 1, far: 5,
+    });
+    this.light.shadow.normalBias = 0.008;
+    this.light.shadow.bias = -0.0005;
+    this.world.add(this.light, this.light.target);
+    this.scene.add(new THREE.AmbientLight(0xffffff, 0.18));
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
+  // Place everything as it is at a time; without a Sun the light comes from the camera's side.
+  place(time) {
+    this.poses.pose(time, this.pose);
+    this.body.quaternion.copy(this.pose);
+    this.poses.rate(time, this.rate).applyQuaternion(this.pose);
+    if (this.rate.lengthSq() > 0) {
+      this.arrows.rate[0].point(this.direction.copy(this.rate).normalize());
+    }
+    if (this.poinsot) this.poinsot.update(this.rate);
+    if (this.sun) {
+      this.sun.at(time, this.direction);
+      this.arrows.sun[0].point(this.direction);
+      this.light.position.copy(this.direction).multiplyScalar(3);
+    }
+    if (this.observer) this.arrows.observer[0].point(this.observer.at(time, this.direction));
+  }
+
+  draw() {
+    this.scene.updateMatrixWorld();
+    if (!this.sun) {
+      this.direction.set(0.5, 0.6, 1).transformDirection(this.camera.matrixWorld);
+      this.world.worldToLocal(this.light.position.copy(this.direction).multiplyScalar(3));
+    }
+    this.renderer.render(this.scene, this.camera);
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    this.labels.update(this.camera, clientWidth, clientHeight);
+  }
+}

@@ -1,0 +1,71 @@
+"""How large is a page of the viewer, how exact is it, and how long does a frame take?
+
+    python benchmarks/viewer.py
+
+Frames are timed in headless Chromium, whose OpenGL is here computed by the processor (SwiftShader):
+the whole frame, and the script alone, without the calls that draw.  Needs the extra viewer-test.
+"""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from attitude import Scene, catalog, shape
+from attitude.viewer import page, view
+from tests import browser
+
+DAY = 86400.0
+# Milliseconds of the script of a frame, with calls that draw left out, and of the whole frame.
+TIMED = """count => {
+  const { stage, clock, drawAt } = attitudeViewer;
+  clock.play(false);
+  const pixel = new Uint8Array(4);
+  const gl = stage.renderer.getContext();
+  const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  const each = (work, n) => {
+    const begin = performance.now();
+    for (let k = 0; k < n; k++) work((clock.duration * k) / n);
+    return (performance.now() - begin) / n;
+  };
+  drawAt(0); wait();
+  const whole = each((time) => { drawAt(time); wait(); }, count);
+  gl.drawArrays = gl.drawElements = () => {};
+  return [each(drawAt, 500), whole];
+}"""
+
+
+def scene(facets):
+    """Toutatis as two balls in contact, which shadow each other."""
+    ball = shape.Ellipsoid((1.2, 1.0, 0.9)).facets(facets // 2)
+    body = ball.moved((-0.9, 0.0, 0.0)).joined(ball.scaled(0.7).moved((0.9, 0.0, 0.0)))
+    motion = catalog.entry("toutatis").motion()
+    return Scene(motion, None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+
+
+def main():
+    library = len((page.FOLDER / "three" / "three.min.js").read_bytes())
+    print(f"three.js {page.version()}, {library / 1e3:.0f} kB")
+    with tempfile.TemporaryDirectory() as folder, browser.running() as chromium:
+        for facets in (1000, 100_000):
+            what, file = scene(facets), Path(folder) / "page.html"
+            view(what, stop=30 * DAY)  # compiles
+            begin = time.process_time()
+            view(what, stop=30 * DAY, output=file)
+            made = time.process_time() - begin
+            size = (file.stat().st_size - library) / 1e3
+            print(f"30 days of Toutatis, {len(what.shape)} facets, light curve")
+            print(f"  beside the library       {size:8.0f} kB, made in {made:.1f} s")
+            for width, height in ((1100, 760), (400, 300)):
+                with browser.opened(chromium, file, width, height) as (opened, _):
+                    script, drawn = opened.evaluate(TIMED, 20)
+                print(
+                    f"  {width:4d} x {height} pixels: a frame {drawn:7.1f} ms by the processor, "
+                    f"its script {script:.2f} ms"
+                )
+
+
+if __name__ == "__main__":
+    main()

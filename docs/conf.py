@@ -1,0 +1,67 @@
+"""The site: ``python docs/make_site.py`` builds it, without a network, with warnings as errors."""
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+import attitude
+
+project = "attitude"
+author = "the attitude developers"
+version = release = attitude.__version__
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+    "myst_nb",
+]
+exclude_patterns = ["_build", "figures"]
+html_theme = "furo"
+html_title = "attitude"
+# Pages link to headings of other pages, as on the forge.
+myst_heading_anchors = 4
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+suppress_warnings = [
+    "myst.xref_missing",  # links to scripts, data and tests, which are no part of the site
+    "myst.header",
+    "ref.python",  # a word of a docstring that several classes have as an attribute
+    "misc.highlighting_failure",  # cells with "..." or of two languages
+]
+autodoc_mock_imports = ["jax", "torch"]
+nb_execution_mode = "cache"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+napoleon_numpy_docstring = True
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+autodoc_typehints = "none"
+autodoc_member_order = "groupwise"
+default_role = "py:obj"
+
+
+def _readable(app, what, name, obj, options, lines):
+    """Docstrings as reStructuredText: maps of modules as they stand, |x| as absolute values."""
+    found, in_map = [], False
+    has_table = any(line.startswith("====") for line in lines)
+    for line in lines:
+        starts = (
+            what == "module" and not has_table and re.match(r"[\w`*]\S*(,? \S+)*\s{2,}\S", line)
+        )
+        if starts and not in_map:
+            found += ["", "::", ""]
+        was_in_map, in_map = in_map, bool(starts) or (in_map and line.startswith(" "))
+        if was_in_map and not in_map:
+            found.append("")
+        if in_map:
+            found.append(f"    {line}")
+        else:
+            found.append(re.sub(r"\|(?=\S)", r"\\|", line))
+    lines[:] = found
+
+
+def setup(app):
+    """Connect the change of docstrings."""
+    app.connect("autodoc-process-docstring", _readable, priority=900)

@@ -1,0 +1,160 @@
+"""The page in a real browser: it draws, keeps the motion, and answers keys and mouse."""
+
+import numpy as np
+import pytest
+
+from attitude import Arcs, Impulse, Scene, catalog, quaternion, shape
+from attitude.viewer import view
+from tests import browser
+
+DAY = 86400.0
+# Errors of drivers without graphics hardware, which tell nothing about the page.
+OF_DRIVERS = ("GPU stall due to ReadPixels", "Automatic fallback to software WebGL")
+
+
+def toutatis():
+    return catalog.entry("toutatis").motion()
+
+
+def lit(motion):
+    body = shape.Ellipsoid((2.1, 1.2, 1.0)).facets(1000)
+    return Scene(motion, None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+
+
+def angle(p, q):
+    """Between two attitudes, degrees."""
+    off = quaternion.multiply(quaternion.conjugate(p), q)
+    return np.degrees(2.0 * np.arctan2(np.linalg.norm(off[..., 1:], axis=-1), np.abs(off[..., 0])))
+
+
+def known(errors):
+    return [each for each in errors if not any(known in each for known in OF_DRIVERS)]
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with browser.running() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def shown(chromium, tmp_path_factory):
+    """The page of 30 days of Toutatis, lit and seen."""
+    path = tmp_path_factory.mktemp("viewer") / "toutatis.html"
+    view(lit(toutatis()), stop=30 * DAY, title="4179 Toutatis", output=path)
+    with browser.opened(chromium, path) as (page, errors):
+        yield page, errors
+
+
+def test_it_draws_without_errors(shown):
+    page, errors = shown
+    assert known(errors) == []
+    assert page.title() == "4179 Toutatis"
+    # The body is lit: pixels of the canvas are bright on one side of the picture.
+    bright = page.evaluate(
+        """() => {
+          const canvas = document.getElementById("picture");
+          const copy = document.createElement("canvas");
+          copy.width = canvas.width; copy.height = canvas.height;
+          const pen = copy.getContext("2d");
+          pen.drawImage(canvas, 0, 0);
+          const data = pen.getImageData(0, 0, copy.width, copy.height).data;
+          let count = 0;
+          for (let k = 0; k < data.length; k += 4) if (data[k] > 120) count++;
+          return count / (data.length / 4);
+        }"""
+    )
+    assert 0.01 < bright < 0.6
+    assert "Long-axis mode" in page.inner_text("#kind")
+    assert "period psi" in page.inner_text("#facts")
+
+
+def test_the_pose_is_that_of_the_package(shown):
+    page, _ = shown
+    times = np.linspace(0.0, 30 * DAY, 400) * 0.999 + 17.0
+    poses = np.array(page.evaluate("times => times.map(t => attitudeViewer.pose(t))", list(times)))
+    assert angle(poses, toutatis().at(times).wxyz).max() < 0.2
+
+
+def test_the_arrow_of_the_rate_is_that_of_the_package(shown):
+    page, _ = shown
+    t = 1234567.0
+    drawn = page.evaluate(
+        "t => { attitudeViewer.clock.play(false); attitudeViewer.drawAt(t); "
+        "return attitudeViewer.stage.rate.toArray(); }",
+        t,
+    )
+    expected = toutatis().at(t).angular_velocity_inertial
+    assert np.allclose(drawn, expected, rtol=0, atol=2e-3 * np.linalg.norm(expected))
+
+
+def test_keys_and_scrubber(shown):
+    page, errors = shown
+    now = "attitudeViewer.clock.time"
+    page.evaluate("attitudeViewer.clock.play(true)")
+    page.keyboard.press(" ")
+    assert page.evaluate("attitudeViewer.clock.playing") is False
+    page.keyboard.press("Home")
+    assert page.evaluate(now) == 0.0
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate(now) == pytest.approx(30 * DAY / 1000)
+    page.keyboard.press("End")
+    assert page.evaluate(now) == pytest.approx(30 * DAY)
+    page.evaluate(
+        "() => { const bar = document.getElementById('scrubber'); bar.value = 50000; "
+        "bar.dispatchEvent(new Event('input')); }"
+    )
+    assert page.evaluate(now) == pytest.approx(15 * DAY)
+    assert page.inner_text("#utc") == "1992-11-24 17:49:47 UTC"
+    for key, name in (("2", "observer"), ("3", "sun"), ("4", "body"), ("1", "inertial")):
+        page.keyboard.press(key)
+        assert page.evaluate("attitudeViewer.views.current") == name
+        page.wait_for_timeout(50)
+    page.keyboard.press("p")
+    assert page.evaluate("attitudeViewer.stage.poinsot.plane.visible") is True
+    page.click("input[name=axes]")
+    assert page.evaluate("attitudeViewer.stage.arrows.axes[0].object.visible") is False
+    assert known(errors) == []
+
+
+def test_the_cursor_of_the_curve_is_dragged(shown):
+    page, _ = shown
+    box = page.locator("#curve").bounding_box()
+    middle = box["x"] + 58 + (box["width"] - 58 - 24) / 2
+    page.mouse.move(box["x"] + 100, box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(middle, box["y"] + 60)
+    page.mouse.up()
+    assert page.evaluate("attitudeViewer.clock.time") == pytest.approx(15 * DAY, rel=0.01)
+
+
+def test_views_turn_the_world(shown):
+    """From the observer its direction points at the camera; from the body, x stays."""
+    page, _ = shown
+    found = page.evaluate(
+        """() => {
+          const { stage, views, panel, drawAt } = attitudeViewer;
+          const of = (name, make) => { panel.choose(name); drawAt(1e6); return make(); };
+          const world = (vector) => vector.applyQuaternion(stage.world.quaternion).toArray();
+          const to = new stage.direction.constructor();
+          return {
+            observer: of("observer", () => world(stage.observer.at(1e6, to))),
+            body: of("body", () => world(to.set(1, 0, 0).applyQuaternion(stage.pose))),
+          };
+        }"""
+    )
+    assert np.allclose(found["observer"], [1, 0, 0], atol=1e-6)
+    assert np.allclose(found["body"], [1, 0, 0], atol=1e-6)
+
+
+def test_impulses_jump(chromium, tmp_path):
+    """At an impulse the rate jumps and the attitude does not; both sides are kept."""
+    motion = toutatis()
+    arcs = Arcs(motion.body, motion.spin, Impulse(10 * DAY, -0.8 * motion.momentum, "icrf"))
+    path = tmp_path / "arcs.html"
+    view(arcs, stop=20 * DAY, output=path)
+    times = np.concatenate([np.linspace(0, 20 * DAY, 97), 10 * DAY + np.array([-1.0, 1.0])])
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        poses = page.evaluate("times => times.map(t => attitudeViewer.pose(t))", list(times))
+        assert known(errors) == []
+    assert angle(np.array(poses), arcs.at(times).wxyz).max() < 0.2
