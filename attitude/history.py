@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 # Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
 # instead of 10 to 16: for fewer, loading the loop (4 ms, once) takes longer.
 _MANY = 1 << 17
-# Epochs of the table for notebooks.
 
 
 class AttitudeHistory(Immutable):
