@@ -263,7 +263,7 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     which = np.where(clusters.order < 0, -1, number[clusters.order])
-    masks, resolution = np.full((1, clusters.count), ~np.uint64(0)), 0
+    masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
     masks.flags.writeable = False
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution

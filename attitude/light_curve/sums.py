@@ -200,15 +200,15 @@ def gather(
     """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
 
     `segments` (S, 3) hold a word of `sky`, the clusters of it with facets of a row of the law, and
-    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; a
-    row of ones and cells of zero where nothing casts a shadow.  For each epoch and row the cosines
+    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; one
+    row where nothing casts a shadow.  For each epoch and row the cosines
     mu0, mu and the weights, area times mu0 mu times the share of free points, follow each other
     from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
     sixteen by weights of zero.  It stops where another epoch might not fit.
     """
     ways = np.empty(16)
     ones, zeros = lanes(_ONES), lanes(_ZEROS)
-    rows = ends.shape[1]
+    rows, shaded = ends.shape[1], masks.shape[0] > 1
     last = incidence.size - SIZE * (axes.shape[0] + 2 * rows)
     used = np.uint64(0)
     for t in range(begin, min(sx.size, begin + ends.shape[0])):
@@ -232,11 +232,13 @@ def gather(
                 word &= word - _1
                 i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
-                height, area = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
+                height = eight(blocks, i + _ROW_2)
                 p = _cosines(x, y, ways, way, own) * height
                 q = _cosines(x, y, ways, way + _EYE, own + _EYE) * height
-                free = masks[free_sun, n] & masks[free_eye, n]
-                weight = area * (0.125 * bits_set_in_bytes(free))
+                weight = eight(blocks, i + _ROW_3)
+                if shaded:
+                    free = masks[free_sun, n] & masks[free_eye, n]
+                    weight = weight * (0.125 * bits_set_in_bytes(free))
                 by = at_most(at_most(p, q), weight)
                 if rows > 1:
                     other = eight(which, n * _PLACES) - float(row)
