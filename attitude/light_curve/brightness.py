@@ -262,6 +262,9 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
+    # Names of the same material are one row: fewer facets are filled up.
+    rows, same = np.unique(rows, axis=0, return_inverse=True)
+    number = same.reshape(-1)[number]
     which = np.where(clusters.order < 0, -1, number[clusters.order])
     masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
     masks.flags.writeable = False
@@ -280,13 +283,14 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
         cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        half = np.empty((2, out.size))
+        sums.halves(*directions, *half)
         packed = np.empty((3, size))
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
         begin = 0
         while begin < out.size:
             end = sums.gather(*found, *cells, *directions, begin, *packed, ends)
-            own = [each[begin:end] for each in directions]
-            summed(rows, *packed, ends, *own, out[begin:end])
+            summed(rows, *packed, ends, *half[:, begin:end], out[begin:end])
             begin = end
 
     return _times(clusters.area, kernel)

@@ -103,6 +103,14 @@ def stray(x, y, z):
 
 
 @reduction
+def halves(sx, sy, sz, ox, oy, oz, cosines, sines):
+    """Write cosine and sine of half the angle between pairs of directions, all (N,)."""
+    for t in range(cosines.size):
+        cosines[t] = 0.5 * _length(sx[t] + ox[t], sy[t] + oy[t], sz[t] + oz[t])
+        sines[t] = 0.5 * _length(sx[t] - ox[t], sy[t] - oy[t], sz[t] - oz[t])
+
+
+@reduction
 def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
@@ -261,7 +269,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """
 
     @reduction_over(of_phase, element)
-    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
         terms = np.empty(TERMS)
         out[:] = 0.0
         for m in range(rows.shape[0]):
@@ -269,9 +277,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
             for t in range(out.size):
                 begin, end = _between(ends, t, m)
                 if begin < end:
-                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-                    cos_half = 0.5 * _length(a + d, b + e, c + f)
-                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    of_phase(row, cosines[t], sines[t], terms)
                     total = 0.0
                     for i in range(begin, end):
                         if weights[i] > 0.0:
@@ -287,11 +293,11 @@ def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
     """As `by_facet`, sixteen facets at a time.
 
     The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arrays of `gather`, the
-    directions of its epochs by component, and the output, one number for each epoch.
+    cosines and sines of half the phase angles of its epochs, and the output, a number for each.
     """
 
     @reduction_over(of_phase, elements)
-    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
         terms = np.empty(TERMS)
         out[:] = 0.0
         for m in range(rows.shape[0]):
@@ -299,9 +305,7 @@ def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
             for t in range(out.size):
                 begin, end = _between(ends, t, m)
                 if begin < end:
-                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-                    cos_half = 0.5 * _length(a + d, b + e, c + f)
-                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    of_phase(row, cosines[t], sines[t], terms)
                     part = lanes(_SIXTEEN_ZEROS)
                     for i in range(begin, end, _AT_ONCE):
                         p, q = sixteen(incidence, i), sixteen(emission, i)

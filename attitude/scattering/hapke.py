@@ -37,7 +37,7 @@ def _of_phase(row, cos_half, sin_half, phase_terms):
 
 @reduction_within
 def _elements(row, phase_terms, mu0, mu):
-    """r / mu0 in 1/sr of eight elements, with the terms of `_of_phase`."""
+    """r / mu0 in 1/sr of several elements, with the terms of `_of_phase`."""
     if phase_terms[2] <= _SMOOTH:
         return _smooth(row, phase_terms, mu0, mu)
     return _rough(row, phase_terms, mu0, mu)
