@@ -12,9 +12,11 @@ from attitude.compilation.simd import (
     at_most,
     bits_set_in_bytes,
     chosen,
+    doubles_of,
     eight,
     every,
     exponent,
+    four,
     halved,
     inverse_power,
     lanes,
@@ -70,6 +72,16 @@ def of_eight(array, word):
 def compared(array):
     read = eight(array, 0)
     return largest_lane(read), positive_bits(read)
+
+
+@entry_point
+def of_four(array):
+    return doubles_of(four(array, 2) * 2.0)
+
+
+@entry_point
+def doubled(array, out):
+    put_eight(out, 2, eight(array, 1) * 2.0)
 
 
 @entry_point
@@ -137,6 +149,18 @@ def test_the_largest_lane_and_the_lanes_above_zero(largest):
     bits = sum(2**k for k in range(8) if array[k] > 0.0)
     assert compared(array) == (9.0, bits) == compared.py_func(array)
     assert compared(-np.abs(array) - 1.0) == (-np.min(np.abs(array)) - 1.0, 0)
+
+
+@pytest.mark.parametrize("run", [of_four, of_four.py_func])
+def test_four_are_read_and_taken_apart(run):
+    assert run(np.array(EIGHT)) == tuple(2.0 * each for each in EIGHT[2:6])
+
+
+@pytest.mark.parametrize("run", [doubled, doubled.py_func])
+def test_eight_are_written_to_any_place(run):
+    array, out = np.array([np.nan, *EIGHT]), np.full(11, -1.0)
+    run(array, out)
+    np.testing.assert_array_equal(out, [-1.0, -1.0, *(2.0 * np.array(EIGHT)), -1.0])
 
 
 def test_lanes_moved_and_numbers_taken_apart():

@@ -86,6 +86,12 @@ def eight(array: FloatArray, i: int) -> Lanes:
     return Lanes(array[i : i + 8])
 
 
+def four(array: FloatArray, i: int) -> Lanes:
+    """The vector array[i], ..., array[i + 3] of a contiguous array of doubles."""
+    i = int(i)
+    return Lanes(array[i : i + 4])
+
+
 def sixteen(array: FloatArray, i: int) -> Lanes:
     """The vector array[i], ..., array[i + 15] of a contiguous array of doubles."""
     i = int(i)
@@ -101,6 +107,11 @@ def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
 def lanes(numbers: tuple[float, ...]) -> Lanes:
     """The vector of the doubles of a tuple."""
     return Lanes(numbers)
+
+
+def doubles_of(a: Lanes) -> tuple[float, ...]:
+    """The doubles of the lanes as a tuple."""
+    return a.lanes
 
 
 def bits_set_in_bytes(word: int) -> Lanes:

@@ -59,11 +59,17 @@ def _eight_type(array, i):
     return LanesType(8)
 
 
+@_typed(simd.four)
+def _four_type(array, i):
+    return LanesType(4)
+
+
 @_typed(simd.sixteen)
 def _sixteen_type(array, i):
     return LanesType(16)
 
 
+@_lowered(simd.four)
 @_lowered(simd.sixteen)
 @_lowered(simd.eight)
 def _eight(context, builder, signature, arguments):
@@ -74,16 +80,16 @@ def _eight(context, builder, signature, arguments):
 
 
 @_typed(simd.put_eight)
-def _put_type(array, i, a):
-    return types.none
+def _put_eight_type(array, i, a):
+    return types.void(array, types.intp, a)
 
 
 @_lowered(simd.put_eight)
 def _put_eight(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     here = builder.gep(data, [arguments[1]])
-    kind = signature.args[2].vector.as_pointer()
-    builder.store(arguments[2], builder.bitcast(here, kind), align=8)
+    numbers = arguments[2]
+    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
     return context.get_dummy_value()
 
 
@@ -100,6 +106,18 @@ def _lanes(context, builder, signature, arguments):
         one = builder.extract_value(arguments[0], k)
         made = builder.insert_element(made, one, _INDEX(k))
     return made
+
+
+@_typed(simd.doubles_of)
+def _doubles_type(a):
+    return types.UniTuple(types.float64, a.count)
+
+
+@_lowered(simd.doubles_of)
+def _doubles(context, builder, signature, arguments):
+    count = range(signature.return_type.count)
+    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, found)
 
 
 @_typed(simd.bits_set_in_bytes)
@@ -278,8 +296,9 @@ def _all(kind, number):
     return ir.Constant(kind.vector, [number] * kind.count)
 
 
+@_typed(simd.largest_lane)
 @_typed(simd.summed_up)
-def _summed_type(a):
+def _one_lane_type(a):
     return types.float64
 
 
@@ -293,11 +312,6 @@ def _summed_up(context, builder, signature, arguments):
         left = builder.fadd(low, high)
         half //= 2
     return builder.extract_element(left, _INDEX(0))
-
-
-@_typed(simd.largest_lane)
-def _largest_type(a):
-    return types.float64
 
 
 @_lowered(simd.largest_lane)
