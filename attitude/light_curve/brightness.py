@@ -270,8 +270,8 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     masks.flags.writeable = False
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
-    found = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
-    found += _segments(which, len(rows)), which.astype(float), masks
+    facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found = *facets, _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
     if law.elements is not None:
         summed = sums.by_sixteen(law.of_phase, law.elements)
