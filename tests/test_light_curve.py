@@ -1,5 +1,7 @@
 """Brightness of convex bodies: closed forms, an independent sum, and how the arrays are taken."""
 
+from importlib import import_module
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -213,7 +215,11 @@ def test_each_facet_has_its_own_material():
 def test_memory_layout_blocks_and_threads_do_not_change_a_bit():
     sun, observer, _ = pairs(20000, 0, 150)
     assert not sun.flags.c_contiguous
-    for shape, law in ((FACETS, "lommel-seeliger-lambert"), (ELLIPSOID, "lommel-seeliger")):
+    for shape, law in (
+        (FACETS, "lommel-seeliger-lambert"),
+        (FACETS, "hapke"),
+        (ELLIPSOID, "lommel-seeliger"),
+    ):
         whole = brightness(shape, law, sun, observer)
         rows = brightness(shape, law, np.ascontiguousarray(sun), observer.tolist())
         both = brightness(shape, law, sun, observer, threads=2)
@@ -426,3 +432,25 @@ def test_boxes_of_large_meshes_pass_over_no_cluster(monkeypatch):
     assert not np.any(exact.sky & ~boxes.sky)
     more, least = (np.sum(np.unpackbits(each.sky.view(np.uint8))) for each in (boxes, exact))
     assert least < more < 1.2 * least
+
+
+def test_facets_of_many_materials_against_numpy():
+    """Several rows in each cluster of facets, two of them equal, gathered at once or in parts."""
+    glossy = Material(0.1, 0.7, exponent=33.3)
+    cook = Material(0.2, 0.5, "cook-torrance", roughness=0.4)
+    law = Materials({"a": glossy, "b": cook, "c": Material(0.5), "d": glossy})
+    names = np.random.default_rng(2).choice(list("abcd"), len(FACETS)).tolist()
+    mesh = Mesh(FACETS.vertices, FACETS.facets, names)
+    sun, observer, alpha = pairs(300, 0.0, 170.0)
+    expected = np.zeros(300)
+    for name in "abcd":
+        own = np.array(names) == name
+        mu0, mu = sun @ mesh.normals[own].T, observer @ mesh.normals[own].T
+        r = law.reflectance(mu0, mu, alpha[:, None] + 0.0 * mu, material=name)
+        expected += np.sum(r * mu * mesh.areas[own], axis=1)
+    found = brightness(mesh, law, sun, observer)
+    assert found == pytest.approx(expected, rel=1e-9)  # the angle is an arc cosine
+    module = import_module("attitude.light_curve.brightness")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_GATHERED", 0)
+        assert np.array_equal(brightness(mesh, law, sun, observer), found)

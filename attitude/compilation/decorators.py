@@ -249,7 +249,15 @@ def reduction_over(*called: Compilable) -> Callable[[Callable[..., Any]], EntryP
     """
     own = __name__.partition(".")[0]
     kept = all(each.__module__.partition(".")[0] == own for each in called)
-    return lambda function: EntryPoint(function, _ANY_ORDER, kept)
+    modules = dict.fromkeys(each.__module__.rpartition(".")[2] for each in called)
+
+    def decorated(function: Callable[..., Any]) -> EntryPoint:
+        # numba keeps one index for each qualified name and line, of one stamp: the sources of
+        # different closures differ, and each would discard the machine code of the others.
+        function.__qualname__ += "." + ".".join(modules)
+        return EntryPoint(function, _ANY_ORDER, kept)
+
+    return decorated
 
 
 def reduction_subroutine(function: Callable[..., Any]) -> Compilable:

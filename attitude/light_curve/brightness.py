@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -262,13 +262,16 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
+    # Names of the same material are one row: fewer facets are filled up.
+    rows, same = np.unique(rows, axis=0, return_inverse=True)
+    number = same.reshape(-1)[number]
     which = np.where(clusters.order < 0, -1, number[clusters.order])
-    masks, resolution = np.full((1, clusters.count), ~np.uint64(0)), 0
+    masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
     masks.flags.writeable = False
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
-    found: tuple[Any, ...] = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
-    found += _segments(which, len(rows)), which.astype(float), masks
+    facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found = *facets, _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
     if law.elements is not None:
         summed = sums.by_sixteen(law.of_phase, law.elements)
@@ -280,13 +283,14 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
         cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        half = np.empty((2, out.size))
+        sums.halves(*directions, *half)
         packed = np.empty((3, size))
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
         begin = 0
         while begin < out.size:
             end = sums.gather(*found, *cells, *directions, begin, *packed, ends)
-            own = [each[begin:end] for each in directions]
-            summed(rows, *packed, ends, *own, out[begin:end])
+            summed(rows, *packed, ends, *half[:, begin:end], out[begin:end])
             begin = end
 
     return _times(clusters.area, kernel)

@@ -103,6 +103,14 @@ def stray(x, y, z):
 
 
 @reduction
+def halves(sx, sy, sz, ox, oy, oz, cosines, sines):
+    """Write cosine and sine of half the angle between pairs of directions, all (N,)."""
+    for t in range(cosines.size):
+        cosines[t] = 0.5 * _length(sx[t] + ox[t], sy[t] + oy[t], sz[t] + oz[t])
+        sines[t] = 0.5 * _length(sx[t] - ox[t], sy[t] - oy[t], sz[t] - oz[t])
+
+
+@reduction
 def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
@@ -200,15 +208,15 @@ def gather(
     """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
 
     `segments` (S, 3) hold a word of `sky`, the clusters of it with facets of a row of the law, and
-    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; a
-    row of ones and cells of zero where nothing casts a shadow.  For each epoch and row the cosines
+    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; one
+    row where nothing casts a shadow.  For each epoch and row the cosines
     mu0, mu and the weights, area times mu0 mu times the share of free points, follow each other
     from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
     sixteen by weights of zero.  It stops where another epoch might not fit.
     """
     ways = np.empty(16)
     ones, zeros = lanes(_ONES), lanes(_ZEROS)
-    rows = ends.shape[1]
+    rows, shaded = ends.shape[1], masks.shape[0] > 1
     last = incidence.size - SIZE * (axes.shape[0] + 2 * rows)
     used = np.uint64(0)
     for t in range(begin, min(sx.size, begin + ends.shape[0])):
@@ -232,11 +240,13 @@ def gather(
                 word &= word - _1
                 i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
-                height, area = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
+                height = eight(blocks, i + _ROW_2)
                 p = _cosines(x, y, ways, way, own) * height
                 q = _cosines(x, y, ways, way + _EYE, own + _EYE) * height
-                free = masks[free_sun, n] & masks[free_eye, n]
-                weight = area * (0.125 * bits_set_in_bytes(free))
+                weight = eight(blocks, i + _ROW_3)
+                if shaded:
+                    free = masks[free_sun, n] & masks[free_eye, n]
+                    weight = weight * (0.125 * bits_set_in_bytes(free))
                 by = at_most(at_most(p, q), weight)
                 if rows > 1:
                     other = eight(which, n * _PLACES) - float(row)
@@ -259,7 +269,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """
 
     @reduction_over(of_phase, element)
-    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
         terms = np.empty(TERMS)
         out[:] = 0.0
         for m in range(rows.shape[0]):
@@ -267,9 +277,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
             for t in range(out.size):
                 begin, end = _between(ends, t, m)
                 if begin < end:
-                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-                    cos_half = 0.5 * _length(a + d, b + e, c + f)
-                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    of_phase(row, cosines[t], sines[t], terms)
                     total = 0.0
                     for i in range(begin, end):
                         if weights[i] > 0.0:
@@ -285,11 +293,11 @@ def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
     """As `by_facet`, sixteen facets at a time.
 
     The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arrays of `gather`, the
-    directions of its epochs by component, and the output, one number for each epoch.
+    cosines and sines of half the phase angles of its epochs, and the output, a number for each.
     """
 
     @reduction_over(of_phase, elements)
-    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
         terms = np.empty(TERMS)
         out[:] = 0.0
         for m in range(rows.shape[0]):
@@ -297,9 +305,7 @@ def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
             for t in range(out.size):
                 begin, end = _between(ends, t, m)
                 if begin < end:
-                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-                    cos_half = 0.5 * _length(a + d, b + e, c + f)
-                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    of_phase(row, cosines[t], sines[t], terms)
                     part = lanes(_SIXTEEN_ZEROS)
                     for i in range(begin, end, _AT_ONCE):
                         p, q = sixteen(incidence, i), sixteen(emission, i)

@@ -37,7 +37,7 @@ def _of_phase(row, cos_half, sin_half, phase_terms):
 
 @reduction_within
 def _elements(row, phase_terms, mu0, mu):
-    """r / mu0 in 1/sr of eight elements, with the terms of `_of_phase`."""
+    """r / mu0 in 1/sr of several elements, with the terms of `_of_phase`."""
     if phase_terms[2] <= _SMOOTH:
         return _smooth(row, phase_terms, mu0, mu)
     return _rough(row, phase_terms, mu0, mu)
@@ -94,8 +94,8 @@ def _rough(row, phase_terms, mu0, mu):
     slope_a, slope_b = sin_a * tan_bar, sin_b * tan_bar
     da, db = 2.0 - e1a, 2.0 - e1b
     below = at_least(db - angle * e1a, _LEAST)
-    ya = at_least(a * below + slope_a * (cos_psi * e2b + sin2 * e2a), _LEAST)
-    yb = at_least(b * below + slope_b * (e2b - sin2 * e2a), _LEAST)
+    ya = a * below + slope_a * (cos_psi * e2b + sin2 * e2a)
+    yb = b * below + slope_b * (e2b - sin2 * e2a)
     # H(mu0_e) H(mu_e) is `above` / `under`
     twice = 2.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
     above = (ya * twice + below) * (yb * twice + below)
@@ -107,7 +107,7 @@ def _rough(row, phase_terms, mu0, mu):
         (0.25 / math.pi * row[0])
         * (ya * yb * da * db)
         * several
-        / (below * (ya + yb) * under * shaded)
+        / (below * at_least(ya + yb, _LEAST) * under * shaded)
     )
 
 

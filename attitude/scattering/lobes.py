@@ -29,7 +29,9 @@ def of_phase(row, cos_half, sin_half, phase_terms):
 
 @reduction_within
 def elements(row, phase_terms, mu0, mu):
-    """r / mu0 in 1/sr of eight elements for the model of a row."""
+    """r / mu0 in 1/sr of several elements for the model of a row."""
+    if row[1] <= 0.0:
+        return every(phase_terms[0], mu0)
     if row[2] == _PHONG:
         return _phong(row, phase_terms, mu0, mu)
     return _cook_torrance(phase_terms, mu0, mu)
