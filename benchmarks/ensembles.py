@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude import Body, Ensemble, FreeRotation, Spin, propagate
+from attitude import Body, Ensemble, FreeRotation, Impulse, Spin, propagate
 from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
 
@@ -132,6 +132,10 @@ def detumbling():
     print(
         f"detumbling: {found:.2f} us a step of a member; 1e4 states, 1800 steps: {18 * found:.0f} s"
     )
+    kicks = [Impulse(at=60.0 * k, angular_momentum=(0.1, 0, 0)) for k in range(1, 11)]
+    draws[:2].arcs(kicks).at(t)
+    found = best(lambda: draws.arcs(kicks), 2) / 1e4 * 1e6
+    print(f"ten impulses: {found:.0f} us a member and impulse")
 
 
 def threads():
