@@ -48,7 +48,6 @@ EVERYTHING = (
 
 # Columns that need a shape, or a site on the ground.
 MORE = "brightness", "reduced_magnitude", "magnitude", "elevation"
-ROUNDS = 3
 
 
 class Counted:
@@ -262,10 +261,10 @@ def against_sgp4(view, file, site):
     print(f"    from SGP4 by skyfield: {np.max(np.abs(ours - theirs.at(at).xyz.m.T)) * 1e3:.2f} mm")
 
 
-def in_turn(other):
+def in_turn(other, rounds):
     """Print the least costs of this source tree and of another one, in processes in turn."""
     found = {}
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for tree in (str(ROOT), other):
             done = subprocess.run(
                 [sys.executable, __file__, "--costs"],
@@ -278,7 +277,7 @@ def in_turn(other):
                 if line[WIDTH:].endswith(" ns") or " ns " in line[WIDTH:]:
                     cost = float(line[WIDTH : WIDTH + 9])
                     found.setdefault(line[:WIDTH].strip(), {}).setdefault(tree, []).append(cost)
-    title = f"CPU ns, least of {ROUNDS} processes"
+    title = f"CPU ns, least of {rounds} processes"
     print(f"{title:{WIDTH}s}{'here':>9s}{'there':>9s}  ratio")
     for label, costs in found.items():
         here, there = (min(costs[tree]) for tree in (str(ROOT), other))
@@ -289,11 +288,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--costs", action="store_true", help="no comparisons with other programs")
     parser.add_argument("--against", metavar="FOLDER", help="another source tree, in turn")
+    parser.add_argument("--rounds", type=int, default=3, help="processes of each tree")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")  # "dubious year", from astropy
     print(processor())
     if arguments.against:
-        in_turn(os.path.abspath(arguments.against))
+        in_turn(os.path.abspath(arguments.against), arguments.rounds)
         return
     print(f"{'1e6 epochs over a year':{WIDTH}s}{'CPU':>9s}{'wall':>9s}{'required':>11s}")
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-5, 2e-4, 1e-5))
