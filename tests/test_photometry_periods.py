@@ -308,3 +308,19 @@ def test_commands(tmp_path, capsys):
 def test_wrong_commands(capsys, arguments, words):
     assert cli.main(list(arguments)) == 2
     assert words in capsys.readouterr().err
+
+
+def test_both_engines_agree():
+    """astropy alone and with nifty-ls; without nifty-ls, a sentence."""
+    t = nights(6)
+    y = np.cos(2 * np.pi * t / (6.1 * HOUR))
+    limits = {"min_period": "4 h", "max_period": "20 h"}
+    one = photometry.periodogram(t, y, engine="astropy", **limits)
+    try:
+        import nifty_ls  # noqa: F401
+    except ImportError:
+        with pytest.raises(AttitudeError, match="nifty-ls is not installed"):
+            photometry.periodogram(t, y, engine="nifty-ls", **limits)
+        return
+    other = photometry.periodogram(t, y, engine="nifty-ls", **limits)
+    np.testing.assert_allclose(other.power, one.power, atol=1e-6)
