@@ -14,7 +14,7 @@ import numpy as np
 from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Immutable, copied, frozen
+from attitude.immutable import Valued, copied, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,7 +47,7 @@ class RateBounds(NamedTuple):
     third: float
 
 
-class Motion(Immutable):
+class Motion(Valued):
     """Base of all motions; it implements what follows from attitudes at epochs.
 
     A new kind of motion defines
@@ -79,6 +79,9 @@ class Motion(Immutable):
         `RateBounds` that hold from there to the next joint, or None if they are unknown.
     ``has_rates_at(seconds, low)``
         Whether angular velocities there are more exact than differences of attitudes.
+    ``_value``
+        Names of the attributes that two equal motions share; without them a motion equals itself
+        alone.
     ``meta``
         Names and comments of the file from which the motion was read.
     ``close()``

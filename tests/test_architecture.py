@@ -14,16 +14,26 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "quantity_text", "validation", "pairs"),
-    ("physical_constants", "blocks", "memory", "moved"),
+    (
+        "errors",
+        "calls",
+        "immutable",
+        "quantity_text",
+        "validation",
+        "pairs",
+        "physical_constants",
+        "blocks",
+        "memory",
+        "moved",
+    ),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
+    ("flat_table", "paths", "axes"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
     ("attitude_table", "free_rotation", "catalog"),
-    ("paths",),
-    ("scattering", "light_curve", "scene"),
+    ("conditions", "scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
     ("plots", "formats", "selftest"),
@@ -191,6 +201,12 @@ def test_annotations_are_imported_by_type_checkers_only(name):
 def test_type_checkers_see_the_lazy_names(name):
     """The names that are imported on first use, from the modules that define them."""
     imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    modules = [node for node in imports if isinstance(node, ast.Import)]
+    offered = {
+        f"attitude.{each}" for each in getattr(importlib.import_module(name), "_MODULES", ())
+    }
+    assert {each.name for node in modules for each in node.names} == offered
+    imports = [node for node in imports if node not in modules]
     seen = {each.asname: node.module for node in imports for each in node.names}
     assert seen == importlib.import_module(name)._WHERE
 
@@ -321,6 +337,14 @@ def test_naming_what_the_package_offers_loads_nothing_heavy():
     """Until it is used."""
     assert _loaded_by("from attitude import Body, FreeRotation, Mode, Spin, propagate") == []
     assert _loaded_by("from attitude import AttitudeHistory") == []
+
+
+def test_modules_are_reached_after_importing_the_package():
+    reached = "import attitude\nassert attitude.events.glints and attitude.catalog.entry"
+    assert "numpy" not in _loaded_by("import attitude")
+    run = subprocess.run([sys.executable, "-c", reached], cwd=PACKAGE.parent, check=False)
+    assert run.returncode == 0
+    assert {"catalog", "events", "paths", "plots", "shape"} <= set(dir(attitude))
 
 
 def test_moments_and_plain_epochs_need_nothing_heavy():

@@ -82,12 +82,20 @@ class MagnitudeScale:
     sun_distance: float | None = None
     observer_distance: float | None = None
 
-    def of(self, view: View) -> FloatArray:
-        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen."""
+    def of(self, view: View, *, everywhere: bool = False) -> FloatArray:
+        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen.
+
+        NaN where a ground site does not observe it (`View.is_observable`), unless `everywhere`, or
+        the scene has site_limits=False.
+        """
+        found = self._everywhere(view)
+        return found if everywhere else view.as_observed(found)
+
+    def _everywhere(self, view: View) -> FloatArray:
         if self.kind == "reduced":
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
-            return view.magnitude
+            return view.magnitude_everywhere
         given = self.sun_distance, self.observer_distance
         sun = view.sun_distance if given[0] is None else given[0]
         observer = view.observer_distance if given[1] is None else given[1]

@@ -21,8 +21,12 @@ from attitude.textfiles import records
 from attitude.textfiles.lines import whole
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from attitude.annotations import FloatArray, Real
     from attitude.epochs.instants import Instant
+
+_POLE = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,6 +68,12 @@ class Site(Immutable, Path):
     def zenith_path(self) -> Site:
         """See `Place.zenith_path`."""
         return replace(self, itrs=self.up)
+
+    def pole(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes; see `Path.position`."""
+        return replace(self, itrs=_POLE).position(instant, seconds, low)
 
     def _state(self, instant, hi, lo):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
@@ -119,17 +129,27 @@ def site(
             f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
             'as "48.1 deg").'
         )
-    up = np.array(
+    up = _normal(longitude, latitude)
+    squeeze = (1.0 - EARTH_FLATTENING) ** 2
+    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
+    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
+    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
+
+
+def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, source: str) -> Site:
+    """The place at (3,) m in ITRS, whose zenith has a geodetic longitude and latitude, rad."""
+    return Site(np.array(itrs, dtype=np.float64), _normal(longitude, latitude), name, source)
+
+
+def _normal(longitude: float, latitude: float) -> FloatArray:
+    """The normal (3,) of the ellipsoid, ITRS axes."""
+    return np.array(
         [
             math.cos(latitude) * math.cos(longitude),
             math.cos(latitude) * math.sin(longitude),
             math.sin(latitude),
         ]
     )
-    squeeze = (1.0 - EARTH_FLATTENING) ** 2
-    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
-    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
-    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
 
 
 def observatory(code: str, *, long_term: bool = False) -> Site:

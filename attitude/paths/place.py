@@ -50,3 +50,12 @@ class Place:
             f"the observer is {self.name}, which has no horizon; give a ground site: "
             "paths.site(longitude, latitude) or paths.observatory(code)."
         )
+
+    def pole(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes: north of a ground site.
+
+        AttitudeError as `zenith`.
+        """
+        return self.zenith(instant, seconds, low)
