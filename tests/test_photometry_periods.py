@@ -51,7 +51,7 @@ def test_spectrum_takes_times_quantities_and_photometry():
     ):
         assert found.rms < 1e-6 and found.strongest(1)[0][1] == pytest.approx(0.3, abs=1e-6)
     assert spectrum.fit(data, P_psi="7.7 d", P_phi="3.1 d")(times[:5]) == pytest.approx(y[:5])
-    with pytest.warns(AttitudeWarning, match="look like Julian dates"):
+    with pytest.warns(AttitudeWarning, match="looks like a Julian date"):
         samples.of(times.jd, y)
     with pytest.raises(AttitudeError, match="leave those arguments out"):
         spectrum.fit(data, y, "7.7 d", "3.1 d")
