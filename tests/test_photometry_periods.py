@@ -51,7 +51,7 @@ def test_spectrum_takes_times_quantities_and_photometry():
     ):
         assert found.rms < 1e-6 and found.strongest(1)[0][1] == pytest.approx(0.3, abs=1e-6)
     assert spectrum.fit(data, P_psi="7.7 d", P_phi="3.1 d")(times[:5]) == pytest.approx(y[:5])
-    with pytest.warns(AttitudeWarning, match="look like Julian dates"):
+    with pytest.warns(AttitudeWarning, match="looks like a Julian date"):
         samples.of(times.jd, y)
     with pytest.raises(AttitudeError, match="leave those arguments out"):
         spectrum.fit(data, y, "7.7 d", "3.1 d")
@@ -308,3 +308,19 @@ def test_commands(tmp_path, capsys):
 def test_wrong_commands(capsys, arguments, words):
     assert cli.main(list(arguments)) == 2
     assert words in capsys.readouterr().err
+
+
+def test_both_engines_agree():
+    """astropy alone and with nifty-ls; without nifty-ls, a sentence."""
+    t = nights(6)
+    y = np.cos(2 * np.pi * t / (6.1 * HOUR))
+    limits = {"min_period": "4 h", "max_period": "20 h"}
+    one = photometry.periodogram(t, y, engine="astropy", **limits)
+    try:
+        import nifty_ls  # noqa: F401
+    except ImportError:
+        with pytest.raises(AttitudeError, match="nifty-ls is not installed"):
+            photometry.periodogram(t, y, engine="nifty-ls", **limits)
+        return
+    other = photometry.periodogram(t, y, engine="nifty-ls", **limits)
+    np.testing.assert_allclose(other.power, one.power, atol=1e-6)

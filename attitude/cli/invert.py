@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--site",
         metavar="LON,LAT[,HEIGHT]",
-        help='the observer on the ground, such as "-70.7 deg, -30.2 deg, 2700 m" (with --orbit)',
+        help='the observer on the ground, such as "-70.7, -30.2 deg, 2700 m" (with --orbit)',
     )
     parser.add_argument("--frame", default="icrf", help="axes of the vectors of the file (icrf)")
     parser.add_argument(
@@ -120,7 +120,6 @@ def _number(text: str, name: str) -> float:
 
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the geometry from --orbit and --site."""
-    from attitude import paths
 
     path = orbit.path_of(arguments)
     if path is None:
@@ -129,12 +128,23 @@ def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
         return {}
     if arguments.site is None:
         return {"path": path}
-    parts = [each.strip() for each in arguments.site.split(",")]
+    return {"path": path, "site": _site(arguments.site)}
+
+
+def _site(text: str) -> Any:
+    """The place of "-70.7, -30.2 deg", "-70.7, -30.2 deg, 2700 m" or "-70.7 deg, -30.2 deg"."""
+    from attitude import paths, quantity_text, validation
+
+    parts = [each.strip() for each in text.split(",")]
     if len(parts) not in (2, 3):
         raise AttitudeError(
-            f"--site is {arguments.site!r}; give longitude, latitude and, if known, the height."
+            f"--site is {text!r}; give longitude, latitude and, if known, the height, as in "
+            '"-70.7, -30.2 deg, 2700 m".'
         )
-    return {"path": path, "site": paths.site(*parts)}
+    if not quantity_text.is_quantity(parts[0]):  # the unit stands behind the latitude
+        both = validation.real(", ".join(parts[:2]), "--site", shape=(2,), unit="rad")
+        return paths.site(*both.tolist(), *parts[2:])
+    return paths.site(*parts)
 
 
 def _print_progress(text: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +10,13 @@ import numpy as np
 from attitude import epochs, validation
 from attitude.epochs import kinds
 from attitude.epochs.instants import Instant
-from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epochs, FloatArray, IntArray, Reals
 
-# Plain numbers in this interval are Julian dates rather than seconds.
-_JULIAN_DATES = (2.4e6, 2.5e6)
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
 
@@ -171,18 +168,6 @@ def _seconds(t: Any) -> tuple[Instant | None, FloatArray]:
         if not np.all(np.isfinite(found)):
             raise AttitudeError(
                 f"t holds {found[~np.isfinite(found)].flat[0]}; give finite epochs."
-            )
-        plain = kind == "number" and not hasattr(t, "unit")
-        if (
-            plain
-            and found.size
-            and _JULIAN_DATES[0] < found.min() <= found.max() < _JULIAN_DATES[1]
-        ):
-            warnings.warn(
-                f"t runs from {found.min():.9g} to {found.max():.9g}: plain numbers are seconds, "
-                'and these look like Julian dates; give Time(t, format="jd"), or t * units.day.',
-                AttitudeWarning,
-                stacklevel=4,
             )
         return None, found
     hi, lo = epochs.past_j2000(t, "t")
