@@ -81,10 +81,10 @@ def test_air_mass_against_closed_form_and_the_almanac():
     elevation = np.radians([90.0, 60.0, 30.0, 10.0, 5.0, 0.0, -0.1])
     found = angles.air_mass(elevation)
     assert found[0] == pytest.approx(1.0, abs=1e-5)
-    # The secant, and Kasten and Young (1989): formulas of air mass differ by 0.0037 and more.
+    # The secant, and Kasten and Young (1989), whose elevations are refracted ones: 0.8 % at 10 deg.
     np.testing.assert_allclose(found[:3], 1 / np.sin(elevation[:3]), rtol=5e-3)
     kasten = 1 / (np.sin(elevation) + 0.50572 * (np.degrees(elevation) + 6.07995) ** -1.6364)
-    np.testing.assert_allclose(found[:4], kasten[:4], rtol=5e-3)
+    np.testing.assert_allclose(found[:4], kasten[:4], rtol=1e-2)
     assert found[5] == pytest.approx(31.7, abs=0.1) and np.isnan(found[6])
 
 
