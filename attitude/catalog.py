@@ -45,6 +45,10 @@ _NEEDED = {
     "rates": ("moments", "wxyz", "angular_velocity", "epoch"),
     "periods": ("moments", "mode", "convention", "P_psi", "P_phi", "pole", "phi0", "psi0", "epoch"),
 }
+# SI units and radians in the units of the catalogue, as astropy converts them.
+_DEGREE = np.pi / 180.0
+_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": 86400.0}
+_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / 86400.0}
 _KEYWORDS = (*_NEEDED["periods"], "theta_branch", "wxyz", "angular_velocity", "frame")
 
 
@@ -83,15 +87,7 @@ class Value:
         """The value as a float or array in SI units and radians; text as it is."""
         if isinstance(self.value, str):
             return self.value
-        if self.unit is None:
-            return validation.real(self.value, self.name)[()]
-        unit = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}.get(self.unit, self.unit)
-        if unit == self.unit:
-            return validation.real(self.value, self.name)[()]
-        from astropy import units
-
-        quantity = np.array(self.value) * units.Unit(self.unit)
-        return validation.real(quantity, self.name, unit=unit)[()]
+        return validation.real(self.value, self.name)[()] * _SI[self.unit]
 
     def __str__(self) -> str:
         value = self.value if isinstance(self.value, str) else _spelled(self.value)

@@ -136,8 +136,8 @@ class AttitudeHistory(Immutable):
 
     @cached_property
     def sigma(self) -> FloatArray:
-        """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
-        return frozen(_deviations(self.attitude_covariance))
+        """(S, 3) standard deviations of the attitude about the ICRF axes, degrees."""
+        return frozen(np.degrees(_deviations(self.attitude_covariance)))
 
     @cached_property
     def sigma_angular_velocity(self) -> FloatArray:
@@ -305,7 +305,7 @@ class AttitudeHistory(Immutable):
             of_rates = np.array(self.sigma_angular_velocity) * units.rad / units.s
             columns["sigma_angular_velocity"] = of_rates
         if sigma:
-            columns["sigma"] = np.degrees(self.sigma) * units.deg
+            columns["sigma"] = np.array(self.sigma) * units.deg
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
         return FlatTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
 

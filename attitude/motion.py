@@ -166,11 +166,14 @@ class Motion(Valued):
             For epochs that cannot be read, or outside of the span of the motion.
         """
         hi, lo = epochs.seconds_since(self.epoch, t, low)
-        found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
         kept = None if lo is None else copied(lo)
-        hi = hi if type(t) is float else copied(hi)
-        history = AttitudeHistory(self, self.epoch, hi, kept, found[0])
+        return self.at_seconds(hi if type(t) is float else copied(hi), kept)
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
+        found = self._evaluate(seconds, low, 0)
+        history = AttitudeHistory(self, self.epoch, seconds, low, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history
@@ -339,6 +342,10 @@ class Foreign(Motion):
         """The attitudes at some epochs; see `Motion.at`."""
         found: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
         return found
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """See `Motion.at_seconds`."""
+        return self.at(seconds, low)
 
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int

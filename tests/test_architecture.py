@@ -14,16 +14,8 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    (
-        "errors",
-        "calls",
-        "immutable",
-        "validation",
-        "pairs",
-        "physical_constants",
-        "blocks",
-        "moved",
-    ),
+    ("errors", "calls", "immutable", "validation", "pairs", "physical_constants"),
+    ("blocks", "memory", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
@@ -47,6 +39,7 @@ ORDERS = {
             "choice",
             "deferral",
             "notice",
+            "source_stamp",
             "disk_cache",
             "ieee",
             "instructions",
@@ -61,13 +54,13 @@ ORDERS = {
             "lowering",
             "decorators",
         ),
-        *("decorators", "callbacks", "status"),
+        *("decorators", "elementary", "callbacks", "status"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "march_layout", "torqued_step", "march", "march_members", "adaptive"),
-        *("regimes", "place_of_d"),
+        *("chain", "chain_members", "march_layout", "torqued_step", "march", "march_members"),
+        *("adaptive", "regimes", "place_of_d"),
         *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
@@ -240,6 +233,8 @@ ALLOWED_ACCESS = {
     "attitude.light_curve.table_files": {"file.open"},
     # The argument open= of a mesh, not the function.
     "attitude.shape.mesh": {"open"},
+    # The sources of the package themselves, of which machine code on disk keeps a hash.
+    "attitude.compilation.source_stamp": {"path.read_bytes"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
     "attitude.cli": {"os.open"},
 }

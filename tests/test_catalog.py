@@ -193,3 +193,17 @@ def test_the_worked_conversions_of_the_documentation():
         str(page), module_relative=False, optionflags=doctest.NORMALIZE_WHITESPACE
     )
     assert found.failed == 0 and found.attempted > 30
+
+
+def test_units_are_converted_as_by_astropy():
+    from astropy import units
+
+    to = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}
+    for name in catalog.names():
+        entry = catalog.entry(name)
+        for each in (*entry.given.values(), *entry.printed.values()):
+            if each.unit is None or isinstance(each.value, str):
+                continue
+            quantity = np.array(each.value) * units.Unit(each.unit)
+            expected = quantity.to_value(to.get(each.unit, each.unit))
+            assert np.array_equal(each.si, expected), f"{name}: {each}"

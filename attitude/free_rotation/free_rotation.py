@@ -15,6 +15,7 @@ from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
 from attitude.free_rotation.other_epoch import OtherEpochs
 from attitude.immutable import frozen
+from attitude.memory import new_array
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
@@ -375,8 +376,8 @@ class FreeRotation(OtherEpochs):
         # frozen: a new view each, also of the caller's array
         t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
         t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
-        wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if order else None
+        wxyz = new_array(1, 4, t.size)
+        omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
         found = [wxyz[0].T.reshape(*shape, 4)]
         if omega is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -21,8 +21,6 @@ from attitude.textfiles import records
 from attitude.textfiles.lines import whole
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from attitude.annotations import FloatArray, Real
     from attitude.epochs.instants import Instant
 
@@ -64,31 +62,24 @@ class Site(Immutable, Path):
         """First and last epoch of the installed IERS table; None with long_term."""
         return None if self.long_term else table_span()
 
-    def zenith(
-        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> FloatArray:
-        """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`."""
-        return self._evaluate(instant, seconds, low, self._zenith)[0]
+    @property
+    def zenith_path(self) -> Site:
+        """See `Place.zenith_path`."""
+        return replace(self, itrs=self.up)
 
-    def pole(
-        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> FloatArray:
-        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes; see `Path.position`."""
-        return self._evaluate(instant, seconds, low, self._pole)[0]
-
-    def _zenith(self, instant, hi, lo):
-        return (self._celestial(instant, hi, lo, self.up)[0],)
-
-    def _pole(self, instant, hi, lo):
-        return (self._celestial(instant, hi, lo, _POLE)[0],)
+    @property
+    def pole_path(self) -> Site:
+        """See `Place.pole_path`."""
+        return replace(self, itrs=_POLE.copy())
 
     def _state(self, instant, hi, lo):
-        return self._celestial(instant, hi, lo, self.itrs)
-
-    def _celestial(self, instant, hi, lo, vector):
-        """ICRF components and their rates (3, N) of a vector in ITRS."""
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
-        return to_celestial(*at, vector, long_term=self.long_term, name=self.name)
+        return to_celestial(*at, self.itrs, long_term=self.long_term, name=self.name)
+
+    def _position(self, instant, hi, lo):
+        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        given = {"long_term": self.long_term, "name": self.name, "rates": False}
+        return to_celestial(*at, self.itrs, **given)[0]
 
 
 def site(

@@ -58,7 +58,7 @@ class Material(Law):
 
     name = "material"
     of_phase = lobes.of_phase
-    element = lobes.element
+    elements = lobes.elements
 
     diffuse: NumberField = parameter(low=0.0, high=1.0)
     specular: NumberField = parameter(0.0, low=0.0, high=1.0)
@@ -121,7 +121,7 @@ class Materials(Law):
     """
 
     of_phase = lobes.of_phase
-    element = lobes.element
+    elements = lobes.elements
     _by_name: dict[str, Material]
 
     def __init__(self, by_name: Mapping[str, Material]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from attitude import epochs, pairs, paths, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
+from attitude.memory import new_array
 from attitude.motion import motion_of
 from attitude.scattering import law as known_law
 from attitude.scene import given, scalars, shadow
@@ -235,7 +236,8 @@ class Scene(Immutable):
             )
         seconds, low = epochs.plain_seconds(seconds, low)
         # Copies, since the arrays of a view are read-only.
-        hi = np.array(seconds)
+        hi = new_array(*seconds.shape)
+        hi[...] = seconds
         lo = None if low is None else np.array(low)
         if np.isinf(hi).any():
             raise AttitudeError(

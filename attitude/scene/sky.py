@@ -9,13 +9,16 @@ import numpy as np
 from attitude import paths
 from attitude.errors import AttitudeError
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
-from attitude.scene import angles
+from attitude.scene import angles, lines_of_sight
 from attitude.scene.lazy import kept, quantity
 from attitude.scene.pointing import Pointing
 
 if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray
     from attitude.scene.lines_of_sight import LineOfSight
+
+# Largest error of a fitted zenith, rad: of the sum of some hundred roundings.
+_LEAST_TURN = 1e-13
 
 
 class Sky(Pointing):
@@ -54,8 +57,8 @@ class Sky(Pointing):
     def solar_elongation(self) -> FloatArray:
         """Angle at the observer between the Sun and the body, 0 to pi."""
         body = self._flat(self.apparent_direction)
-        sun = self._seen(np.broadcast_to(self.observer_sun_line.unit, body.shape))
-        return self._numbers(angles.between(body, sun))
+        sun = self._seen(self.observer_sun_line.unit)
+        return self._numbers(angles.between_units(body, sun))
 
     @quantity("rad")
     def long_axis_position_angle(self) -> FloatArray:
@@ -71,18 +74,24 @@ class Sky(Pointing):
     @kept
     def zenith(self) -> FloatArray:
         """Unit vectors (3, N) to the zenith of a ground site at the epochs of reception, ICRF."""
+        return self._axis_of_earth(self.scene.observer.zenith_path)
+
+    def _axis_of_earth(self, path: paths.Path) -> FloatArray:
+        """Unit vectors (3, N) of a direction that rests on the Earth, at reception, ICRF."""
         hi, lo = self._reception()
-        return np.moveaxis(self.scene.observer.zenith(self.epoch, hi, lo), -1, 0)
+        scene, some = self.scene, self._reception_sample
+        tolerance = None if scene.tolerance is None else _LEAST_TURN
+        return lines_of_sight.seen(path, self.epoch, hi, lo, some, tolerance).unit
 
     def _elevation_of(self, direction: FloatArray) -> FloatArray:
-        return self._numbers(0.5 * np.pi - angles.between(self.zenith, direction))
+        return self._numbers(0.5 * np.pi - angles.between_units(self.zenith, direction))
 
     @quantity("rad")
     def azimuth(self) -> FloatArray:
         """Azimuth of the body at a ground site, from north through east, 0 to 2 pi."""
         direction = self._flat(self.apparent_direction)
         # The pole of ITRS: north on the horizon of the site.
-        pole = np.moveaxis(self.scene.observer.pole(self.epoch, *self._reception()), -1, 0)
+        pole = self._axis_of_earth(self.scene.observer.pole_path)
         east = np.cross(pole, self.zenith, axis=0)
         north = np.cross(self.zenith, east, axis=0)
         along = (np.sum(each * direction, axis=0) for each in (east, north))
@@ -106,7 +115,7 @@ class Sky(Pointing):
                 "the observer is a direction, infinitely far away, where the direction to the Moon "
                 "is undefined; give a path as the observer."
             )
-        return self._sight("moon", cast("paths.Path", scene.observer), self._reception())
+        return self._sight("moon", scene.observer)
 
     @quantity("rad")
     def moon_elevation(self) -> FloatArray:
@@ -119,7 +128,7 @@ class Sky(Pointing):
         """Angle at the observer between the Moon's centre and the body, 0 to pi."""
         body = self._flat(self.apparent_direction)
         moon = self._seen(np.broadcast_to(self.moon_line.unit, body.shape))
-        return self._numbers(angles.between(body, moon))
+        return self._numbers(angles.between_units(body, moon))
 
     @quantity()
     def airmass(self) -> FloatArray:
