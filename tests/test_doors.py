@@ -94,6 +94,7 @@ def test_positions_and_vectors_of_skyfield():
     venus = scene_of(planets["venus"]).observer
     own = paths.from_skyfield(planets["venus"])
     np.testing.assert_array_equal(position(venus), position(own))
+    planets.close()
 
 
 # Wrong calls --------------------------------------------------------------------------------------
