@@ -383,8 +383,8 @@ def _one_for_many(v: FloatArray, wxyz: FloatArray) -> FloatArray:
 
     out = np.empty((3, len(wxyz)))
     # Read-only, as in all calls of compiled code: to numba a writable array is another type.
-    given = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
-    vectors.to_body(*given, out)
+    turns, vector = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
+    vectors.to_body(turns, vector, out)
     return out.T
 
 

@@ -24,8 +24,10 @@ from astropy.time import Time
 
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import aliases, ellipsoid_magnitudes, pair_scan, search, transforms
+from attitude.inversion import aliases, ellipsoid_magnitudes, search
+from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion_cases
+from examples import toutatis_photometry
 
 # Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
 _NAMES = ("mode", "P", "span", "nights", "hours", "per_hour", "noise")
@@ -215,52 +217,9 @@ def toutatis() -> None:
         f"pole {math.degrees(found[0].pole_sigma):.1f} deg"
     )
     print(catalog.entry("4179 Toutatis").motion().published("L"))
-    rows = [
-        row.split(",")
-        for row in (data / "toutatis-observed.csv").read_text().splitlines()
-        if row[:4] == "1992"
-    ]
-    history = found[0].motion.at([row[0] for row in rows])
-    turn = matrix_to_icrf("ecliptic").T @ history.matrix
-    order = np.argsort(found[0].motion.body.moments)
-    off = []
-    for row, here in zip(rows, turn, strict=True):
-        a, b, c = np.radians([float(each) for each in row[1:4]])
-        radar = _axis(a, 2) @ _axis(b, 0) @ _axis(c, 2)
-        # radar: x intermediate, y greatest, z least; axes are lines, a proper rotation of them
-        mine = here[:, order[[1, 2, 0]]]
-        turns = [
-            mine * np.array(signs)
-            for signs in (
-                (1, 1, 1),
-                (1, -1, -1),
-                (-1, 1, -1),
-                (-1, -1, 1),
-                (-1, -1, -1),
-                (-1, 1, 1),
-                (1, -1, 1),
-                (1, 1, -1),
-            )
-        ]
-        cosines = [
-            0.5 * (np.trace(radar.T @ each) - 1.0) for each in turns if np.linalg.det(each) > 0.0
-        ]
-        off.append(
-            (
-                math.degrees(math.acos(min(1.0, max(cosines)))),
-                math.degrees(math.acos(min(1.0, abs(float(radar[:, 2] @ mine[:, 2]))))),
-            )
-        )
-    print("angles to the radar attitudes, deg:", np.round(off, 0).tolist())
-
-
-def _axis(angle: float, k: int) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    m = np.eye(3)
-    i, j = [(1, 2), (2, 0), (0, 1)][k]
-    m[i, i] = m[j, j] = c
-    m[i, j], m[j, i] = -s, s
-    return m
+    whole, axis = toutatis_photometry.angles_to_radar(found[0].motion)
+    print("angles to the radar attitudes, deg:", np.round(whole).tolist())
+    print("of the long axis:", np.round(axis).tolist())
 
 
 def main(arguments: list[str]) -> None:

@@ -22,13 +22,13 @@ HOUSE = (
     ("flat_table", "paths", "axes"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
-    ("attitude_table", "free_rotation"),
+    ("attitude_table", "free_rotation", "catalog"),
     ("conditions", "scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
-    ("catalog", "plots", "formats", "selftest"),
+    ("plots", "formats", "selftest"),
     ("ensemble", "survey"),
-    ("inversion", "warm_up"),
+    ("photometry", "inversion", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
@@ -65,7 +65,7 @@ ORDERS = {
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
-    "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
+    "textfiles": ("lines", "kvn", "xml", "records", "toml", "atomic_write"),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")

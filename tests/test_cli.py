@@ -456,3 +456,32 @@ def test_steps_of_utc_are_equal_in_utc():
     hi, lo = found.block(0, 400)
     drift = hi - 86400.0 * np.arange(367) + lo
     assert 2e-3 < np.ptp(drift) < 4e-3
+
+
+# Names of the catalogue ---------------------------------------------------------------------------
+
+
+def test_catalogue_names_are_motions(attitude_command, tmp_path):
+    """propagate and convert take a name as they take the spin file with the same numbers."""
+    options = ("--stop", "1 d", "--step", "12 h")
+    code, out, _ = attitude_command("propagate", "4179 Toutatis", *options)
+    assert code == 0
+    _, of_file, _ = attitude_command("propagate", TOUTATIS, *options)
+    mine, theirs = ([row.split(",") for row in text.splitlines()[1:]] for text in (out, of_file))
+    assert [row[0] for row in mine] == [row[0] for row in theirs] and len(mine) == 3
+    numbers = [np.array([row[1:] for row in rows], float) for rows in (mine, theirs)]
+    np.testing.assert_allclose(*numbers, rtol=0.0, atol=1e-14)
+    target = tmp_path / "x.aem"
+    code, _, err = attitude_command("convert", "toutatis", target, *options)
+    assert code == 0, err
+    assert "Takahashi" in target.read_text()
+    code, _, err = attitude_command("propagate", "17 Thetis", *options)
+    assert code == 2 and "the catalogue has no '17 Thetis'" in err
+
+
+def test_describe_says_which_numbers_were_given(attitude_command):
+    given = ("--phi0", "10 deg", "--psi0", "3 deg", "--epoch", "2012-12-23", "--P-psi", "260 h")
+    code, out, _ = attitude_command("describe", "apophis", *given)
+    assert code == 0
+    first = out.splitlines()[0]
+    assert first == "99942 Apophis (2022), with --P-psi, --phi0, --psi0, --epoch as given here"

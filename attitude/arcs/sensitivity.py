@@ -72,7 +72,7 @@ class ChainedSensitivity(Derivatives):
                     "derivative in closed form; give the momentum as three numbers."
                 )
         self._constants, self._starts, self._bodies = constants, starts, bodies
-        self._epoch = epoch
+        self._epoch, self._changes = epoch, tuple(changes)
         self._tangents = [
             columns.tangents_of(
                 body.moments_as_pairs[None], start[None], body.principal_wxyz[None], record[None]
@@ -87,10 +87,43 @@ class ChainedSensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        return self._chained(self._maps, seconds, low, rates)
+
+    def by_momenta(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool = False
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """As `at`, by the momenta of the changes: columns (3 N), each in the frame of its change.
+
+        Parameters
+        ----------
+        seconds, low : (S,) arrays
+        rates : bool
+        """
+        count = len(self._changes)
+        maps = [np.zeros((9, 3 * count))]
+        for k, change in enumerate(self._changes):
+            after = self._over_joint(k, change) @ maps[k]
+            turn = np.eye(3)
+            if change.frame != "body":
+                wxyz, _ = self._state(k, self._starts[k + 1])
+                turn = quaternion.matrix(wxyz).T @ frames.matrix_to_icrf(change.frame)
+            after[3:6, 3 * k : 3 * k + 3] += np.linalg.solve(self._bodies[k + 1].tensor, turn)
+            maps.append(after)
+        return self._chained(maps, seconds, low, rates)
+
+    def _chained(
+        self,
+        maps: Sequence[FloatArray],
+        seconds: FloatArray,
+        low: FloatArray | None,
+        rates: bool,
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
         t = np.asarray(seconds, dtype=np.float64).reshape(-1)
         rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
-        attitude = np.full((t.size, 3, 9), np.nan)
-        omega = np.full((t.size, 3, 9), np.nan) if rates else None
+        width = maps[0].shape[1]
+        attitude = np.full((t.size, 3, width), np.nan)
+        omega = np.full((t.size, 3, width), np.nan) if rates else None
         arcs = np.zeros(t.size, dtype=int)
         with np.errstate(invalid="ignore"):
             high, rest = pairs.two_sum(t, rest)
@@ -99,11 +132,11 @@ class ChainedSensitivity(Derivatives):
         for k in np.unique(arcs):
             on = arcs == k
             one, two = self._on_arc(int(k), high[on], rest[on], rates)
-            attitude[on] = one @ self._maps[k]
+            attitude[on] = one @ maps[k]
             if omega is not None:
                 assert two is not None
-                omega[on] = two @ self._maps[k]
-        shape = (*np.shape(seconds), 3, 9)
+                omega[on] = two @ maps[k]
+        shape = (*np.shape(seconds), 3, width)
         return attitude.reshape(shape), None if omega is None else omega.reshape(shape)
 
     def by_elements(self) -> FloatArray:

@@ -47,7 +47,9 @@ _DATES = (
 )
 # Seconds in this range, 27.8 to 28.9 days, are Julian dates of the years 1858 to 2132 more often.
 _FIRST_JD, _LAST_JD = 2.4e6, 2.5e6
-_DATES_OR_SECONDS = f"plain seconds, a time Quantity or TimeDelta, or dates: {_DATES}"
+_DATES_OR_SECONDS = (
+    f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {_DATES}'
+)
 
 
 def instant(value: Epoch, name: str = "epoch") -> Instant:
@@ -67,7 +69,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
     """
     if isinstance(value, Instant):
         return value
-    if type(value) is str:
+    if type(value) is str and value[4:5] == "-":
         return Instant(*readers.of_text(value, name))
     kind, leaves, shape = kinds.entries(value, name, _DATES)
     if kind in kinds.LENGTHS:
@@ -98,7 +100,8 @@ def seconds_since(
 
         * Plain numbers: TDB seconds since `start`, returned as they are (a float64 array is not
           copied).
-        * A time Quantity, a timedelta or timedelta64: TDB seconds since `start` in another unit.
+        * A time Quantity, text such as "3 d" or "0, 6, 12 h", a timedelta or timedelta64: TDB
+          seconds since `start` in another unit.
         * A TimeDelta: the epoch that astropy computes as start + t.  Without a scale or in TDB the
           TimeDelta counts seconds of TDB; in TAI or TT (differences of UTC times are in TAI) and
           in TCG or TCB, seconds of that scale from `start`.

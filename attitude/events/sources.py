@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from attitude.catalog import motion_of
 from attitude.conditions.moments import OfMotion, OfReception
 from attitude.errors import AttitudeError
-from attitude.motion import motion_of
 from attitude.scene.scene import Scene
 
 if TYPE_CHECKING:

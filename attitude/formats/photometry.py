@@ -31,7 +31,6 @@ import numpy as np
 from attitude import scattering, shape, validation
 from attitude.errors import AttitudeError
 from attitude.light_curve import magnitudes
-from attitude.textfiles import quantities
 from attitude.textfiles.toml import refuse_unknown, way_of
 
 if TYPE_CHECKING:
@@ -371,7 +370,5 @@ def _table(
 
 
 def _number(value: Any, name: str, unit: str | None) -> Any:
-    """A number or list of a file, or text with a unit, as a float or an array in the unit."""
-    if isinstance(value, str):
-        return quantities.in_unit(value, name, unit)[()]
+    """A number, a list or a text of a file, as a float or an array in the unit."""
     return validation.real(value, name, unit=unit)[()]

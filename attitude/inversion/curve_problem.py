@@ -13,13 +13,22 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
     from attitude.inversion.curve import LightCurve
 
+# Standard deviation of the fitted zero points, mag, above which they are taken as free.
+_UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
 # Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
 _SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
 
 
-def problem(curve: LightCurve, most_frequency: float, error: float, zero_points: Any) -> Any:
+def problem(
+    curve: LightCurve,
+    most_frequency: float,
+    error: float,
+    zero_points: Any,
+    *,
+    is_known: bool = False,
+) -> Any:
     """The problem of a curve, and its points (N,) or None where they are averages.
 
     Parameters
@@ -31,14 +40,16 @@ def problem(curve: LightCurve, most_frequency: float, error: float, zero_points:
         Model error, mag.
     zero_points : str, float or tuple of str
         As of `LightCurve`.
+    is_known : bool
+        Whether shape and law are known: without terms of the phase angle and of time.
     """
     span = curve.span
     bins = _bins(curve, most_frequency)
     values = _averaged(curve, bins)
     t = values["emission"] / span
     alpha = values["alpha"]
-    terms = list(phase_terms(alpha, t).T)
-    prior = [np.inf, np.inf, _CURVATURE, _DRIFT]
+    terms = [] if is_known else list(phase_terms(alpha, t).T)
+    prior = [] if is_known else [np.inf, np.inf, _CURVATURE, _DRIFT]
     for k in range(len(curve.filters)):
         terms.append((values["filter"] == k).astype(float))
         prior.append(np.inf)
@@ -58,6 +69,11 @@ def problem(curve: LightCurve, most_frequency: float, error: float, zero_points:
         error,
     )
     return found, bins
+
+
+def are_free(offsets: FloatArray) -> bool:
+    """Whether fitted zero points (S,), mag, are those of sessions that share no system."""
+    return bool(len(offsets) > 2 and offsets.std() > _UNCALIBRATED)
 
 
 def phase_terms(alpha: FloatArray, t: FloatArray) -> FloatArray:

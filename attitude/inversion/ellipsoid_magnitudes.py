@@ -19,6 +19,12 @@ _MAGNITUDE = -2.5 / math.log(10.0)
 _TURN = 2.0 * math.pi
 
 
+@reduction_inlined
+def _turned(x, y, z, m0, m1, m2, m3, m4, m5, m6, m7, m8):
+    """The components of a vector along the columns of a matrix, which is given by rows."""
+    return m0 * x + m3 * y + m6 * z, m1 * x + m4 * y + m7 * z, m2 * x + m5 * y + m8 * z
+
+
 @reduction
 def magnitudes(e, c, k, flat, t, sun, observer, r, out):
     """Magnitudes (N,) of elements e (5,), orientation c (9,) and 1/axes^2 flat (3,).
@@ -31,16 +37,13 @@ def magnitudes(e, c, k, flat, t, sun, observer, r, out):
     c0, c1, c2, c3, c4, c5, c6, c7, c8 = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
     fa, fb, fc = flat[0], flat[1], flat[2]
     for i in range(t.size):
-        x, y, z = sun[0, i], sun[1, i], sun[2, i]
-        s0, s1, s2 = c0 * x + c3 * y + c6 * z, c1 * x + c4 * y + c7 * z, c2 * x + c5 * y + c8 * z
+        s0, s1, s2 = _turned(sun[0, i], sun[1, i], sun[2, i], c0, c1, c2, c3, c4, c5, c6, c7, c8)
         x, y, z = observer[0, i], observer[1, i], observer[2, i]
-        o0, o1, o2 = c0 * x + c3 * y + c6 * z, c1 * x + c4 * y + c7 * z, c2 * x + c5 * y + c8 * z
-        sa = r[0, i] * s0 + r[3, i] * s1 + r[6, i] * s2
-        sb = r[1, i] * s0 + r[4, i] * s1 + r[7, i] * s2
-        sc = r[2, i] * s0 + r[5, i] * s1 + r[8, i] * s2
-        oa = r[0, i] * o0 + r[3, i] * o1 + r[6, i] * o2
-        ob = r[1, i] * o0 + r[4, i] * o1 + r[7, i] * o2
-        oc = r[2, i] * o0 + r[5, i] * o1 + r[8, i] * o2
+        o0, o1, o2 = _turned(x, y, z, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        r0, r1, r2, r3, r4, r5 = r[0, i], r[1, i], r[2, i], r[3, i], r[4, i], r[5, i]
+        r6, r7, r8 = r[6, i], r[7, i], r[8, i]
+        sa, sb, sc = _turned(s0, s1, s2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+        oa, ob, oc = _turned(o0, o1, o2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
         pp = fa * sa * sa + fb * sb * sb + fc * sc * sc
         qq = fa * oa * oa + fb * ob * ob + fc * oc * oc
         pq = fa * sa * oa + fb * sb * ob + fc * sc * oc
@@ -93,16 +96,13 @@ def with_derivatives(e, c, k, flat, t, sun, observer, r, g, out, jacobian):
     c0, c1, c2, c3, c4, c5, c6, c7, c8 = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
     fa, fb, fc = flat[0], flat[1], flat[2]
     for i in range(t.size):
-        x, y, z = sun[0, i], sun[1, i], sun[2, i]
-        s0, s1, s2 = c0 * x + c3 * y + c6 * z, c1 * x + c4 * y + c7 * z, c2 * x + c5 * y + c8 * z
+        s0, s1, s2 = _turned(sun[0, i], sun[1, i], sun[2, i], c0, c1, c2, c3, c4, c5, c6, c7, c8)
         x, y, z = observer[0, i], observer[1, i], observer[2, i]
-        o0, o1, o2 = c0 * x + c3 * y + c6 * z, c1 * x + c4 * y + c7 * z, c2 * x + c5 * y + c8 * z
-        sa = r[0, i] * s0 + r[3, i] * s1 + r[6, i] * s2
-        sb = r[1, i] * s0 + r[4, i] * s1 + r[7, i] * s2
-        sc = r[2, i] * s0 + r[5, i] * s1 + r[8, i] * s2
-        oa = r[0, i] * o0 + r[3, i] * o1 + r[6, i] * o2
-        ob = r[1, i] * o0 + r[4, i] * o1 + r[7, i] * o2
-        oc = r[2, i] * o0 + r[5, i] * o1 + r[8, i] * o2
+        o0, o1, o2 = _turned(x, y, z, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        r0, r1, r2, r3, r4, r5 = r[0, i], r[1, i], r[2, i], r[3, i], r[4, i], r[5, i]
+        r6, r7, r8 = r[6, i], r[7, i], r[8, i]
+        sa, sb, sc = _turned(s0, s1, s2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+        oa, ob, oc = _turned(o0, o1, o2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
         pp = fa * sa * sa + fb * sb * sb + fc * sc * sc
         qq = fa * oa * oa + fb * ob * ob + fc * oc * oc
         pq = fa * sa * oa + fb * sb * ob + fc * sc * oc

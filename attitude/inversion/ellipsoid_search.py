@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,6 +22,22 @@ _FREE = np.zeros(10, bool)
 _AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
 # Standard deviation of the logarithms of squared ratios of axes.
 _RATIOS = 1.5
+
+
+class Held(NamedTuple):
+    """Standard deviation of the logarithms of the moments of the motion, and from which moments.
+
+    From those of the ellipsoid, or from those given, of which moments has the logarithms,
+    ascending.
+    """
+
+    width: float = math.inf
+    moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+
+
+_FREELY = Held()
+# Starts about a pole, each the best of so many random ones.
+_AROUND, _SCREENS = 4, 8
 
 
 class Pool(NamedTuple):
@@ -67,7 +84,7 @@ def minimised(
     states: FloatArray,
     iterations: int,
     *,
-    tie: float = np.inf,
+    tie: Held = _FREELY,
     fixed: BoolArray = _FREE,
     gain: float = 1e-4,
 ) -> Pool:
@@ -83,7 +100,7 @@ def minimised(
         problem.root,
         problem.u,
         fixed,
-        np.array([_RATIOS, tie]),
+        np.array([_RATIOS, tie.width, *tie.moments]),
         iterations,
         gain,
         cost,
@@ -109,7 +126,7 @@ def around(
     *,
     screens: int = 8,
     iterations: int = 8,
-    tie: float = np.inf,
+    tie: Held = _FREELY,
 ) -> Pool:
     """Minima from `count` random starts for each pair of rates, in the order of the rates.
 
@@ -146,3 +163,25 @@ def axial(
     given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
     chosen = screened(problem, given, len(rates) * count)
     return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)
+
+
+def axial_at_poles(
+    problem: CurveProblem, generator: np.random.Generator, rate: float, count: int
+) -> Pool:
+    """Rotations at a rate (turns per span) about `count` directions, which stay, in their order."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
+    poles = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
+    size = _AROUND * _SCREENS
+    given = starts(generator, np.full(count * size, 0.5 * rate), np.full(count * size, -1.0))
+    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
+    third = np.repeat(poles, size, axis=0)
+    first = np.cross(third, generator.standard_normal(third.shape))
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    turns = np.stack([first, np.cross(third, first), third], axis=-1)
+    given[:, 5:14] = turns.reshape(-1, 9)
+    chosen = screened(problem, given, count * _AROUND)
+    fixed = AXIAL_FIXED.copy()
+    fixed[:2] = True
+    return best_of_each(minimised(problem, chosen, 20, fixed=fixed), count)

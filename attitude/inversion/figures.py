@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
-from attitude.inversion import aliases, search
+from attitude.inversion import aliases, lattices, search
+from attitude.spectrum import pair_scan
+from attitude.spectrum.pair_search import OVERSAMPLING
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
     from attitude.inversion.periods import Periods
+    from attitude.inversion.refine import Refinement
     from attitude.inversion.solution import Solution, SpinStates
 
 _DAY = 86400.0
+# Grid frequencies of the map to either side.
+_SIDE = 60
 _DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
 
 
@@ -29,8 +34,17 @@ def of_solution(solution: Solution, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
+def of_fit(found: Refinement, path: FilePath | None = None) -> Any:
+    """The fit of a refinement and its residuals."""
+    figure = plots.new_figure((8.0, 8.0))
+    above, below = figure.subplots(2, 1)
+    _fit(above, below, found)
+    figure.suptitle(repr(found)[1:-1], fontsize=9)
+    return _saved(figure, path)
+
+
 def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
-    """The best fit, residuals, periods and poles of all solutions, shaded by their evidence."""
+    """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
     figure = plots.new_figure((12.0, 8.0))
     axes = figure.subplots(2, 3)
     best = found[0]
@@ -38,11 +52,12 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     _folded(axes[0, 1], best, 0)
     _folded(axes[1, 1], best, 1)
     first = best.evidence
+    _map(axes[0, 2], best)
     for each in found:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
         phi, psi = np.array(aliases.rates(each.state)) / each.curve.span * _DAY
-        axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", color=colour)
+        axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", mfc="none", color=colour)
         longitude, latitude = np.degrees(each.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour)
         axes[1, 2].annotate(str(each.rank), (longitude, latitude), fontsize=7)
@@ -70,7 +85,31 @@ def of_pairs(found: Periods, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def _fit(above: Any, below: Any, solution: Solution) -> None:
+def _map(axes: Any, best: Solution) -> None:
+    """The share of chi-squared that series at i/P_phi + 2j/P_psi leave, near the best."""
+    if best.is_axial:
+        return
+    problem = best.weighted.problem
+    phi, psi = aliases.rates(best.state)
+    step = 1.0 / OVERSAMPLING
+    sides = []
+    for centre in (phi, 2.0 * psi):
+        least = max(2, round(centre / step) - _SIDE)
+        sides.append(np.arange(least, least + 2 * _SIDE + 1))
+    made = lattices.tables(problem, 8 * int(max(each[-1] for each in sides)) + 8)
+    one, two = (each.ravel() for each in np.meshgrid(*sides, indexing="ij"))
+    gain = np.empty(len(one))
+    pair_scan.decreases(*made[:4], one, two, pair_scan.harmonics(2), 1.0, gain)
+    left = (1.0 - gain / made.total).reshape(len(sides[0]), len(sides[1]))
+    unit = step / best.curve.span * _DAY
+    x, y = sides[0] * unit, 0.5 * sides[1] * unit
+    shown = axes.pcolormesh(x, y, left.T, shading="nearest", cmap="viridis", vmin=0.0, vmax=1.0)
+    axes.figure.colorbar(shown, ax=axes, label="chi-squared left")
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(y[0], y[-1])
+
+
+def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     problem = solution.weighted.problem
     days = problem.t * problem.span / _DAY
     shown = problem.magnitude
@@ -79,7 +118,11 @@ def _fit(above: Any, below: Any, solution: Solution) -> None:
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
     above.legend(fontsize=8)
-    below.plot(days, solution.residuals, ".", color=_DATA)
+    averaged = len(solution.curve) != len(days)
+    session = np.zeros(len(days), np.int64) if averaged else solution.curve.session
+    for number in np.unique(session):
+        own = session == number
+        below.plot(days[own], solution.residuals[own], ".", color=f"C{number % 10}")
     below.axhline(0.0, color=_OTHER)
     below.invert_yaxis()
     below.set_xlabel("days from the epoch")

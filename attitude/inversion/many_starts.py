@@ -111,18 +111,25 @@ def _solved(normal, gradient, fixed, damping, step):
 
 
 @subroutine
-def _tie(x, tie, row, found, slopes):
-    """Differences of the logarithms of the moments of the motion and of the ellipsoid, over tie.
+def _tie(x, tie, given, row, found, slopes):
+    """Differences of the logarithms of the moments of the motion from those wanted, over tie.
 
-    Into found (2,), with their derivatives by the ten parameters, row (2, 10).
+    Those of the ellipsoid, or the logarithms given (3,), ascending, unless they are NaN.  Into
+    found (2,), with their derivatives by the ten parameters, row (2, 10).
     """
     with_slopes(x[0], x[1], x[3], x[4], found, slopes)
-    a, b = math.exp(-x[14]), math.exp(-x[15])
-    found[0] = (found[0] - math.log((b + 1.0) / (a + b))) / tie
-    found[1] = (found[1] - math.log((a + 1.0) / (a + b))) / tie
     for q in range(2):
         row[q, 3], row[q, 4] = slopes[q, 0] / tie, slopes[q, 1] / tie
         row[q, 6], row[q, 7] = slopes[q, 2] / tie, slopes[q, 3] / tie
+    if given[0] == given[0]:
+        # the third axis is the long one in long-axis mode; X < 0 exchanges the first two
+        third, first = (given[0], given[2]) if x[1] > 0.0 else (given[2], given[0])
+        one, two = (first, given[1]) if x[4] >= 0.0 else (given[1], first)
+        found[0], found[1] = (found[0] - one + third) / tie, (found[1] - two + third) / tie
+        return
+    a, b = math.exp(-x[14]), math.exp(-x[15])
+    found[0] = (found[0] - math.log((b + 1.0) / (a + b))) / tie
+    found[1] = (found[1] - math.log((a + 1.0) / (a + b))) / tie
     row[0, 8], row[0, 9] = -a / (a + b) / tie, (b / (b + 1.0) - b / (a + b)) / tie
     row[1, 8], row[1, 9] = (a / (a + 1.0) - a / (a + b)) / tie, -b / (a + b) / tie
 
@@ -132,9 +139,10 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
     """Move each start (S, 16) to the least sum of squares, which goes to cost (S,).
 
     t (N,); sun, observer (3, N); y (N,) magnitudes; root (N,) square roots of the weights; u (L, N)
-    linear terms times root, orthonormal; fixed (10,) parameters that stay; widths (2,): standard
+    linear terms times root, orthonormal; fixed (10,) parameters that stay; widths (5,): standard
     deviations of the logarithms of the shape, and of those of the moments of the motion from the
-    moments of the ellipsoid.  tolerance: relative gain that ends an iteration.
+    moments of the ellipsoid or from those whose logarithms, ascending, follow (else NaN).
+    tolerance: relative gain that ends an iteration.
     """
     n = t.size
     k, r, g = np.zeros((4, 4, 2)), np.empty((9, n)), np.empty((9, n))
@@ -157,7 +165,7 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
                 chi, along = _residuals(y, root, u, out)
                 chi += bend * (new[14] ** 2 + new[15] ** 2)
                 if tie < np.inf:
-                    _tie(new, tie, row, tied, slopes)
+                    _tie(new, tie, widths[2:], row, tied, slopes)
                     chi += tied[0] ** 2 + tied[1] ** 2
             if chi < best:
                 gain = best - chi

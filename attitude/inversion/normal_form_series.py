@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from attitude.compilation.decorators import reduction
+from attitude.compilation.decorators import reduction, reduction_inlined
 from attitude.compilation.instructions import rint
 from attitude.solution.phases import sincos
 
@@ -44,6 +44,19 @@ def coefficients(rho, x, k):
         sign = -sign
 
 
+@reduction_inlined
+def _multiples(v):
+    """Cosine and sine of one to seven times an angle in turns."""
+    s1, c1 = sincos(v - rint(v), 0.0)
+    c2, s2 = c1 * c1 - s1 * s1, 2.0 * c1 * s1
+    c3, s3 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
+    c4, s4 = c2 * c2 - s2 * s2, 2.0 * c2 * s2
+    c5, s5 = c1 * c4 - s1 * s4, s1 * c4 + c1 * s4
+    c6, s6 = c2 * c4 - s2 * s4, s2 * c4 + c2 * s4
+    c7, s7 = c1 * c6 - s1 * s6, s1 * c6 + c1 * s6
+    return c1, s1, c2, s2, c3, s3, c4, s4, c5, s5, c6, s6, c7, s7
+
+
 @reduction
 def attitudes(precession, nutation, phase, k, t, r):
     """Rotation matrices from body axes to axes with z along the momentum, into r (9, N)."""
@@ -54,14 +67,8 @@ def attitudes(precession, nutation, phase, k, t, r):
     for i in range(t.size):
         v = nutation * t[i] + phase
         y = precession * t[i]
-        s1, c1 = sincos(v - rint(v), 0.0)
         sy, cy = sincos(y - rint(y), 0.0)
-        c2, s2 = c1 * c1 - s1 * s1, 2.0 * c1 * s1
-        c3, s3 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
-        c4, s4 = c2 * c2 - s2 * s2, 2.0 * c2 * s2
-        c5, s5 = c1 * c4 - s1 * s4, s1 * c4 + c1 * s4
-        c6, s6 = c2 * c4 - s2 * s4, s2 * c4 + c2 * s4
-        c7, s7 = c1 * c6 - s1 * s6, s1 * c6 + c1 * s6
+        c1, s1, c2, s2, c3, s3, c4, s4, c5, s5, c6, s6, c7, s7 = _multiples(v)
         ax = 1.0 + a1 * c2 + a2 * c4 + a3 * c6
         ay = d1 * s2 + d2 * s4 + d3 * s6
         bx = e0 * s1 + e1 * s3 + e2 * s5 + e3 * s7
@@ -100,14 +107,8 @@ def tangents(precession, nutation, phase, k, t, g):
     for i in range(t.size):
         v = nutation * t[i] + phase
         y = 2.0 * precession * t[i]
-        s1, c1 = sincos(v - rint(v), 0.0)
         sy, cy = sincos(y - rint(y), 0.0)
-        c2, s2 = c1 * c1 - s1 * s1, 2.0 * c1 * s1
-        c3, s3 = c1 * c2 - s1 * s2, s1 * c2 + c1 * s2
-        c4, s4 = c2 * c2 - s2 * s2, 2.0 * c2 * s2
-        c5, s5 = c1 * c4 - s1 * s4, s1 * c4 + c1 * s4
-        c6, s6 = c2 * c4 - s2 * s4, s2 * c4 + c2 * s4
-        c7, s7 = c1 * c6 - s1 * s6, s1 * c6 + c1 * s6
+        c1, s1, c2, s2, c3, s3, c4, s4, c5, s5, c6, s6, c7, s7 = _multiples(v)
         ax = 1.0 + a1 * c2 + a2 * c4 + a3 * c6
         ay = d1 * s2 + d2 * s4 + d3 * s6
         bx = e0 * s1 + e1 * s3 + e2 * s5 + e3 * s7

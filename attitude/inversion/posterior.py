@@ -2,7 +2,8 @@
 
 The eight parameters of the motion are sampled; areas follow each sample by one Gauss-Newton step,
 which is exact where magnitudes are linear in them.  Solutions that compete are sampled one by one,
-and weighted by their evidence and the volume of their errors.
+and weighted by their evidence and the volume of their errors.  The density is that of independent
+errors; its samples are widened as the covariance is by the jackknife, see `jackknife`.
 """
 
 from __future__ import annotations
@@ -135,13 +136,13 @@ def sampled(
     parts, numbers, logs, accepted = [], [], [], []
     for number, each in enumerate(solutions):
         factor: FloatArray = np.asarray(
-            np.linalg.cholesky(_conditioned(each._covariances[1])), dtype=np.float64
+            np.linalg.cholesky(_conditioned(each._covariances[1].formal)), dtype=np.float64
         )
         sampler = emcee.EnsembleSampler(walkers, 8, _log_density(each, factor))
         sampler.random_state = np.random.RandomState(seed + number).get_state()
         sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
-        parts.append(chain @ factor.T)
+        parts.append(chain @ factor.T @ each._covariances[1].widening.T)
         numbers.append(np.full(len(chain), number))
         logs.append(-0.5 * each.evidence + float(np.sum(np.log(np.diag(factor)))))
         accepted.append(float(np.mean(sampler.acceptance_fraction)))
@@ -150,7 +151,7 @@ def sampled(
         np.concatenate(parts),
         np.concatenate(numbers),
         weights / weights.sum(),
-        solutions[0]._covariances[1],
+        solutions[0]._covariances[1].covariance,
         float(np.mean(accepted)),
         tuple(solutions),
     )
@@ -172,13 +173,13 @@ def _moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
 def _log_density(solution: Solution, factor: FloatArray) -> Any:
     """The logarithm of the density of scaled offsets (8,)."""
     problem, state = solution.weighted.problem, solution.state
-    tolerance = solution.tolerance
+    tie = solution.tie
 
     def density(scaled: FloatArray) -> float:
         trial = _moved(state, factor @ scaled)
         inside = -0.3 < trial[4] < 0.95 and -8.0 < trial[3] < -0.01
         if not inside or not states.is_admissible(trial):
             return -math.inf
-        return -0.5 * refinement.profiled_cost(problem, trial, tolerance)
+        return -0.5 * refinement.profiled_cost(problem, trial, tie)
 
     return density

@@ -15,11 +15,12 @@ from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 
 if TYPE_CHECKING:
     from attitude.annotations import Epochs, FloatArray
+    from attitude.inversion.refine import Refinement
     from attitude.inversion.solution import Solution
 
 
 def predicted(
-    solution: Solution, times: Epochs | LightCurve | None
+    solution: Solution | Refinement, times: Epochs | LightCurve | None
 ) -> tuple[FloatArray, FloatArray]:
     """Apparent magnitudes (T,) and their standard errors; see `Solution.predict`."""
     curve = solution.curve
@@ -29,9 +30,9 @@ def predicted(
     terms = _terms(solution, emission, alpha)
     unit = [(each / np.linalg.norm(each, axis=1)[:, None]).T for each in (sun, observer)]
     there = replace(own, t=emission / own.span, sun=unit[0].copy(), observer=unit[1].copy())
-    here = refinement.model(own, solution.state)
+    here = solution._model(own)
     coefficients = own.coefficients(here.magnitude)
-    made = refinement.model(there, solution.state)
+    made = solution._model(there)
     size = np.linalg.norm(sun, axis=1) * np.linalg.norm(observer, axis=1) / ASTRONOMICAL_UNIT_M**2
     magnitude = made.magnitude + terms @ coefficients + 5.0 * np.log10(size)
     # the linear terms follow the parameters
@@ -40,7 +41,7 @@ def predicted(
     follow = -inverse @ (b.T @ (here.jacobian * own.root).T)
     slopes = made.jacobian.T + terms @ follow
     variance = np.sum(
-        (slopes @ np.linalg.pinv(solution.weighted.refined.normal, hermitian=True)) * slopes, axis=1
+        (slopes @ refinement.inverse(solution.weighted.refined.normal)) * slopes, axis=1
     )
     variance += np.sum((terms @ inverse) * terms, axis=1)
     floor = float(np.median(np.abs(solution.residuals))) * 1.48
@@ -72,7 +73,7 @@ def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, Fl
     return t - light, sun, observer
 
 
-def _terms(solution: Solution, emission: FloatArray, alpha: FloatArray) -> FloatArray:
+def _terms(solution: Solution | Refinement, emission: FloatArray, alpha: FloatArray) -> FloatArray:
     """Linear terms (T, L) at other epochs: of the first filter, sessions at their mean."""
     own = solution.weighted.problem
     found = np.zeros((len(emission), own.terms.shape[1]))

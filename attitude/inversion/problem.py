@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from attitude.annotations import FloatArray
+    from attitude.annotations import BoolArray, FloatArray
 
 # Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
 _COPY = 1e-10
@@ -109,6 +109,20 @@ class CurveProblem:
         """The same magnitudes with other errors (N,), and no model error."""
         given = self.t, self.span, self.sun, self.observer, self.magnitude
         return CurveProblem.of(*given, sigma, self.terms, self.prior, 0.0)
+
+    def part(self, chosen: BoolArray) -> CurveProblem:
+        """Some of the points (N,) alone."""
+        return CurveProblem.of(
+            self.t[chosen],
+            self.span,
+            self.sun[:, chosen],
+            self.observer[:, chosen],
+            self.magnitude[chosen],
+            self.sigma[chosen],
+            self.terms[chosen],
+            self.prior,
+            self.model_error,
+        )
 
     def __len__(self) -> int:
         return len(self.t)

@@ -13,24 +13,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.inversion import facets, many_starts, moments_of_elements
+from attitude.inversion import convex, iteration, many_starts, moments_of_elements
 from attitude.inversion import normal_form_series as series
-from attitude.inversion.facet_sums import shares
 
 if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray
     from attitude.inversion.problem import CurveProblem
 
-# Share of Lambert's law in the scattering, to that of Lommel and Seeliger.
-LAMBERT = 0.1
-# Standard deviation of the logarithms of the squared ratios of axes of the ellipsoid.
-_RATIOS = 1.5
-_MAGNITUDE = -2.5 / math.log(10.0)
-_STUCK = 1e6
-# Parameters of the motion, and of the ellipsoid.
-_MOTION, _SHAPE = 8, 2
-SIZE = _MOTION + _SHAPE + facets.MODES
-WIDTH = many_starts.WIDTH + facets.MODES
+# Parameters of the motion.
+_MOTION = 8
+SIZE = _MOTION + convex.SIZE
+WIDTH = many_starts.WIDTH - convex.ELLIPSOID + convex.SIZE
+_SHAPE = convex.Tie()
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,22 +47,16 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     turn, body = state[5:14].reshape(3, 3), r.reshape(3, 3, count)
     sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.sun))
     observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.observer))
-    area, slopes = facets.areas(state[14:16], state[16:])
-    parts, by = np.empty((count, facets.COUNT)), np.empty((count, 6))
-    shares(sun, observer, facets.sphere().normals, area, LAMBERT, parts, by)
-    total = np.maximum(parts.sum(axis=1), 1e-12)
-    factor = _MAGNITUDE / total
-    across = (np.cross(by[:, :3], sun) + np.cross(by[:, 3:], observer)) * factor[:, None]
-    h = np.einsum("rkt,tk->rt", body, across)
+    lit = convex.magnitudes(sun, observer, state[14:])
+    h = np.einsum("rkt,tk->rt", body, lit.across)
     jacobian = np.empty((SIZE, count))
     jacobian[:3] = h
     jacobian[3] = 4.0 * math.pi * t * h[2]
     v = 2.0 * math.pi * np.sum(h * g[:3], axis=0)
     jacobian[4], jacobian[5] = t * v, v
     jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
-    parts *= factor[:, None]
-    jacobian[8:] = (parts @ slopes).T
-    return ShapeModel(_MAGNITUDE * np.log(total), jacobian, area, slopes)
+    jacobian[8:] = lit.by_shape
+    return ShapeModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +71,11 @@ class Refined:
         cost that ties the moments to the shape.
     normal : (SIZE, SIZE) array
         Second derivatives of half the cost.
+    gradient : (SIZE,) array
+        Minus the first ones.
     areas : (F,) array
+    magnitude : (N,) array
+        Of the model.
     """
 
     state: FloatArray
@@ -91,50 +83,33 @@ class Refined:
     chi_squared: float
     strain: float
     normal: FloatArray
+    gradient: FloatArray
     areas: FloatArray
+    magnitude: FloatArray
 
 
 def _penalties(
-    state: FloatArray, here: ShapeModel, tolerance: float, is_axial: bool
+    state: FloatArray, here: ShapeModel, tie: convex.Tie, is_axial: bool
 ) -> tuple[FloatArray, FloatArray, float]:
     """Residuals of all priors (R,), their derivatives (R, SIZE), and the strain."""
-    held = facets.constraints(state[14:16], here.areas, here.slopes)
-    count = 8 + _SHAPE + facets.MODES
-    r, by = np.zeros(count), np.zeros((count, SIZE))
-    r[:3], by[:3, _MOTION:] = held.closure, held.by_closure
-    strain = 0.0
-    if math.isfinite(tolerance):
-        r[3:6], by[3:6, _MOTION:] = held.turn, held.by_turn
-        if is_axial:  # about the axis of the greatest moment
-            above = held.log_ratios > 0.0
-            r[6:8] = np.where(above, held.log_ratios, 0.0) / tolerance
-            by[6:8, _MOTION:] = np.where(above[:, None], held.by_ratios, 0.0) / tolerance
-        else:
-            found, slopes = np.empty(4), np.empty((2, 4))
-            moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
-            r[6:8] = (found[:2] - held.log_ratios) / tolerance
-            by[6:8, [3, 4, 6, 7]] = slopes / tolerance
-            by[6:8, _MOTION:] = -held.by_ratios / tolerance
-        strain = float(r[3:8] @ r[3:8])
-    r[8:10], r[10:] = state[14:16] / _RATIOS, state[16:]
-    by[8, 8] = by[9, 9] = 1.0 / _RATIOS
-    by[range(10, count), range(10, SIZE)] = 1.0
-    return r, by, strain
+    moments = None
+    if not is_axial:
+        found, slopes = np.empty(4), np.empty((2, 4))
+        moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
+        by_motion = np.zeros((2, _MOTION))
+        by_motion[:, [3, 4, 6, 7]] = slopes
+        modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
+        moments = convex.MotionMoments(found[:2].copy(), by_motion, *modes)
+    return convex.penalties(state[14:], here.areas, here.slopes, moments, _MOTION, tie)
 
 
-def profiled_cost(problem: CurveProblem, state: FloatArray, tolerance: float) -> float:
+def profiled_cost(problem: CurveProblem, state: FloatArray, tie: convex.Tie) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
     here = model(problem, state)
-    r = (problem.y - here.magnitude) * problem.root
-    along = problem.u @ r
-    prior, by_prior, _ = _penalties(state, here, tolerance, False)
-    jacobian = here.jacobian[_MOTION:] * problem.root
-    across = jacobian @ problem.u.T
-    own = by_prior[:, _MOTION:]
-    normal = jacobian @ jacobian.T - across @ across.T + own.T @ own
-    gradient = jacobian @ r - across @ along - own.T @ prior
-    gain = float(gradient @ np.linalg.solve(normal, gradient))
-    return float(r @ r - along @ along + prior @ prior) - gain
+    priors = _penalties(state, here, tie, False)
+    held = np.arange(SIZE) < _MOTION
+    cost, _, _, normal, gradient = linearised(problem, here.magnitude, here.jacobian, priors, held)
+    return cost - float(gradient @ np.linalg.solve(normal, gradient))
 
 
 def refine(
@@ -142,7 +117,7 @@ def refine(
     start: FloatArray,
     *,
     iterations: int = 20,
-    tolerance: float = facets.TOLERANCE,
+    tie: convex.Tie = _SHAPE,
     gain: float = 1e-3,
     fixed: BoolArray | None = None,
 ) -> Refined:
@@ -154,8 +129,8 @@ def refine(
     start : (WIDTH,) array
         Or a start of `many_starts`, whose shape is the ellipsoid.
     iterations : int
-    tolerance : float
-        Of the logarithms of the ratios of moments of motion and shape; infinite: not tied.
+    tie : Tie
+        Of the moments of motion and shape.
     gain : float
         Relative decrease of the cost at which the iteration ends.
     fixed : (K,) array of bool, optional
@@ -166,64 +141,76 @@ def refine(
     held = np.zeros(SIZE, bool)
     if fixed is not None:
         held[: len(fixed)] = fixed
-    best: Refined | None = None
-    trial, damping = state, 1e-2
-    gradient = np.zeros(SIZE)
-    for iteration in range(iterations):
+
+    def at(trial: FloatArray) -> Refined:
         here = model(problem, trial)
-        r = (problem.y - here.magnitude) * problem.root
-        along = problem.u @ r
-        prior, by_prior, strain = _penalties(trial, here, tolerance, bool(held[6]))
-        chi = float(r @ r - along @ along)
-        cost = chi + float(prior @ prior)
-        if best is None or cost < best.cost:
-            won = math.inf if best is None else best.cost - cost
-            jacobian = here.jacobian * problem.root
-            across = jacobian @ problem.u.T
-            normal = jacobian @ jacobian.T - across @ across.T + by_prior.T @ by_prior
-            gradient = jacobian @ r - across @ along - by_prior.T @ prior
-            gradient[held] = 0.0
-            normal[held, :] = normal[:, held] = 0.0
-            normal[held, held] = 1.0
-            best = Refined(trial, cost, chi, strain, normal, here.areas)
-            damping = max(0.3 * damping, 1e-7)
-            if iteration > 2 and won < gain * cost:
-                break
-        else:
-            damping *= 5.0
-        found = _next(best, gradient, damping, bool(held[6]))
-        if found is None:
-            break
-        trial, damping = found
-    assert best is not None
-    return best
+        priors = _penalties(trial, here, tie, bool(held[6]))
+        made = linearised(problem, here.magnitude, here.jacobian, priors, held)
+        return Refined(trial, *made, here.areas, here.magnitude)
+
+    return iteration.minimum(
+        at, lambda best, step: _moved(best.state, step, bool(held[6])), state, iterations, gain
+    )
 
 
-def _next(
-    best: Refined, gradient: FloatArray, damping: float, is_axial: bool
-) -> tuple[FloatArray, float] | None:
-    """The state after a damped step that stays within the bounds, and the damping."""
-    scale = np.sqrt(np.diag(best.normal)) + 1e-12
-    scaled = best.normal / np.outer(scale, scale)
-    while damping < _STUCK:
-        step = np.linalg.solve(scaled + damping * np.eye(SIZE), gradient / scale) / scale
-        longest = max(
-            float(np.linalg.norm(step[:3])),
-            6.0 * abs(step[5]),
-            2.0 * abs(step[6]),
-            4.0 * abs(step[7]),
-            abs(step[8]),
-            abs(step[9]),
-            float(np.abs(step[10:]).max()) / 3.0,
-        )
-        if longest > 0.5:
-            step *= 0.5 / longest
-        trial = best.state.copy()
-        many_starts.moved(best.state, step, trial)
-        trial[16:] += step[10:]
-        inside = many_starts.LEAST_X < trial[4] < many_starts.MOST_X
-        inside &= many_starts.LEAST_RHO < trial[3] < many_starts.MOST_RHO
-        if (inside or is_axial) and float(np.abs(trial[14:16]).max()) < many_starts.MOST_RATIO:
-            return trial, damping
-        damping *= 5.0
-    return None
+def linearised(
+    problem: CurveProblem,
+    magnitude: FloatArray,
+    jacobian: FloatArray,
+    priors: tuple[FloatArray, FloatArray, float],
+    held: BoolArray,
+) -> tuple[float, float, float, FloatArray, FloatArray]:
+    """Cost, chi-squared, strain, normal matrix (P, P) and gradient (P,) of magnitudes.
+
+    Parameters
+    ----------
+    problem : CurveProblem
+    magnitude, jacobian : (N,) and (P, N) arrays
+    priors : residuals (R,), their derivatives (R, P), strain
+    held : (P,) array of bool
+        Parameters that stay.
+    """
+    prior, by_prior, strain = priors
+    r = (problem.y - magnitude) * problem.root
+    along = problem.u @ r
+    chi = float(r @ r - along @ along)
+    weighted = jacobian * problem.root
+    across = weighted @ problem.u.T
+    normal = weighted @ weighted.T - across @ across.T + by_prior.T @ by_prior
+    gradient = weighted @ r - across @ along - by_prior.T @ prior
+    gradient[held] = 0.0
+    normal[held, :] = normal[:, held] = 0.0
+    normal[held, held] = 1.0
+    return chi + float(prior @ prior), chi, strain, normal, gradient
+
+
+def inverse(normal: FloatArray) -> FloatArray:
+    """The inverse (P, P) of a normal matrix, whose parameters may have any units; 0 where it has
+    none."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    scale[scale == 0.0] = 1.0
+    size = np.outer(scale, scale)
+    found: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
+    return found
+
+
+def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:
+    """The state after a step of limited length; None outside of the bounds."""
+    longest = max(
+        float(np.linalg.norm(step[:3])),
+        6.0 * abs(step[5]),
+        2.0 * abs(step[6]),
+        4.0 * abs(step[7]),
+        abs(step[8]),
+        abs(step[9]),
+        float(np.abs(step[10:]).max()) / 3.0,
+    )
+    if longest > 0.5:
+        step = step * (0.5 / longest)
+    trial = state.copy()
+    many_starts.moved(state, step, trial)
+    trial[16:] += step[10:]
+    inside = many_starts.LEAST_X < trial[4] < many_starts.MOST_X
+    inside &= many_starts.LEAST_RHO < trial[3] < many_starts.MOST_RHO
+    within = float(np.abs(trial[14:16]).max()) < many_starts.MOST_RATIO
+    return trial if (inside or is_axial) and within else None

@@ -9,16 +9,43 @@ solution as large as expected.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
 from attitude.inversion import refinement
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
+
+State = TypeVar("State")
+Found = TypeVar("Found", covariant=True)
+
+
+class Fitted(Protocol[Found]):
+    """What a fit returns, such as `Refined`."""
+
+    @property
+    def state(self) -> Found:
+        """Of the least cost."""
+
+    @property
+    def cost(self) -> float:
+        """The least cost."""
+
+    @property
+    def chi_squared(self) -> float:
+        """Its part of the magnitudes."""
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Of the model (N,)."""
+
 
 FREEDOM = 5.0
 # Squares of normalised residuals above this do not enter the estimate of the model error, and the
@@ -35,6 +62,7 @@ class Weighted:
     Attributes
     ----------
     refined : Refined
+    refined : Refined, or what another fit returned
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
@@ -46,16 +74,15 @@ class Weighted:
         Mean square of residuals over sigma and the model error.
     """
 
-    refined: Refined
+    refined: Any
     problem: CurveProblem
     evidence: float
     residual: FloatArray
     chi_squared: float
 
 
-def residuals(problem: CurveProblem, state: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Residuals (N,) of a state and the coefficients (L,) of the linear terms."""
-    magnitude = refinement.model(problem, state).magnitude
+def residuals(problem: CurveProblem, magnitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Residuals (N,) of model magnitudes and the coefficients (L,) of the linear terms."""
     coefficients = problem.coefficients(magnitude)
     return problem.magnitude - magnitude - problem.terms @ coefficients, coefficients
 
@@ -76,7 +103,7 @@ def refined(
     problem: CurveProblem,
     start: FloatArray,
     *,
-    tolerance: float,
+    tie: Tie,
     fixed: BoolArray | None = None,
     iterations: int = 20,
     gain: float = 1e-4,
@@ -88,25 +115,52 @@ def refined(
     ----------
     problem : CurveProblem
         With the model error.
-    start, tolerance, fixed
+    start, tie, fixed
         As of `refinement.refine`.
     trials : float
         Frequencies that were tried; twice its logarithm is added to the evidence.
     """
+
+    def fit(own: CurveProblem, state: FloatArray) -> Refined:
+        return refinement.refine(own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain)
+
+    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    return student(problem, start, fit, free, trials)
+
+
+def student(
+    problem: CurveProblem,
+    start: State,
+    fit: Callable[[CurveProblem, State], Fitted[State]],
+    free: int,
+    trials: float = 1.0,
+) -> Weighted:
+    """The state of largest posterior density near a start, with Student's errors.
+
+    Parameters
+    ----------
+    problem : CurveProblem
+        With the model error.
+    start : state
+    fit : callable
+        The least squares of a problem near a state.
+    free : int
+        Parameters of the motion that are found.
+    trials : float
+        As of `refined`.
+    """
     state, own = start, problem
     size = np.hypot(problem.sigma, problem.model_error)
     for turn in range(_ROUNDS + 1):
-        found = refinement.refine(
-            own, state, tolerance=tolerance, fixed=fixed, iterations=iterations, gain=gain
-        )
+        found = fit(own, state)
         state = found.state
-        residual, coefficients = residuals(own, state)
+        residual, coefficients = residuals(own, found.magnitude)
         square = (residual / size) ** 2
         if turn < _ROUNDS:
             own = problem.with_sigma(size / np.sqrt((FREEDOM + 1.0) / (FREEDOM + square)))
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
+    evidence += 2.0 * float(np.sum(np.log(size)))
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
     evidence += found.cost - found.chi_squared
-    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
     return Weighted(found, own, evidence, residual, float(np.mean(square)))

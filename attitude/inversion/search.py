@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from attitude.annotations import BoolArray, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.ellipsoid_search import Pool
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 ELLIPSOID_ERROR = 0.07
 # Standard deviation of the logarithms of the moments of motion and ellipsoid.
 _TIE = 0.15
+# The same for moments that are given, so wide that an iteration reaches them from any start.
+_TIE_GIVEN = 0.03
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
@@ -50,6 +53,11 @@ FLOOR, FLOOR_ERROR = 1.0, 0.01
 LEFT, ALONE = 0.12, 120.0
 _ROUNDS = 4
 _AXIAL_RATES, _AXIAL_STARTS = 12, 12
+# Poles from which rotation about one axis is refined, where chi-squared of the best such rotation
+# is at most this times that of the best solution.
+_AXIAL_POLES, _AXIAL_WORSE = 40, 2.0
+# Tumbling bodies among all: the odds before the curve is seen.
+_TUMBLERS = 0.01
 
 
 def pole(state: FloatArray) -> FloatArray:
@@ -86,8 +94,8 @@ class Search:
     most : float
         Largest frequency, turns per span.
     modes : tuple of str
-    tolerance : float
-        Of the logarithms of the ratios of moments.
+    tie : Tie
+        Of the moments of motion and shape.
     shifts : tuple of float
         Turns per span of a day, where the epochs lie at one time of the day.
     generator : Generator
@@ -104,7 +112,7 @@ class Search:
     problem: CurveProblem
     most: float
     modes: tuple[str, ...]
-    tolerance: float
+    tie: Tie
     shifts: tuple[float, ...]
     generator: np.random.Generator
     deadline: float
@@ -130,12 +138,22 @@ class Search:
             if self.shifts and not self.is_over:
                 rates = self._displaced()
                 made = ellipsoids.around(
-                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=_TIE
+                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=self._held
                 )
                 self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
+            if number == 0:
+                self._axial_poles()
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break
+
+    @property
+    def _held(self) -> ellipsoids.Held:
+        """What holds the moments of the motions of ellipsoids."""
+        if self.tie.given is None:
+            return ellipsoids.Held(_TIE)
+        a, b, c = np.log(self.tie.given).tolist()
+        return ellipsoids.Held(_TIE_GIVEN, (a, b, c))
 
     @property
     def has_reached_floor(self) -> bool:
@@ -165,7 +183,7 @@ class Search:
         parts = []
         for start in range(0, len(rates), _BLOCK):
             part = rates[start : start + _BLOCK]
-            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=_TIE)
+            made = ellipsoids.around(problem, self.generator, part, _QUICK * more, tie=self._held)
             parts.append(ellipsoids.best_of_each(made, len(part)))
             self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
             if self.is_over:
@@ -177,7 +195,7 @@ class Search:
                 break
             deep.append(
                 ellipsoids.around(
-                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=_TIE
+                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=self._held
                 )
             )
         return ellipsoids.in_order(*deep)
@@ -240,12 +258,26 @@ class Search:
         self._refine(ellipsoids.in_order(pool), keep=_CONVEX // 2)
         self.progress("rotations about one axis")
 
-    def _refine(self, pool: Pool, keep: int = _CONVEX) -> None:
+    def _axial_poles(self) -> None:
+        """Rotations about one axis from poles all over the sky, if one explains the curve.
+
+        The minima of convex bodies are more, and at other poles, than those of ellipsoids.
+        """
+        axial = [each for each in self.convex if is_axial(each.state)]
+        if not axial or self.is_over:
+            return
+        if axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
+            return
+        rate = 2.0 * float(axial[0].state[0])
+        made = ellipsoids.axial_at_poles(self.problem, self.generator, rate, _AXIAL_POLES)
+        self._refine(made, keep=_AXIAL_POLES, poles=_AXIAL_POLES)
+
+    def _refine(self, pool: Pool, keep: int = _CONVEX, poles: int = _POLES) -> None:
         """Add the convex bodies of the best distinct ellipsoids."""
         chosen: list[FloatArray] = []
         for state in pool.states:
             alike = [other for other in chosen if has_rates(state, other)]
-            if len(alike) < _POLES and not any(is_same(state, other) for other in alike):
+            if len(alike) < poles and not any(is_same(state, other) for other in alike):
                 chosen.append(state)
                 if len(chosen) >= keep:
                     break
@@ -254,7 +286,7 @@ class Search:
                 refinement.refine(
                     self.problem,
                     state,
-                    tolerance=self.tolerance,
+                    tie=self.tie,
                     fixed=self._fixed(state),
                     gain=3e-3,
                 )
@@ -277,7 +309,7 @@ class Search:
                     break
         axial = [each for each in self.convex if is_axial(each.state) and each not in chosen]
         chosen += axial[:_FINAL_AXIAL]
-        residual, _ = robust.residuals(self.problem, chosen[0].state)
+        residual, _ = robust.residuals(self.problem, chosen[0].magnitude)
         error = robust.model_error(self.problem, residual)
         for _ in range(2):
             best = self._robust(self.problem.with_model_error(error), chosen[0])
@@ -293,11 +325,11 @@ class Search:
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most
+        trials = 1.0 if is_axial(given.state) else self.most / _TUMBLERS
         return robust.refined(
             problem,
             given.state,
-            tolerance=self.tolerance,
+            tie=self.tie,
             fixed=self._fixed(given.state),
             trials=trials,
         )

@@ -11,16 +11,26 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, minkowski, predictions, refinement, search, states
+from attitude.inversion import (
+    aliases,
+    convex,
+    jackknife,
+    minkowski,
+    predictions,
+    refinement,
+    search,
+    states,
+)
 from attitude.inversion.facets import sphere
-from attitude.inversion.verdicts import COMPETING_POLES
 from attitude.scattering import LommelSeeligerLambert
 
 if TYPE_CHECKING:
     from astropy.table import QTable
 
     from attitude.annotations import Epochs, FilePath, FloatArray
+    from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
+    from attitude.inversion.jackknife import GroupErrors
     from attitude.inversion.posterior import Posterior
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
@@ -40,8 +50,8 @@ class Solution:
     curve : LightCurve
     weighted : Weighted
         Parameters of the search, residuals and weights.
-    tolerance : float
-        Of the logarithms of ratios of moments of motion and shape.
+    tie : Tie
+        Of the moments of motion and shape.
     relation : str
         To the best solution, in words.
     evidence : float
@@ -53,11 +63,11 @@ class Solution:
         curve: LightCurve,
         weighted: Weighted,
         problem: CurveProblem,
-        tolerance: float,
+        tie: Tie,
         rank: int,
     ) -> None:
         self.curve, self.weighted, self.rank = curve, weighted, rank
-        self._problem, self.tolerance = problem, tolerance
+        self._problem, self.tie = problem, tie
         self._rivals: list[Solution] = [self]
         self.evidence: float = weighted.evidence
         self.relation: str = ""
@@ -78,9 +88,11 @@ class Solution:
         return states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
 
     @cached_property
-    def _covariances(self) -> tuple[FloatArray, FloatArray]:
-        night = states.nights(self._problem.t * self._problem.span)
-        return states.covariance(self.weighted, night)
+    def _covariances(self) -> tuple[FloatArray, GroupErrors]:
+        problem = self._problem
+        session = None if len(problem) < len(self.curve) else self.curve.session
+        groups = jackknife.groupings(problem.t, problem.span, session)
+        return states.covariance(self.weighted, groups, self.tie)
 
     @property
     def covariance(self) -> FloatArray:
@@ -113,7 +125,7 @@ class Solution:
     @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
-        c = self._covariances[1]
+        c = self._covariances[1].covariance
         phi, psi = aliases.rates(self.state)
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
@@ -136,7 +148,7 @@ class Solution:
     @property
     def pole_sigma(self) -> float:
         """Standard error of the direction of the momentum, rad, the larger of two."""
-        inner = self._covariances[1][:2, :2]
+        inner = self._covariances[1].covariance[:2, :2]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
     @cached_property
@@ -147,7 +159,7 @@ class Solution:
     @property
     def law(self) -> LommelSeeligerLambert:
         """The scattering law without its phase function, which the linear terms replace."""
-        return LommelSeeligerLambert(c=refinement.LAMBERT, a=0.0, k=0.0)
+        return LommelSeeligerLambert(c=convex.LAMBERT, a=0.0, k=0.0)
 
     @property
     def residuals(self) -> FloatArray:
@@ -211,6 +223,10 @@ class Solution:
         """
         return predictions.predicted(self, times)
 
+    def _model(self, problem: CurveProblem) -> refinement.ShapeModel:
+        """Magnitudes and their derivatives at the epochs of a problem."""
+        return refinement.model(problem, self.state)
+
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure: fit by night, residuals, folded by both periods; saved if a path is given."""
         from attitude.inversion import figures
@@ -235,8 +251,8 @@ class Solution:
         )
 
 
-class SpinStates(Sequence[Solution]):
-    """The solutions of a light curve, the best first.
+class SpinStates(Sequence[Any]):
+    """The solutions of a light curve, the best first; of a known shape, each a `Refinement`.
 
     Attributes
     ----------
@@ -249,25 +265,18 @@ class SpinStates(Sequence[Solution]):
     """
 
     def __init__(
-        self, solutions: list[Solution], verdict: str, criterion: str, notes: tuple[str, ...]
+        self, solutions: list[Any], verdict: str, criterion: str, notes: tuple[str, ...]
     ) -> None:
         self._solutions = solutions
         self.verdict, self.criterion, self.notes = verdict, criterion, notes
-        for each in solutions:
-            each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
-            each._rivals = [each] + [
-                other
-                for other in solutions
-                if other is not each and abs(other.evidence - each.evidence) < COMPETING_POLES
-            ]
 
     @overload
-    def __getitem__(self, index: int) -> Solution: ...
+    def __getitem__(self, index: int) -> Any: ...
 
     @overload
-    def __getitem__(self, index: slice) -> list[Solution]: ...
+    def __getitem__(self, index: slice) -> list[Any]: ...
 
-    def __getitem__(self, index: int | slice) -> Solution | list[Solution]:
+    def __getitem__(self, index: int | slice) -> Any:
         """The solution of a rank."""
         if isinstance(index, int) and not self._solutions:
             raise AttitudeError(f"there is no solution: {self.criterion}")
@@ -305,6 +314,8 @@ class SpinStates(Sequence[Solution]):
         """A figure of the best fit, and of the periods and poles of all solutions."""
         from attitude.inversion import figures
 
+        if not isinstance(self[0], Solution):
+            return figures.of_fit(self[0], path)
         return figures.of_states(self, path)
 
     def __repr__(self) -> str:

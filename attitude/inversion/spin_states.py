@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
@@ -12,30 +11,33 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import (
+    aliases,
     curve_problem,
     ellipsoid_search,
-    facets,
+    known_states,
     lattices,
     refinement,
     search,
     states,
+    ties,
     verdicts,
 )
-from attitude.inversion.curve import LightCurve
+from attitude.inversion.curve import CALIBRATED, LightCurve
 from attitude.inversion.solution import Solution, SpinStates
+from attitude.shape import Mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude.annotations import Real
+    from attitude.body import Body
     from attitude.inversion.problem import CurveProblem
+    from attitude.scattering import Law
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
 # Frequencies searched at most, turns per span; more need a shorter curve.
 _MOST_TURNS = 1500.0
-# Standard deviation of the fitted zero points, mag, above which they are searched as free.
-_UNCALIBRATED = 0.15
 # Of the epochs, the share that lies within the same third of the day for one site.
 _ONE_SITE = 0.9
 
@@ -45,8 +47,9 @@ def spin_states(
     max_frequency: Real,
     *,
     modes: Sequence[str] = _MODES,
-    shape: str = "convex",
-    moments: str | float = "shape",
+    shape: str | Mesh = "convex",
+    law: str | Law | None = None,
+    moments: str | float | Body | Sequence[float] = "shape",
     budget: Real = 60.0,
     seed: int = 0,
     threads: int = 1,
@@ -61,11 +64,17 @@ def spin_states(
         Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
     modes : sequence of str
         "LAM", "SAM" or both.
-    shape : str
-        "convex", or "ellipsoid".
-    moments : str or float
+    shape : str or Mesh
+        "convex", or "ellipsoid"; or a known mesh, such as a satellite, whose axes are the body's.
+        Then `max_frequency` is that of the rate itself, and solutions are `Refinement` objects.
+    law : str or Law, optional
+        Of a known mesh, such as `attitude.scattering.Materials`; by default Lommel-Seeliger's law
+        and a tenth of Lambert's.
+    moments : str, float, three floats or Body
         "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
-        to 0.05; a number replaces this tolerance; "free": any moments of a body.
+        to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
+        moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
+        mesh "shape" is homogeneous, and three moments are about its own axes.
     budget : float or text
         Time, s, after which the best so far is returned.
     seed : int
@@ -89,22 +98,26 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
-    most, tolerance = _checked(curve, max_frequency, modes, shape, moments)
+    if isinstance(shape, Mesh):
+        most = _checked_turns(curve, max_frequency)
+        length = validation.positive(budget, "budget", unit="s")
+        given = curve, most, shape, law, moments, length, seed, progress
+        with _linear_algebra(validation.count(threads, "threads")):
+            return SpinStates(*known_states.found(*given))
+    if law is not None:
+        raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
+    most, tie = _checked(curve, max_frequency, modes, shape, moments)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
     with _linear_algebra(threads):
-        found = _searched(
-            curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
-        )
+        found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
         offsets = _offsets(found)
-        if zero_points == "auto" and len(offsets) > 2 and offsets.std() > _UNCALIBRATED:
+        if zero_points == "auto" and curve_problem.are_free(offsets):
             zero_points = "free"
-            found = _searched(
-                curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress
-            )
+            found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
     return _results(curve, found)
 
 
@@ -114,11 +127,14 @@ def _compile(curve: LightCurve, most: float) -> None:
     problem, _ = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, "shared")
     found, _ = lattices.pairs(problem, 2.0, 1)
     rate = lattices.Candidate(float(found[0, 0]), -1.0)
-    pool = ellipsoid_search.around(problem, generator, [rate], 1, iterations=1, tie=1.0)
+    pool = ellipsoid_search.around(
+        problem, generator, [rate], 1, iterations=1, tie=ellipsoid_search.Held(1.0)
+    )
     refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _checked(curve, max_frequency, modes, shape, moments):
+def _checked_turns(curve, max_frequency):
+    """The largest frequency, Hz."""
     if not isinstance(curve, LightCurve):
         raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
@@ -134,18 +150,17 @@ def _checked(curve, max_frequency, modes, shape, moments):
             f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
             "the curve."
         )
+    return most
+
+
+def _checked(curve, max_frequency, modes, shape, moments):
+    most = _checked_turns(curve, max_frequency)
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
         validation.one_of(mode, "modes", _MODES)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
-    if moments == "shape":
-        return most, facets.TOLERANCE
-    if moments == "free":
-        return most, math.inf
-    if isinstance(moments, str):
-        raise AttitudeError(f'moments is {moments!r}; give "shape", "free" or a tolerance.')
-    return most, validation.positive(moments, "moments")
+    return most, ties.of(moments)
 
 
 def _linear_algebra(threads: int) -> AbstractContextManager[object]:
@@ -158,13 +173,13 @@ def _linear_algebra(threads: int) -> AbstractContextManager[object]:
     return limits
 
 
-def _searched(curve, most, zero_points, modes, shape, tolerance, seed, deadline, progress):
+def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
     problem, bins = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, zero_points)
     made = search.Search(
         problem,
         most * curve.span,
         tuple(modes),
-        tolerance,
+        tie,
         _shifts(curve),
         np.random.default_rng(seed),
         deadline,
@@ -207,18 +222,23 @@ def _offsets(found):
     if not found.solutions:
         return np.zeros(0)
     best = found.solutions[0]
-    magnitude = refinement.model(best.problem, best.refined.state).magnitude
-    coefficients = best.problem.coefficients(magnitude)
-    return coefficients[best.problem.prior == curve_problem.CALIBRATED]
+    coefficients = best.problem.coefficients(best.refined.magnitude)
+    return coefficients[best.problem.prior == CALIBRATED]
 
 
 def _results(curve, found):
     solutions = [
-        Solution(curve, each, found.problem, found.tolerance, k)
+        Solution(curve, each, found.problem, found.tie, k)
         for k, each in enumerate(found.solutions)
         if states.is_admissible(each.refined.state)
     ]
     for k, each in enumerate(solutions):
         each.rank = k
+        each.relation = aliases.relation(each.state, solutions[0].state, each._problem)
+        each._rivals = [each] + [
+            other
+            for other in solutions
+            if other is not each and abs(other.evidence - each.evidence) < verdicts.COMPETING_POLES
+        ]
     verdict, criterion = verdicts.verdict([each.weighted for each in solutions], found.problem)
     return SpinStates(solutions, verdict, criterion, tuple(found.notes))

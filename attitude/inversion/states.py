@@ -8,25 +8,27 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude import quaternion
+from attitude import representations as forms
 from attitude.body import Body
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import facets, many_starts, moments_of_elements, refinement
+from attitude.inversion import facets, jackknife, many_starts, moments_of_elements, refinement
 from attitude.inversion import normal_form_series as series
 from attitude.inversion.search import is_axial
 from attitude.spin import Spin
 
 if TYPE_CHECKING:
-    from attitude.annotations import FloatArray, IntArray
+    from collections.abc import Sequence
+
+    from attitude.annotations import BoolArray, FloatArray, IntArray
     from attitude.epochs.instants import Instant
+    from attitude.inversion.convex import Tie
+    from attitude.inversion.jackknife import GroupErrors
     from attitude.inversion.robust import Weighted
 
 # Steps of the derivatives of state by parameters, relative to their scales.
 _STEP = 1e-6
-# Epochs closer than this, s, belong to one night: their residuals are taken as correlated.
-_NIGHT = 0.3 * 86400.0
-# Parts of the span, and ratios of variances above which those from scores replace formal ones: the
-# ratio scatters by sqrt(2/n) for n nights or parts.
-_PARTS, _NIGHTS_RISE, _PARTS_RISE = 10, 1.7, 2.2
+# Iterations of a fit without a group of points.
+_REFITTED = 30
 
 
 class PhysicalState(NamedTuple):
@@ -76,56 +78,41 @@ def motion(
     return FreeRotation(Body(moments=here.moments, relative=True), spin)
 
 
-def covariance(found: Weighted, night: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Covariances of the state (9, 9), per span, and of the eight parameters of the motion.
-
-    Variances are those of the normal matrix, or larger if the scores of nights, or of tenths of the
-    span, scatter so much more that it is no chance: residuals are correlated where the model errs.
+def covariance(
+    found: Weighted,
+    groups: Sequence[IntArray],
+    tie: Tie,
+) -> tuple[FloatArray, GroupErrors]:
+    """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
 
     Parameters
     ----------
     found : Weighted
-    night : (N,) array of int
-        The night of each point.
+    groups : sequence of (N,) arrays of int
+        As of `jackknife.errors`.
+    tie : Tie
+        With which the state was found.
     """
-    inverse = np.linalg.pinv(found.refined.normal, hermitian=True)
-    here = refinement.model(found.problem, found.refined.state)
-    problem = found.problem
-    r = (problem.y - here.magnitude) * problem.root
-    r = r - problem.u.T @ (problem.u @ r)
-    jacobian = here.jacobian * problem.root
-    jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
-    data = jacobian @ jacobian.T
-    formal = np.diag(inverse)[:8]
-    rise = np.ones(8)
-    for group, least in ((night, _NIGHTS_RISE), (_parts(problem.t), _PARTS_RISE)):
-        count = int(group.max()) + 1
-        scores = np.stack([np.bincount(group, row * r, count) for row in jacobian])
-        meat = scores @ scores.T * (count / max(count - 1.0, 1.0))
-        wide = np.diag(inverse @ (meat + found.refined.normal - data) @ inverse)[:8]
-        ratio = wide / np.where(formal > 0.0, formal, 1.0)
-        rise = np.where(ratio > least, np.maximum(rise, ratio), rise)
-    held = np.diag(found.refined.normal)[:8] == 1.0
-    size = np.where(held, 0.0, np.sqrt(rise))
-    of_motion = inverse[:8, :8] * np.outer(size, size)
-    slopes = _slopes(found.refined.state)
-    total = slopes @ of_motion @ slopes.T
-    return 0.5 * (total + total.T), of_motion
+    state, problem = found.refined.state, found.problem
+    fixed = np.diag(found.refined.normal) == 1.0
+
+    def refitted(keep: BoolArray) -> FloatArray | None:
+        again = refinement.refine(
+            problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
+        )
+        return _difference(again.state, state)
+
+    here = refinement.model(problem, state)
+    made = jackknife.errors(found, here, groups, 8, refitted)
+    slopes = _slopes(state)
+    total = slopes @ made.covariance @ slopes.T
+    return 0.5 * (total + total.T), made
 
 
-def _parts(t: FloatArray) -> IntArray:
-    """The number of the part of the span of each epoch (spans)."""
-    return np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12))).astype(
-        np.int64
-    )
-
-
-def nights(emission: FloatArray) -> IntArray:
-    """The number of the night of each epoch (s)."""
-    order = np.argsort(emission, kind="stable")
-    number = np.zeros(len(emission), np.int64)
-    number[order[1:]] = np.cumsum(np.diff(emission[order]) > _NIGHT)
-    return number
+def _difference(state: FloatArray, origin: FloatArray) -> FloatArray:
+    """The parameters (8,) of the motion of a state from those of another."""
+    turn = quaternion.from_matrix(origin[5:14].reshape(3, 3).T @ state[5:14].reshape(3, 3))
+    return np.concatenate([forms.to_rotation_vector(turn), state[:5] - origin[:5]])
 
 
 def _slopes(state: FloatArray) -> FloatArray:

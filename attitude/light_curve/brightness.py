@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -267,7 +267,7 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     masks.flags.writeable = False
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
-    found = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found: tuple[Any, ...] = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
     found += _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
     if law.elements is not None:

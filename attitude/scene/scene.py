@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import epochs, pairs, paths, validation
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.memory import new_array
-from attitude.motion import motion_of
 from attitude.scattering import law as known_law
 from attitude.scene import given, scalars, shadow
 from attitude.scene.light_time import Steps
@@ -138,7 +138,7 @@ class Scene(Immutable):
 
     def __init__(
         self,
-        motion: HasAttitudes | None,
+        motion: HasAttitudes | str | None,
         center: Path | str | int | None = None,
         observer: Path | Direction | str | int | Reals = "earth",
         sun: Path | Direction | str | int | Reals = "sun",

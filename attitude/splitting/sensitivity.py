@@ -22,7 +22,7 @@ from attitude.splitting.system import System
 from attitude.torques.torque import BY_RATE, SLIP
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from attitude.annotations import FloatArray
     from attitude.body import Body
@@ -34,7 +34,7 @@ _BLOCK = 4096
 # rad, and shares of the rate and of the moments: differences of fourth order with these err by
 # 1e-12 of a torque that is smooth in them.
 _TURN, _SHARE = 1e-3, 1e-3
-_NODES = np.array([1.0, -1.0, 2.0, -2.0])
+NODES = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 # One-sided, for moments: at a flat body they cannot change to both sides.
 _SIDED = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0
@@ -54,6 +54,9 @@ class TorquedSensitivity(Derivatives):
         reaches `until`, s.
     states : callable
         ``states(seconds, low)``: states (N, 7) over the body axes at seconds + low (N,).
+    parameters : sequence of (float, sequence of System)
+        For each parameter of the torques by which `at` has a column after those of the state: a
+        step, and the systems at it times `NODES`.
     """
 
     def __init__(
@@ -63,25 +66,28 @@ class TorquedSensitivity(Derivatives):
         spin: Spin,
         meshes: Callable[[int, float], StepMesh],
         states: Callable[[FloatArray, FloatArray], FloatArray],
+        parameters: Sequence[tuple[float, Sequence[System]]] = (),
     ) -> None:
         self._system, self._body, self._meshes, self._states = system, body, meshes, states
         self._others = self._with_other_moments(spin)
+        self._parameters = tuple(parameters)
+        self._width = 9 + len(self._parameters)
         kinds = {torque.kind for torque in system.torques}
         self._by_rate, self._slips = BY_RATE in kinds, SLIP in kinds
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
-        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        """Changes of attitude (S, 3, 9 + P), ICRF axes, and of the angular velocity, body axes."""
         t = np.asarray(seconds, dtype=np.float64).reshape(-1)
         rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
-        found = np.full((t.size, 9, 9), np.nan)
+        found = np.full((t.size, self._width, self._width), np.nan)
         with np.errstate(invalid="ignore"):
             sides = t + rest >= 0.0, t + rest < 0.0
         for side, here in enumerate(sides):
             if np.any(here):
                 found[here] = self._on_side(side, t[here], rest[here])
-        shape = (*np.shape(seconds), 3, 9)
+        shape = (*np.shape(seconds), 3, self._width)
         omega = found[:, 3:6].reshape(shape) if rates else None
         return found[:, :3].reshape(shape), omega
 
@@ -92,19 +98,19 @@ class TorquedSensitivity(Derivatives):
         )
 
     def _on_side(self, side: int, t: FloatArray, low: FloatArray) -> FloatArray:
-        """The maps (T, 9, 9) from the state at the epoch to those at t + low of one direction."""
+        """The maps (T, 9 + P, 9 + P) from the epoch to t + low, of one direction."""
         order = np.argsort(np.abs(t + low), kind="stable")
         t, low = t[order], low[order]
         mesh = self._meshes(side, float(t[-1] + low[-1]))
         place, parts = mesh.place(t, low)
-        found = np.empty((len(t), 9, 9))
-        whole = np.eye(9)
+        found = np.empty((len(t), self._width, self._width))
+        whole = np.eye(self._width)
         for first in range(0, mesh.count, _BLOCK):
             end = min(first + _BLOCK, mesh.count)
             starts = mesh.times[:, first:end]
             states = self._states(*starts)
             begin, stop = np.searchsorted(place, [first, end])
-            before = np.empty((end - first, 9, 9))
+            before = np.empty((end - first, self._width, self._width))
             steps = self._maps(states, starts, mesh.lengths(first, end), mesh.halves)
             for k, step in enumerate(steps):
                 before[k] = whole
@@ -117,8 +123,8 @@ class TorquedSensitivity(Derivatives):
     def _maps(
         self, states: FloatArray, starts: FloatArray, lengths: FloatArray, halves: int
     ) -> FloatArray:
-        """The maps (N, 9, 9) of steps from states (N, 7) over the body axes."""
-        whole = np.broadcast_to(np.eye(9), (len(states), 9, 9))
+        """The maps (N, 9 + P, 9 + P) of steps from states (N, 7) over the body axes."""
+        whole = np.broadcast_to(np.eye(self._width), (len(states), self._width, self._width))
         length, wxyz, omega = lengths / halves, states[:, :4], states[:, 4:]
         for half in range(halves):
             begin = np.stack([starts[0] + half * length, starts[1]])
@@ -130,9 +136,9 @@ class TorquedSensitivity(Derivatives):
     def _step(
         self, wxyz: FloatArray, omega: FloatArray, times: FloatArray, h: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """States after steps of lengths h (N,), and the maps (N, 9, 9)."""
+        """States after steps of lengths h (N,), and the maps (N, 9 + P, 9 + P)."""
         scheme = self._system.scheme
-        whole = np.broadcast_to(np.eye(9), (len(h), 9, 9))
+        whole = np.broadcast_to(np.eye(self._width), (len(h), self._width, self._width))
         for j, (part, gradient) in enumerate(zip(scheme.kicks, scheme.gradients, strict=True)):
             if part != 0.0 or gradient != 0.0:
                 given = times[..., j], part * h, gradient * h**3
@@ -146,7 +152,7 @@ class TorquedSensitivity(Derivatives):
     def _flight(
         self, wxyz: FloatArray, omega: FloatArray, t: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """States after free motions for t (N,) seconds, and the maps (N, 9, 9)."""
+        """States after free motions for t (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count, principal = len(t), self._body.principal_wxyz[None]
         moments = np.repeat(self._body.moments_as_pairs[None], count, axis=0)
         rates = np.zeros((count, 3, 2))
@@ -156,12 +162,12 @@ class TorquedSensitivity(Derivatives):
         tangents = columns.tangents_of(moments, wxyz, principal, constants)
         after, turning = np.empty((count, 4, 1)), np.empty((count, 3, 1))
         evaluation.evaluate(constants, t[:, None], None, after, turning)
-        found = np.empty((count, 9, 9, 1))
+        found = np.zeros((count, self._width, self._width))
         attitude, rate = np.empty((count, 3, 9, 1)), np.empty((count, 3, 9, 1))
         columns.evaluate(constants, tangents, t[:, None], None, attitude, rate)
-        found[:, :3], found[:, 3:6] = attitude, rate
-        found[:, 6:, :6], found[:, 6:, 6:] = 0.0, np.eye(3)[..., None]
-        return after[..., 0], turning[..., 0], found[..., 0]
+        found[:, :3, :9], found[:, 3:6, :9] = attitude[..., 0], rate[..., 0]
+        found[:, 6:, 6:] = np.eye(self._width - 6)
+        return after[..., 0], turning[..., 0], found
 
     def _kick(
         self,
@@ -171,11 +177,11 @@ class TorquedSensitivity(Derivatives):
         h: FloatArray,
         cubed: FloatArray,
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """States after torques for h (N,) seconds, and the maps (N, 9, 9)."""
+        """States after torques for h (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count = len(h)
         given = times, h, cubed, self._system.sampled(times)
         after, gained = _kicked(self._system, wxyz, omega, given)
-        maps = np.broadcast_to(np.eye(9), (count, 9, 9)).copy()
+        maps = np.broadcast_to(np.eye(self._width), (count, self._width, self._width)).copy()
         many = times.repeat(4, axis=1), *(np.repeat(each, 4, axis=0) for each in given[1:])
         pace = _SHARE * np.sqrt(np.sum(omega**2 + gained**2, axis=1))
         pace = np.where(pace > 0.0, pace, 1.0)
@@ -183,11 +189,11 @@ class TorquedSensitivity(Derivatives):
             q, w = wxyz.repeat(4, axis=0), omega.repeat(4, axis=0)
             if j < 3:
                 size = np.full(count, _TURN)
-                turns = forms.from_rotation_vector(_TURN * _NODES[:, None] * np.eye(3)[j])
+                turns = forms.from_rotation_vector(_TURN * NODES[:, None] * np.eye(3)[j])
                 q = quaternion.multiply(np.tile(turns, (count, 1)), q)
             else:
                 size = pace
-                w[:, j - 3] += (_NODES * pace[:, None]).reshape(-1)
+                w[:, j - 3] += (NODES * pace[:, None]).reshape(-1)
             ends, gains = _kicked(self._system, q, w, many)
             if self._slips:
                 turned = _turns(ends, after.repeat(4, axis=0)).reshape(count, 4, 3)
@@ -200,9 +206,16 @@ class TorquedSensitivity(Derivatives):
         for j, others in enumerate(self._others):
             for weight, other in zip(_SIDED[1:], others, strict=True):
                 end, gain = _kicked(other, wxyz, omega, given)
-                by_mass[:, :3, j] += weight / longest * _turns(end, after)
+                if self._slips:
+                    by_mass[:, :3, j] += weight / longest * _turns(end, after)
                 by_mass[:, 3:, j] += weight / longest * (gain - gained)
-        maps[:, :6, 6:] = by_mass @ np.linalg.inv(_BY_MASS)
+        maps[:, :6, 6:9] = by_mass @ np.linalg.inv(_BY_MASS)
+        for j, (step, systems) in enumerate(self._parameters, start=9):
+            for weight, other in zip(_WEIGHTS / step, systems, strict=True):
+                end, gain = _kicked(other, wxyz, omega, given)
+                if self._slips:
+                    maps[:, :3, j] += weight * _turns(end, after)
+                maps[:, 3:6, j] += weight * (gain - gained)
         return after, omega + gained, maps
 
     def _with_other_moments(self, spin: Spin) -> list[list[System]]:

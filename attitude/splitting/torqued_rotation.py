@@ -228,6 +228,29 @@ class TorquedRotation(Differentiable):
         given = self._system, self.body, self.spin
         return TorquedSensitivity(*given, self._mesh, self._states)
 
+    def sensitivity_with_torques(
+        self, others: Iterable[tuple[float, Iterable[Iterable[Torque]]]]
+    ) -> TorquedSensitivity:
+        """The derivatives by the state, the moments and parameters of the torques.
+
+        Parameters
+        ----------
+        others : iterable of (float, 4 tuples of Torque)
+            For each parameter a step, and the torques with it changed by the step times +1, -1,
+            +2, -2 (`sensitivity.NODES`).
+
+        Returns
+        -------
+        TorquedSensitivity
+            Whose ``at(seconds, low, rates)`` has a column for each parameter after the nine.
+        """
+        parameters = [
+            (size, [System(self.body, self.spin, tuple(each), self.scheme) for each in torques])
+            for size, torques in others
+        ]
+        given = self._system, self.body, self.spin
+        return TorquedSensitivity(*given, self._mesh, self._states, parameters)
+
     def _mesh(self, side: int, until: float) -> StepMesh:
         """The steps after the epoch (0) or before it (1) that reach `until`, s."""
         with self._lock:

@@ -1,0 +1,298 @@
+"""The states of a body of known shape and moments from brightness alone: spans that grow.
+
+Random attitudes and rates are screened on the points of a short span; the best are refined on it
+and on spans that grow to the whole curve, each time with the best of them and samples of their
+errors.  Many states are propagated and refined side by side.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude import quaternion
+from attitude import representations as forms
+from attitude.propagation import propagate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude.annotations import FloatArray, IntArray
+    from attitude.inversion.known_shape import KnownShape
+    from attitude.inversion.problem import CurveProblem
+
+# The first span: points at least, and turns at the largest rate at least.
+_FIRST_POINTS, _FIRST_TURNS = 16, 1.2
+# Random starts for each cell of rates of the first span, the width of a cell (turns), and bounds.
+_STARTS, _CELL, _FEWEST, _MOST = 400, 0.4, 20_000, 250_000
+# States that are refined first, and kept after the first span and at the end.
+_REFINED, _KEPT, _LEFT = 3000, 500, 60
+# Growth of the span, iterations on each span and on the whole.
+_GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
+# Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
+_ERRORS = 0.4, 0.1
+# First spans that are tried, and the number of points over the cost at which a state fits: errors
+# of the model are added to those of the points.
+_ATTEMPTS, _EXPECTED = 14, 1.3
+# States that are sampled from their errors when the span grows, and samples of each.
+_SAMPLED, _SAMPLES = 12, 6
+# Rows (states times points) that are computed together.
+_BLOCK = 40_000
+# Distances at which two states are one: rad, and share of the rate times turns.
+_SAME = 0.1
+
+
+class States(NamedTuple):
+    """Attitudes (M, 4) and rates (M, 3), rad/s, at the origin; costs (M,)."""
+
+    wxyz: FloatArray
+    omega: FloatArray
+    cost: FloatArray
+
+    def rows(self, chosen: IntArray) -> States:
+        """Some of them."""
+        return States(self.wxyz[chosen], self.omega[chosen], self.cost[chosen])
+
+
+class NearMany(NamedTuple):
+    """Costs (M,), normal matrices (M, 6, 6) and gradients (M, 6) of states."""
+
+    cost: FloatArray
+    normal: FloatArray
+    gradient: FloatArray
+
+
+@dataclass(eq=False)
+class PassSearch:
+    """A search and what it has found.
+
+    Attributes
+    ----------
+    problem : CurveProblem
+    known : KnownShape
+        Over principal axes.
+    moments : (3,) array
+    most : float
+        Largest rate, rad/s.
+    generator : Generator
+    deadline : float
+        `time.monotonic` at which the search ends.
+    progress : callable
+    found : States
+        The best first, at the epoch `origin`.
+    origin : float
+        The middle of the first span, s since the epoch of the curve.
+    """
+
+    problem: CurveProblem
+    known: KnownShape
+    moments: FloatArray
+    most: float
+    generator: np.random.Generator
+    deadline: float
+    progress: Callable[[str], object]
+    found: States = field(init=False)
+    origin: float = field(init=False)
+
+    def run(self) -> None:
+        """Search from one first span after another, until the residuals are as the errors."""
+        problem = self.problem
+        seconds = problem.t * problem.span
+        self.least = self.known.floor(problem.sun.T, problem.observer.T)
+        best: States | None = None
+        origin = 0.0
+        for attempt in range(_ATTEMPTS):
+            middle, span = _first_span(seconds, self.most, attempt)
+            self._from(middle, span)
+            self.progress(f"attempt {attempt + 1}: cost {self.found.cost[0]:.0f}")
+            if best is None or self.found.cost[0] < best.cost[0]:
+                best, origin = self.found, self.origin
+            size = len(problem) / _EXPECTED
+            if best.cost[0] < size or time.monotonic() > self.deadline:
+                break
+        assert best is not None
+        self.found, self.origin = best, origin
+
+    def _from(self, middle: float, span: float) -> None:
+        """Search from one first span: its middle and half its length, s."""
+        problem = self.problem
+        self.origin = middle
+        away = np.abs(problem.t * problem.span - middle)
+        own = problem.part(away <= span).with_model_error(_ERRORS[0])
+        self.found = self._screened(own, span)
+        self.found = self._refined(own, self.found, _ITERATIONS)
+        self._keep(_KEPT)
+        whole = float(away.max())
+        first = span
+        while span < whole:
+            span = min(span * _GROWTH, whole)
+            count = max(int(len(self.found.cost) / 1.35), _LEFT)
+            share = math.log(span / first) / math.log(whole / first)
+            error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
+            own = problem.part(away <= span).with_model_error(error)
+            self.found = self._refined(own, self._branched(own, self.found), _ITERATIONS)
+            self._keep(count)
+            self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
+            if time.monotonic() > self.deadline:
+                break
+        own = problem.with_model_error(_ERRORS[1])
+        self.found = self._refined(own, self._branched(own, self.found), _LAST)
+        self._keep(_LEFT)
+
+    def _screened(self, problem: CurveProblem, span: float) -> States:
+        """The best of random states on the first span."""
+        turns = self.most * 2.0 * span / (2.0 * math.pi)
+        count = int(_STARTS * 4.2 * (turns / _CELL + 0.5) ** 3)
+        count = min(max(count, _FEWEST), _MOST)
+        best: States | None = None
+        block = max(_BLOCK // len(problem), 1)
+        for begin in range(0, count, block):
+            size = min(block, count - begin)
+            wxyz = self.generator.standard_normal((size, 4))
+            wxyz /= np.linalg.norm(wxyz, axis=1)[:, None]
+            omega = self.generator.standard_normal((size, 3))
+            omega /= np.linalg.norm(omega, axis=1)[:, None]
+            omega *= self.most * self.generator.random((size, 1)) ** (1.0 / 3.0)
+            new = States(wxyz, omega, self._costs(problem, wxyz, omega))
+            both = new if best is None else _joined(best, new)
+            best = both.rows(np.argsort(both.cost, kind="stable")[:_REFINED])
+            if begin % (50 * block) == 0:
+                self.progress(f"{begin + size} of {count} random states")
+            if time.monotonic() > self.deadline:
+                break
+        assert best is not None
+        return best
+
+    def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
+        """Costs (M,) of states."""
+        t = problem.t * problem.span - self.origin
+        turned = propagate(self.moments, wxyz, omega, t)
+        sun, observer = _over_body(quaternion.matrix(turned), problem)
+        return _squares(problem, self.known.magnitudes(sun, observer, self.least))[0]
+
+    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+        """Costs and their derivatives by turn (rad, inertial axes) and rates."""
+        parts = []
+        block = max(_BLOCK // len(problem), 1)
+        for begin in range(0, len(wxyz), block):
+            here = slice(begin, begin + block)
+            parts.append(self._near_block(problem, wxyz[here], omega[here]))
+        return NearMany(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+        t = problem.t * problem.span - self.origin
+        turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
+        matrix = quaternion.matrix(turned)
+        lit = self.known.lit(*_over_body(matrix, problem), self.least)
+        across = np.einsum("mnij,mnj->mni", matrix, lit.across)
+        jacobian = np.einsum("mni,mnip->mpn", across, slopes[..., :6]) * problem.root
+        cost, r, along = _squares(problem, lit.magnitude)
+        out = jacobian @ problem.u.T
+        normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
+        gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
+        return NearMany(cost, normal, gradient)
+
+    def _refined(self, problem: CurveProblem, given: States, iterations: int) -> States:
+        """States after Levenberg and Marquardt's iteration, side by side."""
+        wxyz, omega = given.wxyz, given.omega
+        best = self._near(problem, wxyz, omega)
+        damping = np.full(len(wxyz), 1e-2)
+        active = np.arange(len(wxyz))
+        for _ in range(iterations):
+            part = NearMany(*(each[active] for each in best))
+            step = self._step(part, damping[active], omega[active])
+            q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
+            w = omega[active] + step[:, 3:]
+            trial = self._near(problem, q, w)
+            won = part.cost - trial.cost
+            better = won > 0.0
+            on = active[better]
+            wxyz[on], omega[on] = q[better], w[better]
+            for old, new in zip(best, trial, strict=True):
+                old[on] = new[better]
+            damping[active] = np.where(better, 0.3 * damping[active], 5.0 * damping[active])
+            damping = np.maximum(damping, 1e-6)
+            busy = ~better | (won > 1e-4 * part.cost)
+            active = active[busy & (damping[active] < 1e4)]
+            if not len(active):
+                break
+        return States(wxyz, omega, best.cost)
+
+    def _step(self, near: NearMany, damping: FloatArray, omega: FloatArray) -> FloatArray:
+        """Damped steps (M, 6) of limited length."""
+        scale = np.sqrt(np.maximum(np.einsum("mii->mi", near.normal), 1e-12))
+        scaled = near.normal / scale[:, :, None] / scale[:, None, :]
+        scaled += (damping[:, None, None] + 1e-9) * np.eye(6)
+        step = np.linalg.solve(scaled, (near.gradient / scale)[..., None])[..., 0] / scale
+        turn = np.linalg.norm(step[:, :3], axis=1) / 0.4
+        rate = np.linalg.norm(step[:, 3:], axis=1) / (0.15 * self.most)
+        found: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
+        return found
+
+    def _branched(self, problem: CurveProblem, states: States) -> States:
+        """The states, with samples of the errors of the best of them."""
+        best = states.rows(np.arange(min(_SAMPLED, len(states.cost))))
+        near = self._near(problem, best.wxyz, best.omega)
+        parts = [states]
+        for k in range(len(best.cost)):
+            scale = np.sqrt(np.maximum(np.diag(near.normal[k]), 1e-12))
+            values, vectors = np.linalg.eigh(near.normal[k] / np.outer(scale, scale))
+            spread = 2.0 / np.sqrt(np.maximum(values, 1e-6))
+            step = (self.generator.standard_normal((_SAMPLES, 6)) * spread) @ vectors.T / scale
+            longest = np.maximum(np.linalg.norm(step[:, :3], axis=1) / 0.5, 1.0)
+            step /= longest[:, None]
+            wxyz = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), best.wxyz[k])
+            parts.append(States(wxyz, best.omega[k] + step[:, 3:], np.zeros(_SAMPLES)))
+        return _joined(*parts)
+
+    def _keep(self, count: int) -> None:
+        """Keep the best distinct states."""
+        found = self.found
+        order = np.argsort(found.cost, kind="stable")
+        order = order[np.linalg.norm(found.omega[order], axis=1) < 1.2 * self.most]
+        chosen: list[int] = []
+        span = self.problem.span
+        for k in order:
+            if chosen:
+                rates = np.linalg.norm(found.omega[chosen] - found.omega[k], axis=1)
+                same = np.abs(found.wxyz[chosen] @ found.wxyz[k]) > math.cos(0.5 * _SAME)
+                if np.any(same & (rates * span < 5.0 * _SAME)):
+                    continue
+            chosen.append(int(k))
+            if len(chosen) == count:
+                break
+        self.found = found.rows(np.array(chosen))
+
+
+def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
+    """Middle and half the length of the first span: near the median epoch, later elsewhere."""
+    ordered = np.sort(seconds)
+    wanted = (0.5, 0.25, 0.75, 0.38, 0.62, 0.12, 0.88)[attempt % 7]
+    count = min(_FIRST_POINTS + 4 * (attempt // 7), len(ordered))
+    first = int(wanted * (len(ordered) - count))
+    turns = 2.0 * math.pi * _FIRST_TURNS / most
+    low, high = float(ordered[first]), float(ordered[first + count - 1])
+    return 0.5 * (low + high), 0.5 * max(high - low, turns) * 1.0001
+
+
+def _over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:
+    """Directions (M, N, 3) over body axes."""
+    sun = np.einsum("mnij,in->mnj", matrix, problem.sun)
+    return sun, np.einsum("mnij,in->mnj", matrix, problem.observer)
+
+
+def _squares(
+    problem: CurveProblem, magnitude: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Costs (M,), weighted residuals (M, N), and their parts along the linear terms (M, L)."""
+    r = (problem.y - magnitude) * problem.root
+    along = r @ problem.u.T
+    return np.sum(r * r, axis=1) - np.sum(along * along, axis=1), r, along
+
+
+def _joined(*given: States) -> States:
+    return States(*(np.concatenate(each) for each in zip(*given, strict=True)))

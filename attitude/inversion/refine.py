@@ -1,0 +1,314 @@
+"""`refine`: a motion and a shape from a start, with impulses or torques that are found too."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.free_rotation import FreeRotation
+from attitude.inversion import (
+    convex,
+    curve_problem,
+    jackknife,
+    known_shape,
+    minkowski,
+    moving,
+    moving_fit,
+    predictions,
+    robust,
+    search,
+    ties,
+)
+from attitude.inversion.curve import CALIBRATED, LightCurve
+from attitude.inversion.facets import MODES, sphere
+from attitude.inversion.solution import Solution
+from attitude.scattering import LommelSeeligerLambert
+from attitude.shape import Mesh
+from attitude.spin import Spin
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import BoolArray, Epochs, FilePath, FloatArray
+    from attitude.arcs import Impulse
+    from attitude.body import Body
+    from attitude.inversion.moving import Motion, MovingPoint
+    from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.robust import Weighted
+    from attitude.published.published import Published
+    from attitude.scattering import Law
+    from attitude.torques import Torque
+
+# Least frequency of a curve's averages, turns per span, if the start turns slower.
+_LEAST_TURNS = 5.0
+
+
+class Refinement:
+    """A motion and a shape that fit a light curve; made by `refine`.
+
+    Attributes
+    ----------
+    curve : LightCurve
+    weighted : Weighted
+        Parameters, residuals and weights.
+    point : MovingPoint
+        The state and the changes of the motion.
+    evidence : float
+        As of `Solution`.
+    rank, relation : int, str
+        Among the solutions of `spin_states` for a known shape.
+    """
+
+    def __init__(
+        self,
+        curve: LightCurve,
+        weighted: Weighted,
+        problem: CurveProblem,
+        fit: moving_fit.MovingFit,
+        body: Body,
+    ) -> None:
+        self.curve, self.weighted, self._problem, self._fit = curve, weighted, problem, fit
+        self.point: MovingPoint = weighted.refined.state.point
+        self.evidence: float = weighted.evidence
+        self.rank, self.relation = 0, "best"
+        self._body = body
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """(P, P): turn (rad, ICRF), rates (rad/s), ln of two ratios of moments, the changes.
+
+        As of `Solution.covariance`, with the error of the model by `jackknife`.
+        """
+        problem, state = self.weighted.problem, self.weighted.refined.state
+
+        def refitted(keep: BoolArray) -> FloatArray | None:
+            again = self._fit.minimum(problem.part(keep), state, gain=1e-4)
+            return again.state.point.difference(self.point)
+
+        session = None if len(problem) < len(self.curve) else self.curve.session
+        groups = jackknife.groupings(problem.t, problem.span, session)
+        made = jackknife.errors(
+            self.weighted, self._model(problem), groups, self.point.size, refitted
+        )
+        return made.covariance
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion, with the covariance of its state."""
+        by = self.point.by_state()
+        found = by @ self.covariance @ by.T
+        spin = self.point.spin
+        with_errors = Spin(
+            spin.epoch, spin.wxyz_icrf, spin.angular_velocity, covariance=0.5 * (found + found.T)
+        )
+        return self.point.motion_of(with_errors)
+
+    @property
+    def mode(self) -> str:
+        """ "LAM", "SAM", or "PA" for rotation about one axis, of the first arc."""
+        return str(self._published.mode or "PA")
+
+    @property
+    def P_psi(self) -> float:
+        """s; infinite for rotation about one axis."""
+        return float(self._published.P_psi)
+
+    @property
+    def P_phi(self) -> float:
+        """s, of the long axis about the momentum."""
+        return float(self._published.P_phi)
+
+    @property
+    def pole(self) -> FloatArray:
+        """Longitude and latitude of the momentum, J2000 ecliptic, rad, on the first arc."""
+        return self._published.pole
+
+    @cached_property
+    def _published(self) -> Published:
+        return FreeRotation(self.point.body, self.point.spin).published("L", frame="ecliptic")
+
+    def write(self, path: FilePath, **labels: str | None) -> None:
+        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
+        from attitude.formats import spin_file
+
+        note = labels.pop("note", None) or f"by a fit to a light curve: {self!r}"
+        source = labels.pop("source", None) or "attitude.inversion"
+        first = FreeRotation(self.motion.body, self.motion.spin)
+        spin_file.write(path, first, source=source, note=note, **labels)
+
+    @property
+    def states(self) -> tuple[FreeRotation, ...]:
+        """The free rotation of each arc, its spin at the beginning of the arc."""
+        motion = self.point.motion
+        starts = np.concatenate([[0.0], motion.joints])
+        found = []
+        for begin in starts:
+            here = motion.at(float(begin))
+            spin = Spin(motion.epoch.after(float(begin)), here.wxyz, here.angular_velocity)
+            found.append(FreeRotation(self.point.body, spin))
+        return tuple(found)
+
+    @property
+    def changes(self) -> tuple[Impulse | Torque, ...]:
+        """The impulses or torques with the numbers that were found."""
+        return (*self.point.impulses, *self.point.torques)
+
+    @property
+    def values(self) -> FloatArray:
+        """Their numbers: momenta and torques over their axes, W/m2 of sunlight."""
+        return self.point.values
+
+    @property
+    def values_sigma(self) -> FloatArray:
+        """Standard errors of `values`."""
+        found: FloatArray = np.sqrt(np.diag(self.covariance)[moving.STATE :])
+        return found
+
+    @cached_property
+    def shape(self) -> Mesh:
+        """The closed convex mesh of the areas, of the volume of the unit sphere; or that given."""
+        if self._fit.known is not None:
+            return self._fit.known.over(self._body.principal_axes.T).mesh
+        return minkowski.mesh(self.weighted.refined.areas, sphere().normals)
+
+    @property
+    def law(self) -> Law:
+        """The scattering law without its phase function, which the linear terms replace."""
+        if self._fit.known is not None:
+            return self._fit.known.law
+        return LommelSeeligerLambert(c=convex.LAMBERT, a=0.0, k=0.0)
+
+    @property
+    def residuals(self) -> FloatArray:
+        """Observed less computed magnitudes, in the order of the curve (of averages, if many)."""
+        return self.weighted.residual
+
+    @property
+    def rms(self) -> float:
+        """Of the residuals, mag."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    @property
+    def chi_squared(self) -> float:
+        """Mean square of the residuals over the given errors alone."""
+        return float(np.mean((self.residuals / self._problem.sigma) ** 2))
+
+    def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
+        """Apparent magnitudes at epochs, and their standard errors; see `Solution.predict`."""
+        return predictions.predicted(self, times)
+
+    def _model(self, problem: CurveProblem) -> moving_fit.MovingModel:
+        """Magnitudes and their derivatives at the epochs of a problem."""
+        return self._fit.model(problem, self.weighted.refined.state)
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure of the fit and its residuals; saved if a path is given."""
+        from attitude.inversion import figures
+
+        return figures.of_fit(self, path)
+
+    def __repr__(self) -> str:
+        return f"<Refinement: {self.point.motion!r}, rms {self.rms:.3f} mag>"
+
+
+def refine(
+    curve: LightCurve,
+    start: Solution | Refinement | Motion,
+    *,
+    arcs: Impulse | Sequence[Impulse] | None = None,
+    torques: Torque | Sequence[Torque] | None = None,
+    shape: str | Mesh = "convex",
+    law: str | Law | None = None,
+    moments: str | float | Body | Sequence[float] = "shape",
+) -> Refinement:
+    """The motion and the shape near a start that fit a light curve best.
+
+    Parameters
+    ----------
+    curve : LightCurve
+    start : Solution, Refinement, FreeRotation, Arcs or TorquedRotation
+        A motion near the truth at its epoch; a solution brings its shape too.
+    arcs : Impulse or sequence of them, optional
+        Changes of the momentum at known epochs after that of the start, such as an encounter with a
+        planet: their momenta are found, from those given.  One shape, a spin state on either side.
+    torques : Torque or sequence of them, optional
+        A `ConstantTorque` is found, and the strength of a `SolarRadiation` (YORP); other torques
+        are taken as known.
+    shape : str or Mesh
+        "convex" or "ellipsoid", found too; or a known mesh.
+    law : str or Law, optional
+        Of a known mesh.
+    moments
+        As of `spin_states`; moments that are given, and those of the start with a known mesh, stay.
+
+    Returns
+    -------
+    Refinement
+
+    Raises
+    ------
+    AttitudeError
+        For other kinds of start and change, arcs together with torques, and a start without
+        magnitudes at the epochs of the curve.
+
+    Notes
+    -----
+    Derivatives are exact: of free motion in closed form, of arcs by the chain of their joints, of
+    torques those of the scheme with its steps.  Where the start does not fit the whole curve, the
+    points near its epoch are fitted first, then more and more.
+    """
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    motion, own = _start(start)
+    tie = ties.of(moments)
+    ends = float(curve.emission[0]), float(curve.emission[-1])
+    point = moving.of(motion, curve.epoch, ends, arcs, torques)
+    if tie.given is not None:
+        point = ties.with_moments(point, tie.given)
+    known = None
+    if isinstance(shape, Mesh):
+        known = known_shape.known(shape, law).over(motion.body.principal_axes)
+        params = np.zeros(0)
+    else:
+        validation.one_of(shape, "shape", ("convex", "ellipsoid"))
+        params = own if own is not None else _ellipsoid(point.body.moments)
+        if shape == "ellipsoid":
+            params = np.concatenate([params[:2], np.zeros(MODES)])
+    rate = float(np.linalg.norm(point.spin.angular_velocity)) / (2.0 * math.pi)
+    most = 3.0 * max(rate, _LEAST_TURNS / curve.span)
+    zero_points = curve.zero_points
+    for _ in range(2):
+        problem, _ = curve_problem.problem(
+            curve, most, search.ELLIPSOID_ERROR, zero_points, is_known=known is not None
+        )
+        fit = moving_fit.of(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
+        found = fit.weighted(problem, moving_fit.MovingState(point, params))
+        offsets = robust.residuals(problem, found.refined.magnitude)[1]
+        offsets = offsets[problem.prior == CALIBRATED]
+        if zero_points != "auto" or not curve_problem.are_free(offsets):
+            break
+        zero_points = "free"
+    return Refinement(curve, found, problem, fit, motion.body)
+
+
+def _start(start: Any) -> tuple[Any, FloatArray | None]:
+    """The motion of a start and the parameters of its shape, if it has one."""
+    if isinstance(start, Solution):
+        return start.motion, start.state[14:].copy()
+    if isinstance(start, Refinement):
+        shape = start.weighted.refined.state.shape
+        return start.point.motion, shape if len(shape) else None
+    return start, None
+
+
+def _ellipsoid(moments: FloatArray) -> FloatArray:
+    """The parameters of the homogeneous ellipsoid with given moments."""
+    squares = np.maximum(0.5 * moments.sum() - moments, 1e-3 * moments.max())
+    found = np.zeros(convex.SIZE)
+    found[:2] = np.log(squares[2] / squares[:2])
+    return found

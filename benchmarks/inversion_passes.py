@@ -1,0 +1,154 @@
+"""A satellite of known shape over a site: `python benchmarks/inversion_passes.py 20 7000`.
+
+Circular orbits over a site, a box with one wing of random size and materials, tumbling by Euler's
+equations (DOP853, `inversion_cases`); brightness from facets divided in 16, with finer shadows.
+200 points of 0.1 mag.  The input has shape, materials, moments and geometry, rates up to twice the
+true one are searched.  The rate vector is compared over axes in space.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from typing import NamedTuple
+
+import numpy as np
+from inversion_cases import _integrated, _matrices
+
+from attitude import Body, inversion, light_curve
+from attitude.scattering import Material, Materials
+from attitude.shape import box_wing
+
+EARTH, GM = 6378.0e3, 3.986e14
+AU = 1.495978707e11
+EPOCH = "2000-01-01T12:00:00 TDB"  # from which the seconds of a curve count
+
+
+class Pass(NamedTuple):
+    """A curve and what is known, and the truth: attitude matrix and rates at the epoch."""
+
+    curve: inversion.LightCurve
+    mesh: object
+    law: Materials
+    body: Body
+    matrix: np.ndarray
+    omega: np.ndarray
+    most: float
+
+
+def case(seed: int) -> Pass:
+    """A pass of a seed."""
+    rng = np.random.default_rng(seed)
+    size = np.array([rng.uniform(2.0, 6.0), rng.uniform(1.5, 3.0), rng.uniform(1.0, 2.5)])
+    wing = rng.uniform(3.0, 8.0), rng.uniform(1.5, 3.0)
+    mesh = box_wing(
+        size, wing, gap=0.5, wing_axis="xyz"[rng.integers(3)], wing_angle=rng.uniform(0.2, 1.3),
+        wings=1, thickness=0.1,
+    )  # fmt: skip
+    law = Materials(
+        {
+            "body": Material(0.25, 0.35, exponent=rng.uniform(30.0, 150.0)),
+            "panel front": Material(0.05, 0.25, exponent=rng.uniform(50.0, 300.0)),
+            "panel back": Material(0.3, 0.05, exponent=30.0),
+            "panel edge": Material(0.3),
+        }
+    )
+    body = Body.from_shape(mesh, density=100.0)
+    seconds, sun, observer = _sky(rng)
+    period = math.exp(rng.uniform(math.log(25.0), math.log(150.0)))
+    omega = rng.normal(size=3)
+    omega *= 2.0 * math.pi / period / np.linalg.norm(omega)
+    # over principal axes
+    axes, moments = body.principal_axes, body.moments
+    q = rng.normal(size=4)
+    start = np.r_[q / np.linalg.norm(q), axes.T @ omega]
+    seconds = seconds - seconds[0] + 1.0
+    grid = np.concatenate([[0.0], seconds])
+    turn = _matrices(_integrated(moments, start, grid)[:, :4]) @ axes.T
+    seen = [np.einsum("tji,tj->ti", turn[1:], each) for each in (sun, _unit(observer))]
+    flux = light_curve.brightness(mesh.divided(2), law, *seen)
+    bright = flux > 1e-3 * np.mean(flux)
+    magnitude = 5.0 - 2.5 * np.log10(np.where(bright, flux, 1.0))
+    magnitude += 5.0 * np.log10(np.linalg.norm(observer, axis=1) / 1e6)
+    magnitude += 0.1 * rng.normal(size=len(seconds))
+    curve = inversion.LightCurve(
+        seconds[bright],
+        magnitude[bright],
+        0.1,
+        sun=AU * sun[bright],
+        observer=observer[bright],
+        light_time=False,
+    )
+    return Pass(curve, mesh, law, body, turn[0], omega, 2.0 / period)
+
+
+def _unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def _sky(rng):
+    """Epochs (200,), s, and vectors (200, 3) to Sun (unit) and observer, m, of a pass."""
+    radius = EARTH + rng.uniform(550e3, 950e3)
+    rate = math.sqrt(GM / radius**3)
+    off = rng.uniform(0.0, 0.12)  # of the site from the plane, rad
+    site = EARTH * np.array([math.cos(off), 0.0, math.sin(off)])
+    t = np.linspace(-600.0, 600.0, 2401)
+    place = radius * np.stack([np.cos(rate * t), np.sin(rate * t), 0.0 * t], axis=-1)
+    up = (place - site) @ site / EARTH > math.sin(math.radians(15.0)) * np.linalg.norm(
+        place - site, axis=1
+    )
+    seconds = np.sort(rng.uniform(t[up][0], t[up][-1], 200))
+    place = radius * np.stack(
+        [np.cos(rate * seconds), np.sin(rate * seconds), 0.0 * seconds], axis=-1
+    )
+    # the Sun is below the horizon of the site, and the satellite in its light
+    while True:
+        sun = _unit(rng.normal(size=3))
+        below = sun @ site / EARTH
+        across = np.linalg.norm(np.cross(place, sun), axis=1)
+        if -0.4 < below < -0.1 and np.all((place @ sun > 0.0) | (across > EARTH)):
+            break
+    return seconds, np.broadcast_to(sun, (200, 3)), site - place
+
+
+def judged(found: object, given: Pass) -> float:
+    """The relative error of the rate vector, over axes in space, which no symmetry changes."""
+    here = found.motion.at([EPOCH])
+    rate = here.matrix[0] @ here.angular_velocity[0]
+    truth = given.matrix @ given.omega
+    return float(np.linalg.norm(rate - truth) / np.linalg.norm(truth))
+
+
+def main(arguments: list[str]) -> None:
+    """Solve cases and print each and the sums."""
+    count, seed = int(arguments[0]), int(arguments[1])
+    right, claims, spent = 0, 0, []
+    for k in range(count):
+        given = case(seed + k)
+        begin = time.process_time()
+        found = inversion.spin_states(
+            given.curve, given.most, shape=given.mesh, law=given.law, moments=given.body,
+            budget=300.0,
+        )  # fmt: skip
+        spent.append(time.process_time() - begin)
+        errors = [judged(each, given) for each in found]
+        good = bool(errors) and errors[0] < 0.02
+        right += good
+        claims += found.verdict == "solved" and not good
+        listed = [k for k, each in enumerate(errors) if each < 0.02]
+        turns = np.linalg.norm(given.omega) * given.curve.span / (2.0 * math.pi)
+        print(
+            f"{k:2d} {turns:.1f} turns, {len(given.curve)} points: error of the rate "
+            f"{100.0 * errors[0]:.2f} %, rank {listed[:1]}, {found.verdict}, "
+            f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
+            flush=True,
+        )
+    print(
+        f"{count} passes: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
+        f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
+    )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,171 @@
+"""Spin states of a body of known shape, moments that are given, and errors by the jackknife."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from attitude import Body, FreeRotation, Spin, inversion, light_curve
+from attitude.errors import AttitudeError
+from attitude.inversion import (
+    convex,
+    facets,
+    jackknife,
+    known_shape,
+    moments_of_elements,
+    problem,
+    refinement,
+    ties,
+)
+from attitude.physical_constants import ASTRONOMICAL_UNIT_M
+from attitude.scattering import Material, Materials
+from attitude.shape import box_wing
+from tests.test_inversion import _geometry, _start
+
+MESH = box_wing((3.0, 2.0, 1.2), (4.0, 1.5), gap=0.5, wings=1, wing_angle=0.5, thickness=0.1)
+LAW = Materials(
+    {
+        "body": Material(0.25, 0.35, exponent=40.0),
+        "panel front": Material(0.05, 0.25, exponent=60.0),
+        "panel back": Material(0.3, 0.05, exponent=30.0),
+        "panel edge": Material(0.3),
+    }
+)
+BODY = Body.from_shape(MESH, density=100.0)
+
+
+def _pass(motion, count=90, length=300.0, sigma=0.05):
+    generator = np.random.default_rng(5)
+    t = np.sort(generator.uniform(0.0, length, count))
+    angle = np.radians(120.0) * t / length
+    observer = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0.0 * angle], axis=-1)
+    observer /= np.linalg.norm(observer, axis=1)[:, None]
+    sun = np.broadcast_to(np.array([0.6, 0.48, 0.64]), (count, 3))
+    matrix = motion.at(t).matrix
+    seen = [np.einsum("nij,ni->nj", matrix, each) for each in (sun, observer)]
+    flux = light_curve.brightness(MESH, LAW, *seen)
+    magnitude = 5.0 - 2.5 * np.log10(flux) + sigma * generator.normal(size=count)
+    given = {"sun": sun * ASTRONOMICAL_UNIT_M, "observer": observer * 1e6}
+    return inversion.LightCurve(
+        t, magnitude + 0.0, sigma, epoch=motion.epoch, light_time=False, **given
+    )
+
+
+MOTION = FreeRotation(BODY, Spin("2026-01-01", (0.5, 0.1, -0.7, 0.4), (0.03, 0.01, -0.04)))
+
+
+def test_rates_and_attitude_of_a_satellite():
+    curve = _pass(MOTION)
+    found = inversion.spin_states(curve, "0.01 Hz", shape=MESH, law=LAW, moments=BODY, budget=60)
+    assert found.verdict == "solved", str(found)
+    here, truth = (each.at([MOTION.epoch.time]) for each in (found[0].motion, MOTION))
+    rate, true_rate = (each.matrix[0] @ each.angular_velocity[0] for each in (here, truth))
+    assert np.linalg.norm(rate - true_rate) < 0.02 * np.linalg.norm(true_rate)
+    assert found[0].rms < 0.07
+    assert len(found.table()) == len(found)
+    # and by refinement from a start near it
+    turned = Spin("2026-01-01", (0.52, 0.1, -0.7, 0.38), (0.0301, 0.0101, -0.0399))
+    again = inversion.refine(curve, FreeRotation(BODY, turned), shape=MESH, law=LAW)
+    assert again.rms < 0.07
+    assert again.shape.vertices == pytest.approx(MESH.vertices)
+
+
+def test_slopes_of_a_known_shape():
+    known = known_shape.known(MESH, LAW)
+    generator = np.random.default_rng(2)
+    sun = generator.normal(size=(50, 3))
+    sun /= np.linalg.norm(sun, axis=1)[:, None]
+    observer = sun + 0.5 * generator.normal(size=(50, 3))
+    observer /= np.linalg.norm(observer, axis=1)[:, None]
+    least = known.floor(sun, observer)
+    lit = known.lit(sun, observer, least)
+    step = 1e-5 * np.array([0.3, -0.5, 0.8])
+    moved = [
+        known.magnitudes(*(each - sign * np.cross(step, each) for each in (sun, observer)), least)
+        for sign in (1.0, -1.0)
+    ]
+    difference = 0.5 * (moved[0] - moved[1])
+    # the table of shadows has steps
+    assert np.median(np.abs(difference - lit.across @ step)) < 1e-9
+
+
+@pytest.mark.parametrize("nutation", [14.7, -11.0])
+def test_moments_that_are_given(nutation):
+    t, sun, observer = _geometry()
+    noise = 0.3 * np.random.default_rng(0).normal(size=len(t))
+    terms = np.ones((len(t), 1)), np.full(1, np.inf)
+    given = problem.CurveProblem.of(t, 1.0, sun, observer, noise, np.full(len(t), 0.3), *terms, 0.0)
+    tie = ties.of((3.0, 1.4, 2.5))
+    found = refinement.refine(given, _start(nutation), tie=tie, iterations=60)
+    ratios = np.empty(4)
+    moments_of_elements.log_ratios(*found.state[[0, 1, 3, 4]], ratios)
+    moments = np.exp(np.append(ratios[:2], 0.0))
+    assert np.sort(moments / moments.max()) == pytest.approx([1.4 / 3.0, 2.5 / 3.0, 1.0], rel=0.02)
+
+
+def test_what_moments_may_be():
+    assert ties.of("shape").tolerance == facets.TOLERANCE
+    assert ties.of(0.2).tolerance == 0.2
+    assert not ties.of("free").holds_axes
+    assert ties.of(BODY).given == pytest.approx(np.sort(BODY.moments) / BODY.moments.max())
+    with pytest.raises(AttitudeError, match="three moments"):
+        ties.of("known")
+    with pytest.raises(AttitudeError):
+        ties.of((1.0, 1.0, 3.0))
+    with pytest.raises(AttitudeError, match="zero"):
+        ties.of((0.0, 1.0, 1.0))
+
+
+def test_what_a_known_shape_refuses():
+    curve = _pass(MOTION, count=40)
+    with pytest.raises(AttitudeError, match="law="):
+        inversion.spin_states(curve, "0.02 Hz", law=LAW)
+    with pytest.raises(AttitudeError, match="homogeneous"):
+        inversion.spin_states(curve, "0.02 Hz", shape=MESH, law=LAW, moments="free")
+    with pytest.raises(AttitudeError, match="spans"):
+        inversion.spin_states(curve, "0.002 Hz", shape=MESH, law=LAW)
+
+
+def _linear(noise, count=400):
+    """A fit of a line and two harmonics, as `jackknife.errors` takes it."""
+    t = np.linspace(-0.5, 0.5, count)
+    jacobian = np.stack([t, np.cos(40.0 * t), np.sin(40.0 * t)])
+    root, y = np.full(count, 10.0), noise
+    weighted = jacobian * root
+    normal = weighted @ weighted.T
+    best = np.linalg.solve(normal, weighted @ (y * root))
+    here = SimpleNamespace(magnitude=best @ jacobian, jacobian=jacobian)
+    curve = SimpleNamespace(y=y, root=root, u=np.zeros((0, count)))
+    found = SimpleNamespace(problem=curve, refined=SimpleNamespace(normal=normal))
+    return t, found, here
+
+
+def test_independent_errors_are_those_of_the_curvature():
+    noise = 0.1 * np.random.default_rng(1).normal(size=400)
+    t, found, here = _linear(noise)
+    groups = jackknife.groupings(t, 100.0 * 86400.0, None)
+    made = jackknife.errors(found, here, groups, 3, lambda keep: None)
+    assert made.covariance == pytest.approx(made.formal, rel=1e-6, abs=1e-12)
+    assert made.widening == pytest.approx(np.eye(3), abs=1e-6)
+
+
+def test_correlated_errors_widen_the_covariance():
+    generator = np.random.default_rng(2)
+    noise = 0.02 * generator.normal(size=400) + 0.1 * np.repeat(generator.normal(size=10), 40)
+    t, found, here = _linear(noise)
+    calls = []
+    groups = jackknife.groupings(t, 100.0 * 86400.0, None)
+    made = jackknife.errors(found, here, groups, 3, lambda keep: calls.append(keep))
+    assert made.covariance[0, 0] > 4.0 * made.formal[0, 0]
+    wide = made.widening @ made.formal @ made.widening.T
+    assert np.diag(wide) == pytest.approx(np.diag(made.covariance), rel=1e-6)
+    assert calls  # groups that move the line by more than an error are fitted anew
+
+
+def test_axial_penalty_holds_the_greatest_moment():
+    shape = np.zeros(convex.SIZE)
+    shape[:2] = 1.0, 0.5  # the third axis is the longest: its moment is the least
+    areas, slopes = facets.areas(shape[:2], shape[2:])
+    r, by, strain = convex.penalties(shape, areas, slopes, None, 8, convex.Tie())
+    assert strain > 100.0
+    assert by.shape == (len(r), 8 + convex.SIZE)
