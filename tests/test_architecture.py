@@ -14,8 +14,8 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "calls", "immutable", "validation", "pairs", "physical_constants"),
-    ("blocks", "memory", "moved"),
+    ("errors", "calls", "immutable", "quantity_text", "validation", "pairs"),
+    ("physical_constants", "blocks", "memory", "moved"),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),

