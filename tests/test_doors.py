@@ -59,6 +59,8 @@ def test_an_earth_location_is_a_site():
     assert seen.observer.has_horizon
     with pytest.raises(AttitudeError, match="observer holds 2 locations; give one of them"):
         scene_of(EarthLocation.from_geodetic([1, 2], [3, 4]))
+    with pytest.raises(AttitudeError, match="observer holds 2 places; give one, and a Scene for"):
+        scene_of([given, given])
 
 
 def test_a_sky_coord_is_a_direction_or_a_point():
@@ -92,6 +94,7 @@ def test_positions_and_vectors_of_skyfield():
     venus = scene_of(planets["venus"]).observer
     own = paths.from_skyfield(planets["venus"])
     np.testing.assert_array_equal(position(venus), position(own))
+    planets.close()
 
 
 # Wrong calls --------------------------------------------------------------------------------------

@@ -184,6 +184,7 @@ def test_parts_units_and_extrema(scene):
         (lambda s: s.quantity("elevation") > "10 m", "the threshold is in m; give it in rad"),
         (lambda s: s.quantity("elevation") > s.quantity("sun_elevation"), "two observables are"),
         (lambda s: s.quantity("elevation") & s.quantity("sky_dark"), "is a number, no condition"),
+        (lambda s: s.quantity("elevation") > 0.1 & s.quantity("sky_dark"), "put each comparison"),
         (lambda s: (s.quantity("elevation") > 0.1) & True, "a condition is combined with True"),
         (lambda s: (s.quantity("elevation") > 0.1) and 1, "combine conditions by &, | and ~"),
         (lambda s: s.quantity("elevation") & 1 > 0, "is a number, no condition"),
@@ -198,6 +199,15 @@ def test_parts_units_and_extrema(scene):
 def test_what_is_refused(scene, make, message):
     with pytest.raises(AttitudeError, match=message.replace("(", r"\(")):
         make(scene)
+
+
+def test_a_threshold_may_stand_on_the_left(scene):
+    from astropy import units
+
+    t = np.arange(14000.0, 15000.0, 100.0)
+    elevation = scene.quantity("elevation")
+    for threshold in (10 * units.deg, np.float64(0.1)):
+        np.testing.assert_array_equal((threshold < elevation)(t), (elevation > threshold)(t))
 
 
 def test_a_rotation_needs_a_motion():

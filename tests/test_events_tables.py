@@ -99,6 +99,11 @@ def test_windows_totals_and_the_worst_gap(scene, night):
     assert always.total == always.span and always.worst_gap == 0.0
 
 
+def test_a_night_without_passes(scene):
+    found = events.passes(scene, START, STOP, elevation="89.9 deg", sunlit=True)
+    assert len(found) == 0 and len(found.table()) == 0
+
+
 def test_a_span_follows_from_what_is_known():
     free = mirror_scene().motion
     t = np.linspace(0.0, 100.0, 401)
@@ -200,6 +205,8 @@ def test_pandas_frames(night):
         (lambda s: events.passes(3, START, STOP), "scene is 3; give a Scene"),
         (lambda s: events.passes(s, elevation="10 deg"), "start is not given"),
         (lambda s: events.passes(s, START, STOP, night="6 m"), "the threshold is in m"),
+        (lambda s: events.passes(s, START, STOP, elevation=10), "give degrees as text"),
+        (lambda s: events.passes(s, START, STOP, where=3), "where is 3; give a Condition"),
         (lambda s: events.windows(3), "condition is 3; give a Condition"),
         (lambda s: events.glints(s, START, STOP), "the scene has no motion"),
         (lambda s: events.glints(mirror_scene(shape=None), 0, 1), "give a Scene with shape="),

@@ -5,7 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, frames, paths, quaternion
+from attitude import (
+    AttitudeError,
+    Body,
+    FreeRotation,
+    Scene,
+    Spin,
+    epochs,
+    frames,
+    paths,
+    quaternion,
+)
 from attitude.representations import from_matrix, to_rotation_vector
 
 DATA = Path(__file__).resolve().parent.parent / "data"
@@ -198,5 +208,7 @@ def test_obliquity_of_the_pole_to_an_orbit():
     assert first.obliquity(paths.body("earth", "builtin")) == pytest.approx(
         np.arccos((pole / np.linalg.norm(pole))[2]), abs=1e-4
     )
+    view = Scene(first, path, "earth", ephemeris="builtin").at([0.0, 1e6])
+    np.testing.assert_allclose(view.obliquity, expected, atol=1e-12)
     with pytest.raises(AttitudeError, match="orbit is 'earth'; give the path of the body"):
         first.obliquity("earth")

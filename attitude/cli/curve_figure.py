@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from attitude.epochs import Instant
     from attitude.formats.mission import Mission
 
-_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.75"
+_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
 # Points of a curve that a figure of 1500 pixels resolves; longer ones are drawn by their extremes.
 _POINTS = 40_000
+# Elevation of the Sun at the end of astronomical twilight, rad.
+_TWILIGHT = np.radians(-18.0)
 # Least span in s, s in the unit, and its name.
 _UNITS = ((4.0 * 86400.0, 86400.0, "days"), (3.0 * 3600.0, 3600.0, "hours"), (0.0, 60.0, "minutes"))
 
@@ -32,6 +34,7 @@ def of(
     phase_angle: FloatArray,
     lit_fraction: FloatArray | None = None,
     elevation: FloatArray | None = None,
+    sun_elevation: FloatArray | None = None,
 ) -> Figure:
     """A matplotlib Figure of the light curve of a mission.
 
@@ -42,8 +45,9 @@ def of(
     epoch : Instant
     seconds, magnitude, phase_angle : (N,) arrays
         TDB seconds since the epoch; mag, inf where no lit facet is visible; rad.
-    lit_fraction, elevation : (N,) arrays, optional
-        The span of the umbra (0) is shaded; the curve below the horizon (rad) is grey.
+    lit_fraction, elevation, sun_elevation : (N,) arrays, optional
+        Shaded are day (the Sun above the horizon of a site), twilight (down to -18 deg), the umbra
+        (0), and where the body is below the horizon (rad); there a curve is grey.
     """
     figure = plots.new_figure((10.0, 6.0))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -53,21 +57,17 @@ def of(
     shown = np.where(np.isfinite(magnitude), magnitude, np.nan)
     if elevation is not None:
         up = elevation > 0.0
-        _line(above, t, np.where(up, np.nan, shown), _BELOW, "below the horizon")
+        _line(above, t, np.where(up, np.nan, shown), _BELOW, None)
         _line(above, t, np.where(up, shown, np.nan), _CURVE, "above the horizon")
     else:
         _line(above, t, shown, _CURVE, None)
-    if lit_fraction is not None and np.any(lit_fraction == 0.0):
-        label: str | None = "in the shadow of another body"
-        for begin, end in _runs(lit_fraction == 0.0):
-            above.axvspan(t[begin], t[end - 1], color="0.9", zorder=0, label=label)
-            label = None
+    _shade(above, t, lit_fraction, elevation, sun_elevation)
     assert mission.magnitude is not None
     source = "" if mission.scene.phase_function is None else " from H"
     above.invert_yaxis()
     above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
     if above.get_legend_handles_labels()[0]:
-        above.legend(loc="best", fontsize=9)
+        above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=9)
     _line(below, t, np.degrees(phase_angle), _PHASE, None)
     start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
     below.set(ylabel="phase angle (deg)", xlabel=f"{unit} since {start} UTC")
@@ -76,6 +76,33 @@ def of(
         axes.margins(x=0.01)
     figure.suptitle(mission.name or "Light curve")
     return figure
+
+
+def _shade(
+    axes: Axes,
+    t: FloatArray,
+    lit_fraction: FloatArray | None,
+    elevation: FloatArray | None,
+    sun_elevation: FloatArray | None,
+) -> None:
+    """Shade day, twilight, umbra, and the epochs at which the body is below the horizon."""
+    shades: list[tuple[BoolArray, str, dict[str, Any]]] = []
+    if sun_elevation is not None:
+        is_day = sun_elevation > 0.0
+        shades.append((is_day, "day", {"facecolor": "#ffe9a8"}))
+        twilight = ~is_day & (sun_elevation > _TWILIGHT)
+        shades.append((twilight, "twilight", {"facecolor": "#dbe9f7"}))
+    if lit_fraction is not None:
+        dark = lit_fraction == 0.0
+        shades.append((dark, "in the umbra of another body", {"facecolor": "0.3", "alpha": 0.3}))
+    if elevation is not None:
+        lines = {"facecolor": "none", "edgecolor": "0.65", "hatch": "///"}
+        shades.append((elevation <= 0.0, "below the horizon", lines))
+    for flags, label, style in shades:
+        for k, (begin, end) in enumerate(_runs(flags)):
+            last = t[min(end, len(t) - 1)]
+            name = label if k == 0 else None
+            axes.axvspan(t[begin], last, linewidth=0, zorder=0, label=name, **style)
 
 
 def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | None) -> None:

@@ -26,7 +26,8 @@ example:
 A mission file with a section [shape] names spin, centre, observer, times, scattering law and
 magnitude ([scattering], [magnitude]); data/mission/ has examples, docs/light_curves.md lists the
 keys. Columns: UTC at which light is received, TDB seconds since the epoch of the spin, the
-magnitude (inf where nothing of the body is both lit and seen), brightness in m2/sr, phase angle,
+magnitude (inf where nothing of the body is both lit and seen; over a ground site NaN by day and
+below the horizon, unless the file has site_limits = false), brightness in m2/sr, phase angle,
 distances, the fraction of the Sun's disc that other bodies leave free, elevation over a ground
 site, then the columns of the file. As x.txt the curve is written in DAMIT's format: brightness at
 unit distances, dimmed by shadows, against the dates at which the light left. With --figure alone no
@@ -161,7 +162,9 @@ class _Curve:
         from attitude import epochs
         from attitude.formats.damit import light_curve as damit
 
-        reduced, hi, lo, sun, observer = (self._joined(name) for name in _DAMIT)
+        kept = [self._joined(name) for name in _DAMIT]
+        observed = ~np.isnan(kept[0])  # not by day, nor below the horizon of a site
+        reduced, hi, lo, sun, observer = (each[observed] for each in kept)
         if not np.all(np.isfinite(reduced)):
             raise AttitudeError(
                 f"--output {path!r}: at {np.count_nonzero(~np.isfinite(reduced))} epochs nothing "
@@ -189,6 +192,7 @@ class _Curve:
                 kept["lit_fraction"] = view.lit_fraction
             if view.scene.observer.has_horizon:
                 kept["elevation"] = view.elevation
+                kept["sun_elevation"] = view.sun_elevation
         if self._kind == "txt":
             import numpy as np
 

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 class Joinable:
     """Base of what &, | and ~ combine: conditions, and what stands for one as `condition`."""
 
+    # Arrays and Quantities leave operations with these objects to them.
+    __array_ufunc__ = None
+
     @property
     def condition(self) -> Condition:
         """The condition that this object stands for."""
@@ -33,6 +36,14 @@ class Joinable:
 
     def __or__(self, other: Joinable) -> Condition:
         return self.condition._joined(other, either)
+
+    def __rand__(self, other: object) -> Condition:
+        raise AttitudeError(
+            f"{shown(other)} is combined with a condition; & and | bind closer than comparisons: "
+            'put each comparison in parentheses, as in (elevation > "10 deg") & glint.'
+        )
+
+    __ror__ = __rand__
 
     def __invert__(self) -> Condition:
         own = self.condition

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
+from attitude.conditions.condition import condition_of
 from attitude.errors import AttitudeError
 from attitude.events.channels import SUN_RADIUS, Mirrored
 from attitude.events.conditions import glint
@@ -93,7 +94,7 @@ def glints(
         For a scene without a mesh, materials without lobes, unknown sides, and as `windows`.
     """
     chosen = _sides(scene, sides, fraction)
-    more = [] if where is None else [where.condition]
+    more = [] if where is None else [condition_of(where, "where")]
     if validation.flag(visible, "visible"):
         more += _visible(scene)
     conditions = []

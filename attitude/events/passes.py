@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
+from attitude.conditions.condition import condition_of
 from attitude.conditions.moments import OfReception
 from attitude.errors import AttitudeError
 from attitude.events.timetable import Timetable, TimetableColumn
@@ -87,8 +88,13 @@ def passes(
     """
     site_of(scene)
     lowest = validation.number(elevation, "elevation", unit="rad")
+    if not abs(lowest) <= 0.5 * np.pi:
+        raise AttitudeError(
+            f"elevation is {lowest!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
+            'as "10 deg").'
+        )
     above = scene.quantity("elevation") > lowest
-    more: list[Condition] = [] if where is None else [where.condition]
+    more: list[Condition] = [] if where is None else [condition_of(where, "where")]
     if validation.flag(sunlit, "sunlit"):
         more.append(scene.quantity("lit_fraction") > 0.0)
     if night is not None:

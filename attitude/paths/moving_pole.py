@@ -75,7 +75,7 @@ def _fitted(series, numbers):
             _pieces.clear()
         if len(missing) <= _MOST_PIECES:
             _pieces.update(zip(missing, rows, strict=True))
-    return np.array([known[key] for key in keys])
+    return np.array([known[key] for key in keys]).reshape(len(keys), 3 * _COUNT)
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -51,11 +51,7 @@ class Place:
             "paths.site(longitude, latitude) or paths.observatory(code)."
         )
 
-    def pole(
-        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
-    ) -> FloatArray:
-        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes: north of a ground site.
-
-        AttitudeError as `zenith`.
-        """
-        return self.zenith(instant, seconds, low)
+    @property
+    def pole_path(self) -> Path:
+        """As `zenith_path`, along the axis of ITRS: north of a ground site."""
+        return self.zenith_path

@@ -49,6 +49,10 @@ def place(
             f"{name} is {value!r}, infinitely far away; give a path or a body, or None where Sun "
             "and observer are directions."
         )
+    if isinstance(value, (list, tuple)) and any(
+        isinstance(each, Place) or place_of(each, name) is not None for each in value
+    ):
+        raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
         return paths.direction(value, name=name)
     if isinstance(value, str) or naif_index(value) is not None:

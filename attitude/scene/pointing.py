@@ -118,6 +118,23 @@ class Pointing(Geometry):
     def _angle_to_momentum(self, unit: FloatArray) -> FloatArray:
         return self._numbers(angles.between_units(unit, self.momentum_direction_icrf))
 
+    @quantity("rad")
+    def obliquity(self) -> FloatArray:
+        """Angle from the angular momentum to that of the orbit about its center, 0 to pi.
+
+        A path about the barycentre of the solar system is taken about the Sun.
+        """
+        from attitude.axes.framed import obliquity
+
+        scene, pole = self.scene, self.momentum_direction_icrf
+        if scene.center is None:
+            raise AttitudeError(
+                "the scene has no center, whose orbit the obliquity needs; give center=, a path."
+            )
+        hi, lo = self._emission()
+        low = np.broadcast_to(lo, hi.shape)
+        return self._numbers(obliquity(pole.T, scene.center, self.epoch, hi, low))
+
     @quantity("rad", _AXES)
     def observer_axis_angles(self) -> FloatArray:
         """Angles from the direction to the observer to the principal axes, 0 to pi.

@@ -74,10 +74,13 @@ class Sky(Pointing):
     @kept
     def zenith(self) -> FloatArray:
         """Unit vectors (3, N) to the zenith of a ground site at the epochs of reception, ICRF."""
+        return self._axis_of_earth(self.scene.observer.zenith_path)
+
+    def _axis_of_earth(self, path: paths.Path) -> FloatArray:
+        """Unit vectors (3, N) of a direction that rests on the Earth, at reception, ICRF."""
         hi, lo = self._reception()
         scene, some = self.scene, self._reception_sample
         tolerance = None if scene.tolerance is None else _LEAST_TURN
-        path = scene.observer.zenith_path
         return lines_of_sight.seen(path, self.epoch, hi, lo, some, tolerance).unit
 
     def _elevation_of(self, direction: FloatArray) -> FloatArray:
@@ -88,7 +91,7 @@ class Sky(Pointing):
         """Azimuth of the body at a ground site, from north through east, 0 to 2 pi."""
         direction = self._flat(self.apparent_direction)
         # The pole of ITRS: north on the horizon of the site.
-        pole = np.moveaxis(self.scene.observer.pole(self.epoch, *self._reception()), -1, 0)
+        pole = self._axis_of_earth(self.scene.observer.pole_path)
         east = np.cross(pole, self.zenith, axis=0)
         north = np.cross(self.zenith, east, axis=0)
         along = (np.sum(each * direction, axis=0) for each in (east, north))
@@ -125,7 +128,7 @@ class Sky(Pointing):
         """Angle at the observer between the Moon's centre and the body, 0 to pi."""
         body = self._flat(self.apparent_direction)
         moon = self._seen(np.broadcast_to(self.moon_line.unit, body.shape))
-        return self._numbers(angles.between(body, moon))
+        return self._numbers(angles.between_units(body, moon))
 
     @quantity()
     def airmass(self) -> FloatArray:
