@@ -116,16 +116,15 @@ def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
     given = {name: getattr(arguments, name) for name in ("sun", "observer")}
     if not any(given.values()):
         return source
-    from attitude import paths
+    from attitude import paths, validation
     from attitude.scene import Scene
     from attitude.shape import Ellipsoid
-    from attitude.textfiles import quantities
 
     for name, words in given.items():
         if words is None:
             raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
     sun, observer = (
-        paths.direction(quantities.in_unit(" ".join(words), f"--{name}", None), name=name)
+        paths.direction(validation.real(" ".join(words), f"--{name}", shape=(3,)), name=name)
         for name, words in given.items()
     )
     motion: Any = source.motion
