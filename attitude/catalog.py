@@ -187,14 +187,7 @@ class Entry:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        """A table for notebooks: each value with its error, unit and source."""
-        rows = [
-            (each.name, each.spelled, each.spelled_error, each.unit or "", each.source)
-            for each in self._values()
-        ]
-        if self.missing:
-            rows.append(("not in the catalogue", ", ".join(self.missing), "", "", ""))
-        return markup.table(f"{self.name}: {self.mode or 'mode open'}, {self.frame}", rows)
+        return markup.table(*markup.rows_of(str(self)))
 
     def _request(self, missing: list[str]) -> str:
         """The error text for missing values."""

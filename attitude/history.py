@@ -97,11 +97,8 @@ class AttitudeHistory(Immutable):
         return f"<AttitudeHistory of {self.seconds.size} epochs from {self.epoch.utc_iso} UTC>"
 
     def _repr_html_(self) -> str:
-        """A table of the first epochs, and the quaternion against time, for notebooks."""
-        if len(self.shape) > 1:
-            return markup.table(repr(self), [])
         head = f"{self.seconds.size} attitudes, body to ICRF, from {self.epoch.utc_iso} UTC"
-        return markup.attitudes(head, self.seconds.reshape(-1), self.wxyz.reshape(-1, 4))
+        return markup.attitudes(head, self.seconds, self.wxyz)
 
     @cached_property
     def time(self) -> Time:

@@ -12,11 +12,11 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+# Epochs of a table of attitudes.
+_SHOWN = 5
 _WIDTH, _HEIGHT, _EDGE = 260.0, 150.0, 8.0
 # Points of a line that are drawn.
 _MOST = 600
-# Epochs in a table.
-_SHOWN = 5
 
 
 def rows_of(text: str) -> tuple[str, list[tuple[str, str]]]:
@@ -53,6 +53,32 @@ def table(head: str, rows: Iterable[Sequence[str]], *pictures: str) -> str:
         f'<div><b>{html.escape(head)}</b><table style="font-size:90%">{cells}</table></div>'
         f"{beside}</div>"
     )
+
+
+def described(text: str, span: Sequence[object] | None) -> str:
+    """A table of a description, or of its one line and the ends of a span."""
+    head, rows = rows_of(text)
+    ends = zip(("from", "to"), span or (), strict=False)
+    return table(head, rows or [(name, str(each)) for name, each in ends])
+
+
+def attitudes(head: str, seconds: NDArray[np.float64], wxyz: NDArray[np.float64]) -> str:
+    """A table of the first of some attitudes (S, 4), and their components against time."""
+    if seconds.ndim > 1:
+        return table(head, [])
+    times, rows = seconds.reshape(-1), wxyz.reshape(-1, 4)
+    cells: list[tuple[str, ...]] = [("s since the epoch", "w", "x", "y", "z")]
+    cells += [
+        (f"{t:.9g}", *(f"{each:.6f}" for each in q))
+        for t, q in zip(times[:_SHOWN].tolist(), rows[:_SHOWN].tolist(), strict=True)
+    ]
+    if len(times) > _SHOWN:
+        cells.append(("...", "", "", "", ""))
+    if len(times) < 3:
+        return table(head, cells)
+    lines = [(times, rows[:, k]) for k in range(4)]
+    colors = ("#444444", "#0072b2", "#d55e00", "#009e73")
+    return table(head, cells, line_plot(lines, "w, x, y, z against time", colors=colors))
 
 
 def line_plot(
@@ -101,20 +127,3 @@ def _path(points: NDArray[np.float64]) -> str:
         words.append(f"{'M' if is_gap else 'L'}{x:.1f} {y:.1f}")
         is_gap = False
     return "".join(words)
-
-
-def attitudes(head: str, seconds: NDArray[np.float64], wxyz: NDArray[np.float64]) -> str:
-    """A table of the first quaternions (N, 4), and all against the seconds (N,)."""
-    cells: list[tuple[str, ...]] = [("s since the epoch", "w", "x", "y", "z")]
-    cells += [
-        (f"{t:.9g}", *(f"{each:.6f}" for each in q))
-        for t, q in zip(seconds[:_SHOWN].tolist(), wxyz[:_SHOWN].tolist(), strict=True)
-    ]
-    if len(seconds) > _SHOWN:
-        cells.append(("...", "", "", "", ""))
-    pictures = []
-    if len(seconds) > 2:
-        lines = [(seconds, wxyz[:, k]) for k in range(4)]
-        colors = ("#444444", "#0072b2", "#d55e00", "#009e73")
-        pictures.append(line_plot(lines, "w, x, y, z against time", colors=colors))
-    return table(head, cells, *pictures)

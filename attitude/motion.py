@@ -227,9 +227,7 @@ class Motion(Valued):
 
     def _repr_html_(self) -> str:
         """A table for notebooks: the description, or the class and its span."""
-        head, rows = markup.rows_of(str(self))
-        ends = zip(("from", "to"), self.span or (), strict=False)
-        return markup.table(head, rows or [(name, str(each)) for name, each in ends])
+        return markup.described(str(self), self.span)
 
     def _without_derivatives(self) -> AttitudeError:
         follow = "standard deviations and covariances follow from a FreeRotation whose spin has one"
