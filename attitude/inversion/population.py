@@ -43,7 +43,7 @@ def second_moments(
     points, logs = [], []
     mixture: list[FloatArray] = []
     for _ in range(_ROUNDS):
-        factor = _WIDER * np.linalg.cholesky(found)
+        factor: FloatArray = _WIDER * np.asarray(np.linalg.cholesky(found), dtype=np.float64)
         mixture.append(factor)
         chi = generator.chisquare(_FREEDOM, _SAMPLES) / _FREEDOM
         z = generator.standard_normal((_SAMPLES, size)) / np.sqrt(chi)[:, None]
