@@ -12,7 +12,17 @@ from attitude import moved
 from attitude.errors import AttitudeError as AttitudeError
 
 if TYPE_CHECKING:
-    # The names of _WHERE, for editors and type checkers.
+    # The names of _MODULES and _WHERE, for editors and type checkers.
+    import attitude.catalog
+    import attitude.epochs
+    import attitude.events
+    import attitude.formats
+    import attitude.light_curve
+    import attitude.paths
+    import attitude.plots
+    import attitude.scattering
+    import attitude.shape
+    import attitude.spectrum  # noqa: F401
     from attitude.arcs.arcs import Arcs as Arcs
     from attitude.arcs.arcs import Impulse as Impulse
     from attitude.arcs.arcs import InertiaChange as InertiaChange
@@ -58,12 +68,20 @@ _WHERE = {
     "propagate": "attitude.propagation",
 }
 
+# Modules that are imported when they are first used as attributes, such as attitude.events.
+_MODULES = (
+    *("catalog", "epochs", "events", "formats", "light_curve"),
+    *("paths", "plots", "scattering", "shape", "spectrum"),
+)
+
 __all__ = ["AttitudeError", *sorted(_WHERE)]
 
 
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
     def __getattr__(name: str) -> Any:
+        if name in _MODULES:
+            return import_module(f"attitude.{name}")
         if name not in _WHERE:
             raise AttributeError(f"module 'attitude' has no attribute {name!r}")
         value = getattr(import_module(_WHERE[name]), name)
@@ -72,4 +90,4 @@ if not TYPE_CHECKING:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_WHERE})
+    return sorted({*globals(), *_WHERE, *_MODULES})

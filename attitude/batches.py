@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import evaluation, validation
-from attitude.blocks import in_blocks
+from attitude.blocks import in_rectangles
 from attitude.errors import AttitudeError
 from attitude.sensitivities import columns
 from attitude.solution.principal import ASYMMETRY, PrincipalAxes
@@ -82,35 +82,29 @@ class Batch(NamedTuple):
         count, length = len(self.wxyz), t.shape[1]
         if not count:
             return
-        # A piece of work is some milliseconds long, and writes to few pages of memory.
-        span = length if sensitivity else min(max(length, 1), evaluation.EPOCHS)
-        pieces = 1 if sensitivity else max(-(-length // span), 1)
-        size = max(1, min(_BLOCK, evaluation.EPOCHS // max(span, 1)))
-        blocks = -(-count // size)
         if threads != 1:
             threads = validation.count(threads, "threads")
-        if blocks * pieces == 1:
+        if count * max(length, 1) <= evaluation.EPOCHS and count <= _BLOCK:
             # nothing to divide: one body at one epoch takes half the time without slices
             self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), 0, count)
             return
 
-        def work(begin: int, end: int) -> None:
-            for each in range(begin, end):
-                block, piece = divmod(each, pieces)
-                part = slice(block * size, min((block + 1) * size, count))
-                here = part if len(t) > 1 else slice(None)
-                Batch(self.inertia[part], self.wxyz[part], self.omega[part])._fill(
-                    t[here],
-                    None if t_low is None else t_low[here],
-                    wxyz[part],
-                    None if rates is None else rates[part],
-                    [each[part] for each in sensitivity],
-                    (piece * span, min((piece + 1) * span, length)),
-                    part.start,
-                    count,
-                )
+        def work(part: slice, epochs: tuple[int, int]) -> None:
+            here = part if len(t) > 1 else slice(None)
+            Batch(self.inertia[part], self.wxyz[part], self.omega[part])._fill(
+                t[here],
+                None if t_low is None else t_low[here],
+                wxyz[part],
+                None if rates is None else rates[part],
+                [each[part] for each in sensitivity],
+                epochs,
+                part.start,
+                count,
+            )
 
-        in_blocks(work, pieces * blocks, 1, threads)
+        # A piece of work is some milliseconds long, and writes to few pages of memory.
+        span = length if sensitivity else evaluation.EPOCHS
+        in_rectangles(work, count, length, _BLOCK, max(span, 1), evaluation.EPOCHS, threads)
 
     def _fill(
         self,

@@ -60,3 +60,39 @@ def in_blocks(
         finally:
             for future in pending:
                 future.cancel()
+
+
+def in_rectangles(
+    work: Callable[[slice, tuple[int, int]], object],
+    bodies: int,
+    epochs: int,
+    most_bodies: int,
+    most_epochs: int,
+    rows: int,
+    threads: int,
+) -> None:
+    """Call ``work(part, (first, end))`` for rectangles of bodies and epochs that cover all.
+
+    Parameters
+    ----------
+    work : callable
+        Called with a slice of bodies and a range of epochs.
+    bodies, epochs : int
+    most_bodies, most_epochs, rows : int
+        Upper bounds of a rectangle: its bodies, its epochs, and their product.
+    threads : int
+        As of `in_blocks`.
+    """
+    if not bodies:
+        return
+    span = min(max(epochs, 1), most_epochs)
+    pieces = max(-(-epochs // span), 1)
+    size = max(1, min(most_bodies, rows // span))
+
+    def rectangles(begin: int, end: int) -> None:
+        for each in range(begin, end):
+            block, piece = divmod(each, pieces)
+            part = slice(block * size, min((block + 1) * size, bodies))
+            work(part, (piece * span, min((piece + 1) * span, epochs)))
+
+    in_blocks(rectangles, pieces * -(-bodies // size), 1, threads)

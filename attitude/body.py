@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import validation
+from attitude import calls, validation
 from attitude.errors import AttitudeError
 from attitude.evaluation import writable
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Valued, frozen
 from attitude.solution.principal import ASYMMETRY, PrincipalAxes
 
 if TYPE_CHECKING:
@@ -29,9 +29,16 @@ _ORIGIN = frozen(np.zeros(3))
 # Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
+_ARGUMENTS = ("moments", "tensor", "mass", "relative", "center_of_mass")
+_HINTS = {
+    **dict.fromkeys(("inertia", "I", "inertia_tensor"), "give moments or tensor"),
+    **dict.fromkeys(("Ixx", "Iyy", "Izz", "I1", "I2", "I3", "A", "B", "C"), "give moments"),
+    "axes": "use Body.from_ellipsoid(axes)",
+}
+
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class Body(Immutable):
+class Body(Valued):
     """The inertia of a rigid body.
 
     Parameters
@@ -80,6 +87,25 @@ class Body(Immutable):
     relative: bool
     center_of_mass: FloatArray
     principal_axes: FloatArray = field(init=False)
+
+    _value = ("moments", "tensor", "mass", "relative", "center_of_mass")
+
+    def __new__(cls, *given: Any, **named: Any) -> Body:
+        """A sentence for the calls that others expect: Body(10, 20, 26), inertia=."""
+        if given and isinstance(given[0], (int, float)):
+            raise AttitudeError(
+                f"Body takes its moments together: Body(moments=({_three_numbers(given)})), or a "
+                "tensor: Body(tensor=(3 x 3))."
+            )
+        calls.check_call(
+            "Body",
+            given,
+            named,
+            allowed=_ARGUMENTS,
+            hints=_HINTS,
+            example="Body(moments=(10, 20, 26)) or Body(tensor=(3 x 3))",
+        )
+        return object.__new__(cls)
 
     def __init__(
         self,
@@ -329,3 +355,9 @@ def _refuse_overflow(largest: float, name: str) -> None:
 
 def _listed(row: Iterable[float]) -> str:
     return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"
+
+
+def _three_numbers(given: tuple[Any, ...]) -> str:
+    """Three moments as text; those of an example if there are not three numbers."""
+    three = len(given) == 3 and all(isinstance(each, (int, float)) for each in given)
+    return ", ".join(map(str, given if three else (10, 20, 26)))

@@ -25,10 +25,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from attitude import motion as motions
 from attitude import validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation.free_rotation import FreeRotation
+from attitude.published import body_names
 from attitude.published.dynamic_inertia import moments_from_ratios
 from attitude.spin import Spin
 from attitude.textfiles import toml
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from attitude.annotations import Reals
+    from attitude.motion import HasAttitudes, Motion
 
 # The forms of a state, and the values that each requires.
 _NEEDED = {
@@ -45,6 +48,10 @@ _NEEDED = {
     "rates": ("moments", "wxyz", "angular_velocity", "epoch"),
     "periods": ("moments", "mode", "convention", "P_psi", "P_phi", "pole", "phi0", "psi0", "epoch"),
 }
+# SI units and radians in the units of the catalogue, as astropy converts them.
+_DEGREE = np.pi / 180.0
+_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": 86400.0}
+_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / 86400.0}
 _KEYWORDS = (*_NEEDED["periods"], "theta_branch", "wxyz", "angular_velocity", "frame")
 
 
@@ -83,15 +90,7 @@ class Value:
         """The value as a float or array in SI units and radians; text as it is."""
         if isinstance(self.value, str):
             return self.value
-        if self.unit is None:
-            return validation.real(self.value, self.name)[()]
-        unit = {"deg": "rad", "h": "s", "day": "s", "deg/day": "rad/s"}.get(self.unit, self.unit)
-        if unit == self.unit:
-            return validation.real(self.value, self.name)[()]
-        from astropy import units
-
-        quantity = np.array(self.value) * units.Unit(self.unit)
-        return validation.real(quantity, self.name, unit=unit)[()]
+        return validation.real(self.value, self.name)[()] * _SI[self.unit]
 
     def __str__(self) -> str:
         value = self.value if isinstance(self.value, str) else _spelled(self.value)
@@ -281,9 +280,9 @@ def names() -> tuple[str, ...]:
 
 
 def entry(name: str) -> Entry:
-    """The `Entry` of a name, or of a part of a name that only one body has, in any case.
+    """The `Entry` of a name, of its number, or of the beginning of a word of it, in any case.
 
-    Of several entries of the body the newest.
+    Of several entries of the body the newest.  Numbers are whole: "41" means no body.
 
     >>> entry("apophis").name
     '99942 Apophis (2022)'
@@ -295,19 +294,22 @@ def entry(name: str) -> Entry:
     """
     if not isinstance(name, str) or not name.strip():
         raise AttitudeError(f"name is {name!r}; give one of {', '.join(names())}.")
-    entries, key = _entries(), name.strip().lower()
-    exact = [each for each in entries.values() if each.name.lower() == key]
-    found = exact or [each for each in entries.values() if key in each.name.lower()]
+    found = body_names.matching(name, _entries())
     bodies = {each.name.partition(" (")[0] for each in found}
     if len(bodies) == 1:
         return max(found, key=lambda each: each.year)
     if bodies:
         raise AttitudeError(f"{name!r} belongs to {', '.join(sorted(bodies))}; give one of them.")
+    entries = _entries()
     near = difflib.get_close_matches(name, entries, n=1)
-    raise AttitudeError(
-        f"the catalogue has no {name!r}; "
-        + (f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}.")
-    )
+    other = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}."
+    raise AttitudeError(f"the catalogue has no {name!r}; {other}")
+
+
+def has(name: str) -> bool:
+    """Whether `entry` finds one body by a name."""
+    found = body_names.matching(name, _entries())
+    return len({each.name.partition(" (")[0] for each in found}) == 1
 
 
 def load(name: str, **given: Any) -> Loaded:
@@ -332,6 +334,19 @@ def load(name: str, **given: Any) -> Loaded:
         As `entry` and `Entry.load`.
     """
     return entry(name).load(**given)
+
+
+def motion_of(given: HasAttitudes | str, name: str = "motion") -> Motion:
+    """The motion itself, or that of a complete entry of the catalogue by its name.
+
+    Raises
+    ------
+    AttitudeError
+        As `attitude.motion.motion_of`; for a name, as `entry` and `Entry.load`.
+    """
+    if isinstance(given, str):
+        return entry(given).motion()
+    return motions.motion_of(given, name)
 
 
 @cache

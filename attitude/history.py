@@ -12,11 +12,12 @@ from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
     from astropy.time import Time
     from scipy.spatial.transform import Rotation
 
     from attitude.annotations import FloatArray, Reals
+    from attitude.axes.framed import FramedHistory
+    from attitude.flat_table import FlatTable
 
 # Number of epochs from which one vector is rotated by the compiled loop, in 3 to 9 ns an epoch
 # instead of 10 to 16: for fewer, loading the loop (4 ms, once) takes longer.
@@ -135,8 +136,8 @@ class AttitudeHistory(Immutable):
 
     @cached_property
     def sigma(self) -> FloatArray:
-        """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
-        return frozen(_deviations(self.attitude_covariance))
+        """(S, 3) standard deviations of the attitude about the ICRF axes, degrees."""
+        return frozen(np.degrees(_deviations(self.attitude_covariance)))
 
     @cached_property
     def sigma_angular_velocity(self) -> FloatArray:
@@ -173,6 +174,33 @@ class AttitudeHistory(Immutable):
     def angular_velocity_inertial(self) -> FloatArray:
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))
+
+    def in_frame(self, frame: str, *, orbit: Any = None) -> FramedHistory:
+        """The attitudes and rates relative to other axes than ICRF.
+
+        Parameters
+        ----------
+        frame : str
+            "lvlh", "rtn", "tnw", "ntw" or "vnc" (axes of an orbit), "itrf", "tod", "teme" and
+            others of the Earth, or "eme2000", "ecliptic", "icrf"; see `attitude.axes`.
+        orbit : Path or skyfield satellite, optional
+            Path of the body about its center, for axes of the orbit: paths.tle(...), paths.oem(...)
+
+        Returns
+        -------
+        FramedHistory
+            With wxyz (body to the frame), angular_velocity (relative to the frame, over the body
+            axes), and angular_velocity_in_frame (over the axes of the frame).
+
+        Raises
+        ------
+        AttitudeError
+            For an unknown frame, axes of an orbit without an orbit, and epochs outside of its span
+            or of the table of the Earth's orientation.
+        """
+        from attitude.axes.framed import FramedHistory
+
+        return FramedHistory(self, frame, orbit)
 
     def body_to_inertial(self, v: Reals) -> FloatArray:
         """Components (S, 3) in ICRF of vectors (3,) or (S, 3) in body axes."""
@@ -247,8 +275,11 @@ class AttitudeHistory(Immutable):
         angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
         return angles.reshape(*self.shape, 3)
 
-    def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
+    def table(self, *, rates: bool = True, sigma: bool = False) -> FlatTable:
         """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
+
+        ``.write("x.ecsv")`` keeps units and times; ``.write("x.csv")`` has one column for each
+        component: w, x, y, z, omega_x, omega_y, omega_z.
 
         With ``sigma=True`` also their standard deviations: sigma (deg, about the ICRF axes) and
         sigma_angular_velocity (rad/s).
@@ -260,7 +291,8 @@ class AttitudeHistory(Immutable):
             covariance.
         """
         from astropy import units
-        from astropy.table import QTable
+
+        from attitude.flat_table import FlatTable
 
         if len(self.shape) != 1:
             raise AttitudeError(
@@ -273,9 +305,54 @@ class AttitudeHistory(Immutable):
             of_rates = np.array(self.sigma_angular_velocity) * units.rad / units.s
             columns["sigma_angular_velocity"] = of_rates
         if sigma:
-            columns["sigma"] = np.degrees(self.sigma) * units.deg
+            columns["sigma"] = np.array(self.sigma) * units.deg
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
-        return QTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
+        return FlatTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
+
+    def to_pandas(self, *, rates: bool = True, sigma: bool = False) -> Any:
+        """A pandas DataFrame with an index of UTC: the columns of `table`, a component each.
+
+        ``.attrs["units"]`` has the units.
+
+        Raises
+        ------
+        AttitudeError
+            As `table`, and if pandas is not installed.
+        """
+        frame = self.table(rates=rates, sigma=sigma).to_pandas().set_index("time")
+        frame.insert(0, "tdb_seconds", np.array(self.seconds))
+        return frame
+
+    def to_xarray(self, *, rates: bool = True) -> Any:
+        """An xarray Dataset over the dimension ``time`` (UTC): wxyz, and angular_velocity (rad/s).
+
+        Raises
+        ------
+        AttitudeError
+            As `table`, and if xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError as err:
+            raise AttitudeError(
+                "a Dataset needs xarray, which is not installed; run pip install xarray, or use "
+                ".table()."
+            ) from err
+        found = self.table(rates=rates)
+        variables = {"wxyz": (("time", "wxyz_part"), found["wxyz"], {"frame": "body to ICRF"})}
+        if rates:
+            values = found["angular_velocity"].value
+            about = {"units": "rad / s", "axes": "body"}
+            variables["angular_velocity"] = (("time", "xyz"), values, about)
+        places = {
+            "time": self.time.utc.datetime64,
+            "tdb_seconds": ("time", np.array(self.seconds)),
+            "wxyz_part": list("wxyz"),
+            "xyz": list("xyz"),
+        }
+        if not rates:
+            places.pop("xyz")
+        return xarray.Dataset(variables, places, {"epoch": f"{self.epoch.utc_iso} UTC"})
 
     def _refuse_nan(self, what: str) -> None:
         if np.any(np.isnan(self.seconds)):
@@ -306,8 +383,8 @@ def _one_for_many(v: FloatArray, wxyz: FloatArray) -> FloatArray:
 
     out = np.empty((3, len(wxyz)))
     # Read-only, as in all calls of compiled code: to numba a writable array is another type.
-    given = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
-    vectors.to_body(*given, out)
+    turns, vector = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
+    vectors.to_body(turns, vector, out)
     return out.T
 
 

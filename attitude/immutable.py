@@ -80,5 +80,34 @@ class Immutable:
         return value
 
 
+class Valued(Immutable):
+    """Base of objects that are equal, and have one hash, if their values are.
+
+    A class names the attributes that are its value in `_value`.
+    """
+
+    _value: tuple[str, ...] = ()
+
+    def _key(self) -> tuple[Any, ...]:
+        return tuple(_comparable(getattr(self, name)) for name in self._value)
+
+    def __eq__(self, other: object) -> bool:
+        if self is other or not self._value:
+            return self is other
+        return (
+            isinstance(other, Valued) and type(self) is type(other) and self._key() == other._key()
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, self._key())) if self._value else object.__hash__(self)
+
+
+def _comparable(value: Any) -> Any:
+    """An array as its shape and bytes, in which both zeros are one; anything else as it is."""
+    if not isinstance(value, np.ndarray):
+        return tuple(map(_comparable, value)) if isinstance(value, (tuple, list)) else value
+    return value.shape, np.ascontiguousarray(value + 0.0).tobytes()
+
+
 def _refrozen(value: Any) -> Any:
     return frozen(value) if isinstance(value, np.ndarray) else value

@@ -14,7 +14,7 @@ import numpy as np
 from attitude import epochs, validation
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.immutable import Immutable, copied, frozen
+from attitude.immutable import Valued, copied, frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,7 +47,7 @@ class RateBounds(NamedTuple):
     third: float
 
 
-class Motion(Immutable):
+class Motion(Valued):
     """Base of all motions; it implements what follows from attitudes at epochs.
 
     A new kind of motion defines
@@ -79,6 +79,9 @@ class Motion(Immutable):
         `RateBounds` that hold from there to the next joint, or None if they are unknown.
     ``has_rates_at(seconds, low)``
         Whether angular velocities there are more exact than differences of attitudes.
+    ``_value``
+        Names of the attributes that two equal motions share; without them a motion equals itself
+        alone.
     ``meta``
         Names and comments of the file from which the motion was read.
     ``close()``
@@ -163,11 +166,14 @@ class Motion(Immutable):
             For epochs that cannot be read, or outside of the span of the motion.
         """
         hi, lo = epochs.seconds_since(self.epoch, t, low)
-        found = self._evaluate(hi, lo, 0)
         # The history makes its arrays read-only, so the caller's arrays are copied.
         kept = None if lo is None else copied(lo)
-        hi = hi if type(t) is float else copied(hi)
-        history = AttitudeHistory(self, self.epoch, hi, kept, found[0])
+        return self.at_seconds(hi if type(t) is float else copied(hi), kept)
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
+        found = self._evaluate(seconds, low, 0)
+        history = AttitudeHistory(self, self.epoch, seconds, low, found[0])
         if len(found) > 1:
             history.__dict__["angular_velocity"] = frozen(found[1])
         return history
@@ -336,6 +342,10 @@ class Foreign(Motion):
         """The attitudes at some epochs; see `Motion.at`."""
         found: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
         return found
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """See `Motion.at_seconds`."""
+        return self.at(seconds, low)
 
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int

@@ -11,6 +11,7 @@ from attitude import validation
 from attitude.batches import Batch
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen, put
+from attitude.memory import new_array
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Reals
@@ -288,7 +289,7 @@ def result_memory(
         memory = out[..., None] if scalar else np.moveaxis(out, len(shape) - 1, -1)
         if memory.flags.c_contiguous:
             return memory
-    return np.empty((*shape[:-1], *width, shape[-1]))
+    return new_array(*shape[:-1], *width, shape[-1])
 
 
 def result(memory: FloatArray, out: FloatArray | None, scalar: bool, leading: int) -> FloatArray:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, frames, published, quaternion, validation
+from attitude import calls, epochs, frames, published, quaternion, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Valued, frozen
 from attitude.sensitivities import covariance as covariances
 
 if TYPE_CHECKING:
@@ -23,9 +23,23 @@ if TYPE_CHECKING:
     from attitude.body import Body
     from attitude.regime import Mode
 
+_ARGUMENTS = ("epoch", "wxyz", "angular_velocity", "frame", "covariance")
+_FIRST = "give wxyz=(w, x, y, z), the scalar first"
+_RATES = "give angular_velocity=(3 numbers), rad/s over the body axes"
+_HINTS = {
+    "xyzw": "give wxyz=(w, x, y, z), the scalar first: wxyz=np.roll(xyzw, 1)",
+    **dict.fromkeys(("quaternion", "q", "attitude"), _FIRST),
+    **dict.fromkeys(("omega", "rates", "rate", "angular_rate", "w"), _RATES),
+    **dict.fromkeys(("time", "date", "t", "t0"), "give epoch="),
+    "rotation": "use Spin.from_rotation",
+    **dict.fromkeys(("matrix", "dcm"), "use Spin.from_matrix"),
+    **dict.fromkeys(("euler", "angles"), "use Spin.from_euler or Spin.from_angles"),
+    **dict.fromkeys(("P_psi", "P_phi", "pole", "P"), "use Spin.from_periods"),
+}
+
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
-class Spin(Immutable):
+class Spin(Valued):
     """Attitude and angular velocity of a body at an epoch.
 
     Parameters
@@ -74,6 +88,20 @@ class Spin(Immutable):
     frame: str
     covariance: FloatArray | None
     wxyz_as_pairs: FloatArray = field(init=False)
+
+    _value = ("epoch", "frame", "wxyz_as_pairs", "angular_velocity", "covariance")
+
+    def __new__(cls, *given: Any, **named: Any) -> Spin:
+        """A sentence for the names that others use, such as xyzw=."""
+        calls.check_call(
+            "Spin",
+            given,
+            named,
+            allowed=_ARGUMENTS,
+            hints=_HINTS,
+            example='Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))',
+        )
+        return object.__new__(cls)
 
     def __init__(
         self,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from attitude import quantity_text
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def real(
 
     Parameters
     ----------
-    value : array_like, astropy Quantity, or text such as ``"14.5 deg/day"``
+    value : array_like, astropy Quantity, or text such as ``"14.5 deg/day"`` or ``"298, -58 deg"``
         Plain numbers are already in `unit`; a Quantity or a text is converted to it.
     name : str
         Name of the value in error messages.
@@ -209,16 +210,24 @@ def _quantity(value: Any, name: str) -> Any:
     """Text, or a list of text, Quantities and numbers, as an astropy Quantity."""
     from astropy import units
 
+    if isinstance(value, str):
+        numbers, unit = quantity_text.numbers_and_unit(value, name)
+        found = [float(number) for number in numbers]
+        return units.Quantity(
+            found if len(found) > 1 else found[0], quantity_text.unit_of(unit, name) if unit else ""
+        )
     try:
         if isinstance(value, (list, tuple)):
             # Each entry may have a unit of its own.
             return units.Quantity([_quantity(item, name) for item in value])
         return units.Quantity(value)
-    except (TypeError, ValueError) as err:
+    except AttitudeError:
+        raise
+    except (TypeError, ValueError):
         raise AttitudeError(
-            f"{name} is {shown(value)}, which is not a number with a unit that astropy knows; "
-            'write it like "14.5 deg/day".'
-        ) from err
+            f"{name} is {shown(value)}, which are not numbers with units that convert to each "
+            'other; write it like "14.5 deg/day".'
+        ) from None
 
 
 def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
@@ -234,10 +243,10 @@ def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
     target = units.Unit(unit)
     try:
         return quantity.to_value(target)
-    except ValueError as err:  # another dimension, or an unknown name that astropy kept from a file
+    except ValueError:  # another dimension, or an unknown name that astropy kept from a file
         raise AttitudeError(
             f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
-        ) from err
+        ) from None
 
 
 def _fits(given, allowed):

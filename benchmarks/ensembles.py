@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude import Body, Ensemble, FreeRotation, Spin, propagate
+from attitude import Body, Ensemble, FreeRotation, Impulse, Spin, propagate
 from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
 
@@ -89,6 +89,9 @@ def rows():
     light = lambda: made.brightness(  # noqa: E731
         t, member, sun, observer, shape=axes, out=numbers
     )
+    few, some = slice(0, 1000 * VISITS), np.zeros((1000 * VISITS, 3, 9))
+    changes = lambda: made.sensitivity_at(t[few], member[few], out=some)  # noqa: E731
+    line("nine derivatives, sorted rows", best(changes, 3) / 1e3 * 1e6, None)
     found = best(light, 3) / count * 1e6
     line("brightness of ellipsoids", found, 1.6 + 0.025 * VISITS)
     line("  1e6 x 160, in s", found, 6.0)
@@ -129,6 +132,10 @@ def detumbling():
     print(
         f"detumbling: {found:.2f} us a step of a member; 1e4 states, 1800 steps: {18 * found:.0f} s"
     )
+    kicks = [Impulse(at=60.0 * k, angular_momentum=(0.1, 0, 0)) for k in range(1, 11)]
+    draws[:2].arcs(kicks).at(t)
+    found = best(lambda: draws.arcs(kicks), 2) / 1e4 * 1e6
+    print(f"ten impulses: {found:.0f} us a member and impulse")
 
 
 def threads():

@@ -24,7 +24,8 @@ from astropy.time import Time
 
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import aliases, ellipsoid_magnitudes, pair_scan, search, transforms
+from attitude.inversion import aliases, ellipsoid_magnitudes, search
+from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion_cases
 from examples import toutatis_photometry
 

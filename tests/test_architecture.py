@@ -14,20 +14,31 @@ PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
 HOUSE = (
-    ("errors", "immutable", "validation", "pairs", "physical_constants", "blocks", "moved"),
+    (
+        "errors",
+        "calls",
+        "immutable",
+        "quantity_text",
+        "validation",
+        "pairs",
+        "physical_constants",
+        "blocks",
+        "memory",
+        "moved",
+    ),
     ("compilation", "chebyshev", "frames", "quaternion", "textfiles"),
     ("solution", "epochs", "annotations", "representations"),
     ("evaluation", "sensitivities", "batches", "propagation", "regime", "jax", "torch"),
+    ("flat_table", "paths", "axes"),
     ("shape", "body", "history", "motion", "spectrum"),
     ("published", "spin"),
-    ("attitude_table", "free_rotation"),
-    ("paths",),
-    ("scattering", "light_curve", "scene"),
+    ("attitude_table", "free_rotation", "catalog"),
+    ("conditions", "scattering", "light_curve", "scene"),
     ("torques", "splitting", "fitting", "referee"),
     ("events", "arcs"),
-    ("catalog", "plots", "formats", "selftest"),
+    ("plots", "formats", "selftest"),
     ("ensemble", "survey"),
-    ("inversion", "warm_up"),
+    ("photometry", "inversion", "warm_up"),
     ("cli", "__main__"),
 )
 # Within these packages, in the same way: every file, from the bottom up.
@@ -38,6 +49,7 @@ ORDERS = {
             "choice",
             "deferral",
             "notice",
+            "source_stamp",
             "disk_cache",
             "ieee",
             "instructions",
@@ -52,18 +64,18 @@ ORDERS = {
             "lowering",
             "decorators",
         ),
-        *("decorators", "callbacks", "status"),
+        *("decorators", "elementary", "callbacks", "status"),
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
         *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "march_layout", "torqued_step", "march", "march_members", "adaptive"),
-        *("regimes", "place_of_d"),
+        *("chain", "chain_members", "march_layout", "torqued_step", "march", "march_members"),
+        *("adaptive", "regimes", "place_of_d"),
         *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
         *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
         *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
-    "textfiles": ("lines", "kvn", "xml", "records", "toml", "quantities", "atomic_write"),
+    "textfiles": ("lines", "kvn", "xml", "records", "toml", "atomic_write"),
 }
 PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
@@ -189,6 +201,12 @@ def test_annotations_are_imported_by_type_checkers_only(name):
 def test_type_checkers_see_the_lazy_names(name):
     """The names that are imported on first use, from the modules that define them."""
     imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    modules = [node for node in imports if isinstance(node, ast.Import)]
+    offered = {
+        f"attitude.{each}" for each in getattr(importlib.import_module(name), "_MODULES", ())
+    }
+    assert {each.name for node in modules for each in node.names} == offered
+    imports = [node for node in imports if node not in modules]
     seen = {each.asname: node.module for node in imports for each in node.names}
     assert seen == importlib.import_module(name)._WHERE
 
@@ -225,6 +243,8 @@ ALLOWED_ACCESS = {
     "attitude.light_curve.table_files": {"file.open"},
     # The argument open= of a mesh, not the function.
     "attitude.shape.mesh": {"open"},
+    # The sources of the package themselves, of which machine code on disk keeps a hash.
+    "attitude.compilation.source_stamp": {"path.read_bytes"},
     # Standard output is turned to the null device after the reader of a pipe has gone.
     "attitude.cli": {"os.open"},
 }
@@ -317,6 +337,14 @@ def test_naming_what_the_package_offers_loads_nothing_heavy():
     """Until it is used."""
     assert _loaded_by("from attitude import Body, FreeRotation, Mode, Spin, propagate") == []
     assert _loaded_by("from attitude import AttitudeHistory") == []
+
+
+def test_modules_are_reached_after_importing_the_package():
+    reached = "import attitude\nassert attitude.events.glints and attitude.catalog.entry"
+    assert "numpy" not in _loaded_by("import attitude")
+    run = subprocess.run([sys.executable, "-c", reached], cwd=PACKAGE.parent, check=False)
+    assert run.returncode == 0
+    assert {"catalog", "events", "paths", "plots", "shape"} <= set(dir(attitude))
 
 
 def test_moments_and_plain_epochs_need_nothing_heavy():

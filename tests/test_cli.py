@@ -84,7 +84,7 @@ def test_standard_deviations(attitude_command, tmp_path):
     history = motion.at(np.array(found["tdb_seconds"], dtype=float))
     for k, axis in enumerate("xyz"):
         sigma = np.array(found[f"sigma_{axis}"], dtype=float)
-        assert sigma.tolist() == np.degrees(history.sigma[:, k]).tolist()
+        assert sigma.tolist() == history.sigma[:, k].tolist()
         of_rate = np.array(found[f"sigma_omega_{axis}"], dtype=float)
         assert of_rate.tolist() == np.sqrt(history.covariance[:, 3 + k, 3 + k]).tolist()
         assert sigma[0] == pytest.approx(1.0, rel=1e-12)
@@ -95,7 +95,7 @@ def test_standard_deviations(attitude_command, tmp_path):
 
     attitude_command(*options, "--rates", "--output", tmp_path / "a.ecsv")
     table = QTable.read(tmp_path / "a.ecsv")
-    assert np.array_equal(table["sigma_z"].to_value("deg"), np.degrees(history.sigma[:, 2]))
+    assert np.array_equal(table["sigma_z"].to_value("deg"), history.sigma[:, 2])
     assert str(table["sigma_omega_x"].unit) == "rad / s"
     code, out, err = attitude_command("propagate", PAPER, "--stop", "1", "--step", "1", "--sigma")
     assert (code, out) == (2, "")
@@ -456,3 +456,32 @@ def test_steps_of_utc_are_equal_in_utc():
     hi, lo = found.block(0, 400)
     drift = hi - 86400.0 * np.arange(367) + lo
     assert 2e-3 < np.ptp(drift) < 4e-3
+
+
+# Names of the catalogue ---------------------------------------------------------------------------
+
+
+def test_catalogue_names_are_motions(attitude_command, tmp_path):
+    """propagate and convert take a name as they take the spin file with the same numbers."""
+    options = ("--stop", "1 d", "--step", "12 h")
+    code, out, _ = attitude_command("propagate", "4179 Toutatis", *options)
+    assert code == 0
+    _, of_file, _ = attitude_command("propagate", TOUTATIS, *options)
+    mine, theirs = ([row.split(",") for row in text.splitlines()[1:]] for text in (out, of_file))
+    assert [row[0] for row in mine] == [row[0] for row in theirs] and len(mine) == 3
+    numbers = [np.array([row[1:] for row in rows], float) for rows in (mine, theirs)]
+    np.testing.assert_allclose(*numbers, rtol=0.0, atol=1e-14)
+    target = tmp_path / "x.aem"
+    code, _, err = attitude_command("convert", "toutatis", target, *options)
+    assert code == 0, err
+    assert "Takahashi" in target.read_text()
+    code, _, err = attitude_command("propagate", "17 Thetis", *options)
+    assert code == 2 and "the catalogue has no '17 Thetis'" in err
+
+
+def test_describe_says_which_numbers_were_given(attitude_command):
+    given = ("--phi0", "10 deg", "--psi0", "3 deg", "--epoch", "2012-12-23", "--P-psi", "260 h")
+    code, out, _ = attitude_command("describe", "apophis", *given)
+    assert code == 0
+    first = out.splitlines()[0]
+    assert first == "99942 Apophis (2022), with --P-psi, --phi0, --psi0, --epoch as given here"

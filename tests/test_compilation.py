@@ -1,5 +1,6 @@
 """Compilation: what is kept on disk, what goes wrong there, and Ctrl-C meanwhile."""
 
+import ast
 import os
 import shutil
 import signal
@@ -12,10 +13,12 @@ import pytest
 from numba.core import caching, event
 
 import attitude
-from attitude.compilation import deferral
+from attitude.compilation import deferral, source_stamp
 from attitude.compilation.decorators import reduction
 from attitude.compilation.disk_cache import kept_on_disk
 from attitude.compilation.instructions import fence
+from attitude.compilation.source_stamp import stamp_of
+from attitude.scattering import hapke
 
 
 def twice(x):
@@ -149,8 +152,7 @@ print(linear_damping._function._cache_hits)
     [
         (_EMISSION, "solution/twofloat.py", "def two_sum(a, b):", "    s = a + b\n",
          "    s = a + b + 1.0\n", ("7.0", "8.0")),
-        (_TORQUE, "solution/twofloat.py", "def two_sum(a, b):", "    s = a + b\n",
-         "    s = a + b + 1.0\n", ("-1.0", "-1.0")),
+        (_TORQUE, "compilation/pointers.py", "import", "\n", "\n\n", ("-1.0", "-1.0")),
     ],
     ids=["entry point", "callback"],
 )  # fmt: skip
@@ -177,12 +179,68 @@ def test_an_edit_of_another_file_is_compiled(tmp_path, script, file, name, line,
 
     assert run() == [answers[0], "0"]
     assert run() == [answers[0], "1"]
+    # Machine code survives the installation of the same version, and edits of what it does not use.
+    for source in copy.rglob("*.py"):
+        source.touch()
+    with open(copy / "plots.py", "a") as other:
+        other.write("# a comment\n")
+    assert run() == [answers[0], "1"]
     called = copy / file
     before, here, after = called.read_text().partition(name)
     edited = after.replace(line, edit, 1)
     assert edited != after, f"{name} is written in another way; edit it in another way here"
     called.write_text(before + here + edited)
     assert run() == [answers[1], "0"]
+
+
+def test_imports_are_found_as_python_finds_them():
+    package = Path(attitude.__file__).parent
+    for path in package.rglob("*.py"):
+        text = path.read_text()
+        expected = set()
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.Import):
+                expected |= {each.name for each in node.names if each.name.startswith("attitude.")}
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("attitude"):
+                for each in node.names:
+                    inner = package.parent.joinpath(*node.module.split("."), each.name)
+                    is_module = inner.with_suffix(".py").is_file() or inner.is_dir()
+                    expected.add(f"{node.module}.{each.name}" if is_module else node.module)
+        expected.discard("attitude.annotations")
+        assert set(source_stamp._imported(text)) == expected, path
+
+
+def test_functions_in_closures_count():
+    """A loop over a law is compiled from the law too."""
+
+    def closure(called):
+        return lambda x: called(x)
+
+    plain, with_law = (stamp_of(closure(each)) for each in (fence, hapke._of_phase))
+    assert plain != with_law
+    assert with_law == stamp_of(closure((hapke._of_phase,)))
+
+
+def test_users_who_cannot_write_read_what_is_installed(tmp_path, monkeypatch):
+    """As root compiles into site-packages, and another user runs."""
+    source = tmp_path / "installed.py"
+    source.write_text("def thrice(x):\n    return 3.0 * x\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    from installed import thrice
+
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    first = kept_on_disk(thrice, {})
+    assert first(1.5) == 4.5
+    assert kept(tmp_path / "__pycache__", "nbc")
+    chooser = type(first._cache._impl)
+    for_users = [each for each in chooser._locator_classes if "UserWide" in each.__name__]
+    monkeypatch.setattr(chooser, "_locator_classes", for_users)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    again = kept_on_disk(thrice, {})
+    assert Path(again._cache.cache_path) != tmp_path / "__pycache__"
+    assert again(1.5) == 4.5 and again.stats.cache_hits and not again.stats.cache_misses
+    assert again(2) == 6.0 and again.stats.cache_misses
 
 
 @reduction

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import Arcs, AttitudeError, Body, Ensemble, FreeRotation, Impulse, Spin
+from attitude.arcs import AxisCrossesDirection, InertiaChange
 from attitude.torques import ConstantTorque, CustomTorque, LinearDamping
 
 EPOCH = "2026-01-01"
@@ -87,5 +88,73 @@ def test_arcs_of_members():
         single = Arcs(ensemble[k].body, ensemble[k].spin, changes).at(T[~np.isnan(T)])
         assert np.array_equal(found.wxyz[k], single.wxyz)
         assert np.array_equal(found.angular_velocity[k], single.angular_velocity)
-    with pytest.raises(AttitudeError, match="member 0 of 4"):
+    with pytest.raises(AttitudeError, match=r"changes\[0\] at -5 s is 5 s earlier"):
         ensemble.arcs(Impulse(at=-5.0, angular_momentum=(0, 0, 1.0)))
+
+
+@pytest.mark.parametrize("family", ["moments", "tensors", "bodies", "one body"])
+def test_arcs_compiled_over_members_have_the_bits_of_single_ones(family):
+    random, count = np.random.default_rng(11), 5
+    turn = np.linalg.qr(random.normal(size=(count, 3, 3)))[0]
+    tensors = turn @ (np.array([10.0, 20.0, 26.0]) * np.eye(3)) @ np.swapaxes(turn, 1, 2)
+    tensors = 0.5 * (tensors + np.swapaxes(tensors, 1, 2))
+    inertia = {
+        "moments": {"moments": random.uniform(4.0, 6.0, (count, 3))},
+        "tensors": {"tensors": tensors},
+        "bodies": {"body": [Body(tensor=each) for each in tensors]},
+        "one body": {"body": Body(tensor=tensors[0])},
+    }[family]
+    ensemble = Ensemble(
+        **inertia,
+        wxyz=random.normal(size=(count, 4)),
+        angular_velocity=random.normal(size=(count, 3)),
+        epoch="2026-01-01",
+        frame="ecliptic",
+    )
+    changes = [
+        Impulse(at=30.0, angular_momentum=(0, 0, -1.0)),
+        InertiaChange(at=50.0, body=Body(tensor=tensors[1]), angular_momentum=(0.1, 0, 0)),
+        Impulse(at="2026-01-01T00:01:40.123", angular_momentum=(0.5, 0, 0), frame="eme2000"),
+    ]
+    chains, t = ensemble.arcs(changes), np.array([1e4, -5.0, 30.0, 49.0, 50.0, np.nan, 70.0])
+    found = chains.at(t, threads=2)
+    assert len(chains) == count and found.shape == (count, 7)
+    for k in range(count):
+        single = Arcs(ensemble[k].body, ensemble[k].spin, changes)
+        assert np.array_equal(found.wxyz[k], single.at(t).wxyz, equal_nan=True)
+        assert np.array_equal(
+            found.angular_velocity[k], single.at(t).angular_velocity, equal_nan=True
+        )
+        assert np.array_equal(chains[k].wxyz_at(t), single.wxyz_at(t), equal_nan=True)
+    second = np.array([1e-9])
+    both = chains.at([50.0], second).wxyz[:, 0], chains[2].wxyz_at([50.0], second)[0]
+    assert np.array_equal(both[0][2], both[1])
+
+
+def test_arcs_with_events_and_functions_of_members():
+    ensemble = _members(3)
+    changes = [
+        Impulse(AxisCrossesDirection((1, 0, 0), (0, 0, 1)), (0.3, 0, 0)),
+        Impulse(500.0, lambda before: -0.5 * before.angular_velocity),
+    ]
+    found = ensemble.arcs(changes).at([0.0, 600.0])
+    for k in range(3):
+        single = Arcs(ensemble[k].body, ensemble[k].spin, changes).at([0.0, 600.0])
+        assert np.array_equal(found.wxyz[k], single.wxyz)
+
+
+def test_arcs_that_fail_name_the_member():
+    rod = Ensemble(
+        moments=[(10, 20, 26), (0, 1, 1)],
+        wxyz=(1, 0, 0, 0),
+        angular_velocity=[(0.1, 0.2, 0.3), (0, 1, 0)],
+        epoch="2026-01-01",
+        names=["sound", "rod"],
+    )
+    with pytest.raises(AttitudeError, match=r"rod.*changes\[0\] leaves no physical state"):
+        rod.arcs(Impulse(at=1.0, angular_momentum=(1.0, 0, 0)))
+    with pytest.raises(AttitudeError, match="Impulse or InertiaChange"):
+        rod.arcs([3])
+    with pytest.raises(AttitudeError, match="sound"):
+        rod[:1].arcs(Impulse(at=1.0, angular_momentum=(1.0, 0, 0))).at([1e300])
+    assert rod[:0].arcs([]).at([1.0]).shape == (0, 1)

@@ -177,7 +177,7 @@ def test_an_unsharp_leap_second_before_1972_is_known():
         ("2026-1-1", "cannot be read"),
         ("٢٠٢٦-01-01", "cannot be read"),
         ("", "cannot be read"),
-        ("3 h", "cannot be read"),
+        ("3 h", "a length of time; give an epoch"),
     ],
 )
 def test_dates_that_cannot_be(text, message):
@@ -700,3 +700,13 @@ def test_a_single_date_has_the_bits_of_a_list(scale):
     for text, hi, lo in zip(texts, *readers.read("text", texts, (len(texts),), "t"), strict=True):
         one = instant(text)
         assert (one.seconds, one.low) == pairs.two_sum(hi, lo)
+
+
+def test_lengths_of_time_as_text():
+    """ "3 d" counts from the start, as on the command line."""
+    start = instant("2026-01-01")
+    assert seconds_since(start, "3 d")[0] == 259200.0
+    np.testing.assert_array_equal(seconds_since(start, "0, 6, 12 h")[0], [0.0, 21600.0, 43200.0])
+    np.testing.assert_array_equal(seconds_since(start, ["1 h", "2 min"])[0], [3600.0, 120.0])
+    with pytest.raises(AttitudeError, match="give it in s"):
+        seconds_since(start, "3 km")

@@ -10,7 +10,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin, events
 from attitude.arcs.arcs import Arcs, Impulse
 from attitude.attitude_table.table import AttitudeTable
 from attitude.events.directions import Aberrated, Fixed
-from attitude.events.moments import source_of
+from attitude.events.sources import source_of
 from benchmarks import events as benchmark
 
 TURN = 2.0 * np.pi

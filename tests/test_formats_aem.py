@@ -206,7 +206,7 @@ def test_relative_to_an_orbit(tmp_path):
         with pytest.raises(AttitudeError, match="orbit="):
             read(path)
     # radial is x of RTN and -z of LVLH; the momentum z of RTN and -y of LVLH
-    from attitude.formats.ccsds import axes
+    from attitude.axes import axes
 
     epoch, zero = SPIN.epoch, np.zeros(1)
     rtn = axes.named("RTN").to_icrf(epoch, zero, zero, Circle())
@@ -222,7 +222,7 @@ def test_itrf_is_that_of_astropy():
     from astropy.time import Time
     from astropy.utils import iers
 
-    from attitude.formats.ccsds import axes
+    from attitude.axes import axes
 
     time = Time("2020-06-01T12:34:56")
     vector = np.array([0.3, -0.5, 0.8])

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths, quaternion
+from attitude.axes import axes, axis_names
 from attitude.cli import main
 from attitude.formats import aem, apm, detect
-from attitude.formats.ccsds import axes, axis_names
 from tests import orekit
 
 OREKIT = Path(__file__).parent / "data" / "orekit"

@@ -98,7 +98,7 @@ def test_g1_and_g10_are_the_same_message_and_the_body_is_frame_a():
     assert text.meta["comments"][2] == xml.meta["comments"][2]
     assert len(text.meta["comments"]) == 6
     given = forms.unit([0.25678, 0.00005, 0.87543, 0.40949])
-    from attitude.formats.ccsds import axes
+    from attitude.axes import axes
 
     outer = axes.named("ITRF1997").to_icrf(text.epoch, np.zeros(1), None)[0]
     # from body to ITRF are the listed numbers of the inverse
@@ -110,7 +110,7 @@ def test_g1_and_g10_are_the_same_message_and_the_body_is_frame_a():
 
 def test_g2_euler_angles_from_the_body():
     found = apm.read(DATA / "apm-g2.txt")
-    from attitude.formats.ccsds import axes
+    from attitude.axes import axes
 
     turn = forms.from_euler("YXY", np.radians([-26.78, 46.26, 144.10]))
     outer = axes.named("ITRF").to_icrf(found.epoch, np.zeros(1), None)[0]

@@ -65,7 +65,7 @@ def test_standard_deviations_are_written(tmp_path, monkeypatch, ending, rates):
     else:
         found = parquet.read(path)
         sigma = np.stack([found[f"sigma_{axis}"] for axis in "xyz"], axis=-1)
-    assert np.array_equal(sigma, np.degrees(history.sigma))
+    assert np.array_equal(sigma, history.sigma)
     expected = history.sigma_angular_velocity if rates else None
     names = found.colnames if ending != "csv" else found.dtype.names
     if whole and rates:

@@ -48,7 +48,11 @@ def test_a_gate_never_changes_a_value():
     [
         (None, {}, "x is None; give real numbers"),
         ("five", {}, "x is 'five', which is not a number with a unit"),
-        (("1 m", "2 s"), {"unit": "m"}, "x is .* not a number with a unit that astropy knows"),
+        (
+            ("1 m", "2 s"),
+            {"unit": "m"},
+            "x is .* not numbers with units that convert",
+        ),
         (("1 m", 2), {"unit": "m"}, "x is"),
         (1j, {}, "x is 1j; give real numbers"),
         (True, {}, "x is True; give real numbers"),
@@ -114,3 +118,23 @@ def test_long_values_are_shortened():
     with pytest.raises(AttitudeError) as caught:
         validation.real(["x" * 1000], "x")
     assert len(str(caught.value)) < 200
+
+
+def test_one_grammar_of_text():
+    """Several numbers before one unit, as in files and on the command line."""
+    np.testing.assert_allclose(
+        validation.real("298, -58 deg", "pole", shape=(2,), unit="rad"), np.radians([298, -58])
+    )
+    assert validation.real("3 d", "t", unit="s") == 259200.0
+    np.testing.assert_allclose(
+        validation.real(["250 deg", "-75 deg"], "pole", unit="deg"), [250.0, -75.0]
+    )
+
+
+@pytest.mark.parametrize("text", ["3 furlongs", "3 kg", "three"])
+def test_no_error_of_astropy_in_the_traceback(text):
+    with pytest.raises(AttitudeError) as raised:
+        validation.real(text, "t", unit="s")
+    error = raised.value
+    assert error.__cause__ is None
+    assert error.__context__ is None or error.__suppress_context__

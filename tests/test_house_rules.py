@@ -146,6 +146,7 @@ COMPILED = {
         "callback",
     ),
     *("reduction", "reduction_subroutine", "reduction_inlined", "reduction_callback"),
+    "reduction_within",
 }
 
 

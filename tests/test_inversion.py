@@ -15,13 +15,12 @@ from attitude.inversion import (
     many_starts,
     minkowski,
     moments_of_elements,
-    pair_scan,
     problem,
     refinement,
     states,
-    transforms,
 )
 from attitude.light_curve import closed_form
+from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
 

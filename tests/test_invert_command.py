@@ -67,8 +67,8 @@ def test_files_of_light_curves(tmp_path):
     [
         ("", "holds no rows"),
         ("mag,sigma\n15,0.1\n", "no column of epochs"),
-        ("utc,mag\n2026-01-01,bright\n", "holds text"),
-        ("1 2 3\n4 5 6\n", "3 columns"),
+        ("utc,mag\n2026-01-01,bright\n", "line 2: the magnitude is 'bright', which is no number"),
+        ("1 2 3\n4 5 6\n", "neither a date nor a Julian date"),
     ],
 )
 def test_files_that_cannot_be_read(tmp_path, capsys, text, words):

@@ -12,11 +12,21 @@ from attitude.compilation.simd import (
     at_most,
     bits_set_in_bytes,
     chosen,
+    doubles_of,
     eight,
+    every,
+    exponent,
+    four,
+    halved,
+    inverse_power,
     lanes,
     largest_lane,
+    nearest_eighth,
+    packed,
     positive_bits,
+    put_eight,
     root,
+    sixteen,
     summed_up,
 )
 
@@ -62,6 +72,31 @@ def of_eight(array, word):
 def compared(array):
     read = eight(array, 0)
     return largest_lane(read), positive_bits(read)
+
+
+@entry_point
+def of_four(array):
+    return doubles_of(four(array, 2) * 2.0)
+
+
+@entry_point
+def doubled(array, out):
+    put_eight(out, 2, eight(array, 1) * 2.0)
+
+
+@entry_point
+def moved(array, by, out):
+    """Lanes without gaps, and numbers taken apart and put together."""
+    a, b = eight(array, 0), eight(by, 0)
+    put_eight(out, 0, packed(a, b))
+    put_eight(out, 8, nearest_eighth(a))
+    put_eight(out, 16, inverse_power(nearest_eighth(a)))
+    n = exponent(a * a)
+    put_eight(out, 24, n)
+    put_eight(out, 32, halved(a, n))
+    put_eight(out, 40, at_most(at_least(a, -1.0), every(0.5, a)))
+    two = sixteen(array, 0)
+    return summed_up(two * two)
 
 
 def halves(numbers):
@@ -114,3 +149,32 @@ def test_the_largest_lane_and_the_lanes_above_zero(largest):
     bits = sum(2**k for k in range(8) if array[k] > 0.0)
     assert compared(array) == (9.0, bits) == compared.py_func(array)
     assert compared(-np.abs(array) - 1.0) == (-np.min(np.abs(array)) - 1.0, 0)
+
+
+@pytest.mark.parametrize("run", [of_four, of_four.py_func])
+def test_four_are_read_and_taken_apart(run):
+    assert run(np.array(EIGHT)) == tuple(2.0 * each for each in EIGHT[2:6])
+
+
+@pytest.mark.parametrize("run", [doubled, doubled.py_func])
+def test_eight_are_written_to_any_place(run):
+    array, out = np.array([np.nan, *EIGHT]), np.full(11, -1.0)
+    run(array, out)
+    np.testing.assert_array_equal(out, [-1.0, -1.0, *(2.0 * np.array(EIGHT)), -1.0])
+
+
+def test_lanes_moved_and_numbers_taken_apart():
+    a = np.array([*EIGHT, *B, *A])
+    by = np.array([1.0, -1.0, 0.0, 2.0, np.nan, 3.0, -0.0, 1e-300])
+    out, in_python = np.empty(48), np.empty(48)
+    assert moved(a, by, out) == halves(a * a) == moved.py_func(a, by, in_python)
+    assert out.tobytes() == in_python.tobytes()
+    kept = a[:8][by > 0.0]
+    assert out[:8].tolist() == [*kept, *[0.0] * (8 - len(kept))]
+    eighths = np.round(8.0 * a[:8]) / 8.0
+    assert out[8:16].tolist() == eighths.tolist()
+    assert out[16:24] == pytest.approx(2.0**-eighths, rel=2e-16)
+    fraction = a[:8] ** 2 / 2.0 ** out[24:32]
+    assert np.all((fraction >= 0.75) & (fraction < 1.5))
+    assert out[32:40].tolist() == (a[:8] / 2.0 ** out[24:32]).tolist()
+    assert out[40:].tolist() == np.clip(a[:8], -1.0, 0.5).tolist()

@@ -244,12 +244,12 @@ def test_machine_code_of_the_package_s_laws_is_kept():
     given = np.full(7, 0.5)
     expected = {law: law.reflectance(given, given, given) for law in (Hapke(), Material(0.5))}
     for law, values in expected.items():
-        anew, out = reflectances.__wrapped__(law.of_phase, law.element), np.empty(7)
+        anew, out = reflectances.__wrapped__(law.of_phase, law.elements, True), np.empty(7)
         anew(law.row(), given, given, 0.5 * given, out)
         assert np.array_equal(out, values)
         stats = anew.dispatcher.stats
         assert stats.cache_hits and not stats.cache_misses
-        assert pickle.loads(pickle.dumps(law.element)) is law.element
+        assert pickle.loads(pickle.dumps(law.elements)) is law.elements
     foreign = reflectances(nothing, white)
     out = np.empty(7)
     foreign(np.zeros(0), given, given, 0.5 * given, out)

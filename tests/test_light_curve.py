@@ -413,3 +413,16 @@ def test_magnitudes():
         reduced_magnitude([1.0, np.nan])
     with pytest.raises(AttitudeError, match="observer_distance holds 0"):
         apparent_magnitude(1.0, au, 0.0)
+
+
+def test_boxes_of_large_meshes_pass_over_no_cluster(monkeypatch):
+    """Of meshes with many clusters the boxes of their normals are compared with the cells."""
+    from attitude.light_curve import clusters
+
+    exact = clusters.clustered(FACETS.normals, FACETS.areas)
+    monkeypatch.setattr(clusters, "_EXACT", 0)
+    boxes = clusters.clustered(FACETS.normals, FACETS.areas)
+    assert np.array_equal(boxes.order, exact.order)
+    assert not np.any(exact.sky & ~boxes.sky)
+    more, least = (np.sum(np.unpackbits(each.sky.view(np.uint8))) for each in (boxes, exact))
+    assert least < more < 1.2 * least

@@ -201,10 +201,11 @@ def test_another_process_reads_the_cache():
     code = (
         "from attitude import propagate\n"
         "propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])\n"
-        "from attitude.compilation import disk_cache\n"
+        "from attitude.compilation import source_stamp\n"
         "from attitude.solution import motion\n"
         "stats = [f.dispatcher.stats for f in vars(motion).values() if hasattr(f, 'run')]\n"
-        "print(disk_cache._stamp(), sum(sum(s.cache_misses.values()) for s in stats), "
+        "print(source_stamp.stamp_of(motion.prepare_all), "
+        "sum(sum(s.cache_misses.values()) for s in stats), "
         "sum(sum(s.cache_hits.values()) for s in stats))"
     )
     stamps = []

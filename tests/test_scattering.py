@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from mpmath import mp
 
 from attitude.errors import AttitudeError
 from attitude.scattering import (
@@ -166,6 +167,82 @@ def test_hapke_against_the_paper_written_out(given_law):
     ):
         ours = given_law.reflectance(*directions(i, e, psi))
         assert ours == pytest.approx(hapke_written_out(given_law, i, e, psi), rel=1e-10)
+
+
+def hapke_exact(law, mu0, mu, half):
+    """Hapke 1984, eqs. 46-58, and 1986, in mpmath from the cosines and half the phase angle."""
+    mu0, mu, half = (mp.mpf(float(each)) for each in (mu0, mu, half))
+    i, e, g = mp.acos(mu0), mp.acos(mu), mp.mpf(law.g)
+    surge = mp.mpf(law.b0) / (1 + mp.tan(half) / mp.mpf(law.h))
+    single = (1 + surge) * (1 - g**2) / (1 + 2 * g * mp.cos(2 * half) + g**2) ** mp.mpf(1.5)
+
+    def h(x):
+        return (1 + 2 * x) / (1 + 2 * x * mp.sqrt(1 - mp.mpf(law.w)))
+
+    scale = mp.mpf(law.w) / (4 * mp.pi)
+    if law.roughness == 0.0:
+        return scale * mu0 / (mu0 + mu) * (single + h(mu0) * h(mu) - 1)
+    sin2 = (mp.sin(half) ** 2 - mp.sin((i - e) / 2) ** 2) / (mp.sin(i) * mp.sin(e))
+    psi = 2 * mp.asin(mp.sqrt(sin2))
+    tan = mp.tan(mp.mpf(law.roughness))
+    chi = 1 / mp.sqrt(1 + mp.pi * tan**2)
+    e1 = {x: mp.exp(-2 / mp.pi / tan / mp.tan(x)) for x in (i, e)}
+    e2 = {x: mp.exp(-1 / mp.pi / tan**2 / mp.tan(x) ** 2) for x in (i, e)}
+    eta = {x: chi * (mp.cos(x) + mp.sin(x) * tan * e2[x] / (2 - e1[x])) for x in (i, e)}
+    a, b = min(i, e), max(i, e)
+    below = 2 - e1[b] - psi / mp.pi * e1[a]
+    xa = chi * (mp.cos(a) + mp.sin(a) * tan * (mp.cos(psi) * e2[b] + sin2 * e2[a]) / below)
+    xb = chi * (mp.cos(b) + mp.sin(b) * tan * (e2[b] - sin2 * e2[a]) / below)
+    hidden = mp.exp(-2 * mp.tan(psi / 2))
+    shadow = (xa if e == a else xb) / eta[e] * mu0 / eta[i] * chi
+    shadow /= 1 - hidden + hidden * chi * mp.cos(a) / eta[a]
+    share = scale * (xa if i == a else xb) / (xa + xb)
+    return share * (single + h(xa) * h(xb) - 1) * shadow
+
+
+@pytest.mark.parametrize(
+    "given_law",
+    [
+        Hapke(),
+        Hapke(w=0.9, g=0.3, roughness="55 deg"),
+        Hapke(roughness="1 deg"),
+        Hapke(roughness=0),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("grazing", [False, True])
+def test_hapke_to_40_digits(given_law, grazing):
+    """To 1e-12; not within 0.03 rad of one plane, where r is the root of a rounded difference."""
+    rng = np.random.default_rng(9)
+    i, e = rng.uniform(0.05, 1.57, (2, 150))
+    if grazing:
+        i = np.pi / 2 - 10.0 ** rng.uniform(-8, -1, 150)
+        e[::2] = (np.pi / 2 - 10.0 ** rng.uniform(-8, -1, 150))[::2]
+    psi = rng.uniform(0.03, np.pi - 0.03, 150)
+    mu0, mu, alpha = np.transpose([directions(*one) for one in zip(i, e, psi, strict=True)])
+    found = given_law.reflectance(mu0, mu, alpha)
+    with mp.workdps(40):
+        for k in range(len(mu0)):
+            exact = hapke_exact(given_law, mu0[k], mu[k], 0.5 * alpha[k])
+            assert abs(found[k] / exact - 1) < 1e-12, (mu0[k], mu[k], alpha[k])
+
+
+@pytest.mark.parametrize("exponent", [1.0, 100.0, 256.0, 33.3, 1000.0])
+def test_phong_to_40_digits(exponent):
+    """To 1e-13 and what the rounded cosine of the mirror direction costs."""
+    rng = np.random.default_rng(10)
+    mu0, mu, alpha = np.transpose(
+        [directions(*one) for one in zip(*rng.uniform(0.0, 1.57, (2, 300)),
+                                         rng.uniform(0.5, np.pi, 300), strict=True)]
+    )  # fmt: skip
+    found = Material(0.0, 0.7, exponent=exponent).reflectance(mu0, mu, alpha)
+    with mp.workdps(40):
+        for a, b, angle, r in zip(mu0, mu, alpha, found, strict=True):
+            mirrored = 2 * mp.mpf(float(a)) * mp.mpf(float(b)) - mp.cos(mp.mpf(float(angle)))
+            if mirrored > 0.1:
+                exact = mp.mpf(0.7) * (exponent + 2) / (2 * mp.pi) * mirrored**exponent * float(a)
+                if exact > 1e-290:
+                    assert abs(r / exact - 1) < 1e-13 + 4e-16 * exponent / mirrored
 
 
 def test_cook_torrance_against_the_paper_written_out():

@@ -10,10 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude import AttitudeError, Body, FreeRotation, Spin, validation
 from attitude.epochs.inputs import Instant
 from attitude.formats import spin_file
-from attitude.textfiles import quantities
 from attitude.textfiles.atomic_write import written_whole
 from tests import states
 
@@ -143,7 +142,7 @@ def test_errors_in_units():
     expected = [*np.radians([1, 1, 1, 1, 2, 3]), 1, 1, 1]
     assert sigma == pytest.approx(expected, rel=1e-15)
     assert np.count_nonzero(found.spin.covariance) == 9
-    assert found.motion.at(0.0).sigma == pytest.approx(np.radians([1, 1, 1]), rel=1e-12)
+    assert found.motion.at(0.0).sigma == pytest.approx([1, 1, 1], rel=1e-12)
     relative = spin_file.parse(
         toml(body={"relative": "true"}, errors={"moments": "[0.1, 0.2, 0.3]"})
     )
@@ -300,7 +299,7 @@ BAD = [
     (toml(spin={"frame": "['icrf']"}), "frame is"),
     (toml(spin={"angular_velocity": '"1, 2, 3 dge/day"'}), "not a unit that astropy knows"),
     (toml(spin={"angular_velocity": '"1, 2, 3 m/s"'}), "give it in rad/s"),
-    (toml(spin={"angular_velocity": '"fast"'}), "write numbers followed by one unit"),
+    (toml(spin={"angular_velocity": '"fast"'}), "not a number with a unit"),
     (toml(errors={}), r"\[errors\] is empty; give standard deviations"),
     ("errors = 3\n" + toml(), "errors is 3; give a section"),
     (toml(errors={"atitude": 1}), r"\[errors\] has a key 'atitude'.*did you mean 'attitude'"),
@@ -348,7 +347,7 @@ def test_no_text_is_more_than_an_error(text):
     with suppress(AttitudeError):
         spin_file.parse(text)
     with suppress(AttitudeError):
-        quantities.in_unit(text, "x", "s")
+        validation.real(text, "x", unit="s")
 
 
 # Files that appear whole --------------------------------------------------------------------------
@@ -389,3 +388,54 @@ def test_where_nothing_can_be_written(tmp_path):
     lost = written_whole(tmp_path / "no" / "a.txt")
     with pytest.raises(AttitudeError, match="cannot be written: No such file"), lost:
         pass
+
+
+# Published states ---------------------------------------------------------------------------------
+
+PUBLISHED = """
+[body]
+A_over_C = 0.61
+B_over_C = 0.965
+[spin]
+mode = "SAM"
+convention = "S"
+P_psi = "263 h"
+P_phi = "27.38 h"
+pole = "250, -75 deg"
+phi0 = "152 deg"
+psi0 = "14 deg"
+epoch = "2012-12-23"
+"""
+
+
+def test_a_published_state_is_a_spin():
+    found = spin_file.parse(PUBLISHED).motion.published("S")
+    assert found.mode == "SAM" and found.frame == "ecliptic"
+    np.testing.assert_allclose(found.moment_ratios, [0.61, 0.965], rtol=1e-12)
+    np.testing.assert_allclose(np.degrees(found.pole), [250.0, -75.0], rtol=1e-12)
+    assert found.P_psi == pytest.approx(263 * 3600.0, rel=1e-12)
+    assert found.P_phi == pytest.approx(27.38 * 3600.0, rel=1e-12)
+    assert np.degrees([found.phi0, found.psi0]) == pytest.approx([152.0, 14.0], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('P_phi = "27.38 h"\n', "", r"\[spin\] has no P_phi; give it, for example as P_phi"),
+        ('mode = "SAM"\n', "", r"\[spin\] has no mode"),
+        ("B_over_C = 0.965\n", "", r"\[body\] has no B_over_C"),
+        (
+            'phi0 = "152 deg"',
+            'wxyz = [1, 0, 0, 0]\nphi0 = "152 deg"',
+            "does not go",
+        ),
+        ('"250, -75 deg"', '"250 deg"', r"\[spin\] pole has shape"),
+        ('"SAM"', '"PAM"', "mode"),
+        ('"263 h"', '"263 kg"', "give it in s"),
+        ("psi0 =", "psi_0 =", "did you mean 'psi0'"),
+    ],
+)
+def test_published_states_that_are_wrong(old, new, words):
+    assert old in PUBLISHED
+    with pytest.raises(AttitudeError, match=words):
+        spin_file.parse(PUBLISHED.replace(old, new))

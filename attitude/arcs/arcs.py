@@ -93,6 +93,8 @@ class Arcs(Differentiable):
 
     smooth = True
 
+    _value = ("body", "spin", "changes")
+
     def __init__(self, body: Body, spin: Spin, changes: Change | Iterable[Change]) -> None:
         self._bodies: Sequence[Body]
         self._constants: FloatArray

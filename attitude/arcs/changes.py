@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from attitude import frames, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Valued, frozen
 
 if TYPE_CHECKING:
     from attitude.annotations import EpochOrSeconds, FloatArray, Reals
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     MomentumFunction = Callable[[AttitudeHistory], Reals]
 
 
-class Change(Immutable):
+class Change(Valued):
     """Base of `Impulse` and `InertiaChange`.
 
     Attributes
@@ -34,6 +34,7 @@ class Change(Immutable):
     at: EpochOrSeconds | Trigger
     angular_momentum: FloatArray | MomentumFunction
     frame: str
+    _value: tuple[str, ...] = ("at", "angular_momentum", "frame")
 
     def _set_change(
         self,
@@ -146,6 +147,7 @@ class InertiaChange(Change):
     body: Body
     angular_momentum: FloatArray | MomentumFunction
     frame: str = "body"
+    _value = ("at", "body", "angular_momentum", "frame")
 
     def __init__(
         self,

@@ -99,6 +99,8 @@ class AttitudeTable(Motion):
     _limits: Limits
     _parts: tuple[AttitudeTable, ...] | None
 
+    _value = ("epoch", "seconds", "low", "wxyz", "angular_velocity", "method", "degree", "_limits")
+
     def __init__(
         self,
         epoch: Epoch,

@@ -4,7 +4,8 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
 wrong input.
 
-propagate, describe, geometry, lightcurve, invert, plot, convert, check, warm_up    the commands
+propagate, describe, geometry, lightcurve, invert, periods, fold, plot, convert, check, warm_up
+                the commands
 target          the motion of a file or of an entry of the catalogue
 grid            equally spaced epochs
 orbit           the option --orbit
@@ -37,6 +38,8 @@ COMMANDS: tuple[str, ...] = (
     "geometry",
     "lightcurve",
     "invert",
+    "periods",
+    "fold",
     "plot",
     "convert",
     "check",

@@ -45,16 +45,17 @@ def run(arguments: argparse.Namespace) -> None:
 
     kind = detect.to_write(arguments.output)
     # The tolerance of a C-kernel, or of a motion that is sampled, is not that of lengths read.
-    of_motion = detect.of_file(arguments.input) in (*detect.OF_MOTIONS, "ck")
+    read = _kind_read(arguments.input)
+    of_motion = read in (*detect.OF_MOTIONS, "ck")
     sampled = kind == "ck" or ((of_motion or arguments.fit) and arguments.step is None)
     tolerance = None if sampled else arguments.tolerance
     path = orbit.path_of(arguments)
-    if path is not None and {kind, detect.of_file(arguments.input)}.isdisjoint(_WITH_AXES):
+    if path is not None and {kind, read}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
             "--orbit is for AEM, APM and STK files, whose attitudes may be relative to axes of the "
             "orbit; leave it out."
         )
-    found = detect.opened(
+    found = _catalogued(arguments.input) or detect.opened(
         arguments.input,
         tolerance=tolerance,
         body=arguments.body,
@@ -70,6 +71,32 @@ def run(arguments: argparse.Namespace) -> None:
     with ExitStack() as stack:
         stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
         _convert(arguments, kind, found, path)
+
+
+def _kind_read(name: str) -> str:
+    """The format of IN; an entry of the catalogue is as a spin file."""
+    from attitude.formats import detect
+
+    return "spin" if _is_catalogued(name) else detect.of_file(name)
+
+
+def _is_catalogued(name: str) -> bool:
+    from attitude import catalog
+    from attitude.cli import target
+
+    return not target.is_file(name) and catalog.has(name)
+
+
+def _catalogued(name: str) -> OpenedFile | None:
+    """The motion of an entry of the catalogue with its labels; None for a file."""
+    if not _is_catalogued(name):
+        return None
+    from attitude import catalog
+    from attitude.formats.detect import OpenedFile
+
+    entry = catalog.entry(name)
+    labels = {"name": entry.name, "source": "; ".join(entry.sources), "note": entry.note}
+    return OpenedFile(entry.motion(), labels)
 
 
 def _convert(

@@ -11,6 +11,7 @@ EPILOG: str = """\
 examples:
   attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
   attitude convert toutatis.toml toutatis.aem --stop "30 d" --step "1 h"
+  attitude convert "4179 Toutatis" toutatis.aem --stop "30 d" --step "1 h"
   attitude convert satellite.xml satellite.ecsv
   attitude convert satellite.aem satellite.toml --fit
   attitude convert tumbler.toml tumbler.bc --stop "2 d" --tolerance 1e-9
@@ -34,7 +35,7 @@ MOST_RMS: float = 0.01
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument("input", metavar="IN", help="file to read")
+    parser.add_argument("input", metavar="IN", help="file to read, or a name in the catalogue")
     parser.add_argument("output", metavar="OUT", help="file to write; appears whole or not at all")
     parser.add_argument("--start", metavar="TIME", help="date (UTC), or time after the epoch of IN")
     parser.add_argument("--stop", metavar="TIME", help="last epoch, as --start")

@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(entry)
         return
     found = target.opened(arguments)
-    for label in (found.name, found.source, found.note):
+    for label in (found.label, found.source, found.note):
         if label:
             print(textwrap.fill(" ".join(label.split()), 98))
     if found.name or found.source or found.note:

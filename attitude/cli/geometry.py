@@ -211,14 +211,14 @@ def _header(kind: str, mission: Mission) -> str:
         return ",".join(["utc", "tdb_seconds", *names]) + "\n"
     from astropy.units import Quantity
 
+    from attitude import quantity_text
     from attitude.cli import table
-    from attitude.textfiles import quantities
 
     row = table.first_row("2000-01-01T00:00:00")
     for name, unit, about in labels:
         is_flag = name.startswith("in_")
         row[name] = (
-            Quantity([1.0], quantities.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
+            Quantity([1.0], quantity_text.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
         )
         row[name].info.description = about
     row.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import epochs, pairs
+from attitude import epochs, pairs, quantity_text
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
-from attitude.textfiles import quantities
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -147,7 +146,7 @@ def duration(text: str, name: str) -> Fraction:
     AttitudeError
         For other text; the message begins with the name.
     """
-    numbers, unit = quantities.numbers_and_unit(text, name)
+    numbers, unit = quantity_text.numbers_and_unit(text, name)
     if len(numbers) != 1:
         raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
     length = Fraction(numbers[0])
@@ -156,11 +155,11 @@ def duration(text: str, name: str) -> Fraction:
 
         try:
             # The shortest decimal of the factor: 0.001 s for a ms, not the double nearest to it.
-            length *= Fraction(repr(float(quantities.unit_of(unit, name).to("s"))))
-        except units.UnitConversionError as err:
+            length *= Fraction(repr(float(quantity_text.unit_of(unit, name).to("s"))))
+        except units.UnitConversionError:
             raise AttitudeError(
                 f'{name} is {text!r}; give a time, like "10 s", "1 h" or "3 d".'
-            ) from err
+            ) from None
     return length
 
 

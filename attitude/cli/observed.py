@@ -41,7 +41,7 @@ def run(mission: Mission, observed: str, target: str | None, figure: str | None)
         raise AttitudeError(f"{observed}: has no column of magnitudes; name one magnitude or mag.")
     assert mission.magnitude is not None
     view = mission.scene.at(columns["times"])
-    computed = np.asarray(mission.magnitude.of(view), dtype=float)
+    computed = np.asarray(mission.magnitude.of(view, everywhere=True), dtype=float)
     given = np.asarray(columns["magnitude"], dtype=float)
     dark = np.count_nonzero(~np.isfinite(computed))
     if dark:

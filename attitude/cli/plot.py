@@ -42,16 +42,15 @@ def run(arguments: argparse.Namespace) -> None:
     AttitudeError
         As `target.opened` and `plots.overview`, and for a file that cannot be written.
     """
-    from attitude import plots
-    from attitude.textfiles import quantities
+    from attitude import plots, validation
 
     found = target.opened(arguments)
     name = arguments.output or _file_name(found.name, arguments.target)
     output.kind_of(name, output.PICTURES)
     span = None
     if arguments.span is not None:
-        span = quantities.in_unit(arguments.span, "--span", "s")
-    figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.name)
+        span = validation.real(arguments.span, "--span", unit="s")
+    figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.label)
     try:
         figure.savefig(name, dpi=150)
     except OSError as err:

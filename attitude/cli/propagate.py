@@ -1,10 +1,10 @@
-"""``attitude propagate FILE.toml``: attitudes at equally spaced epochs as a table."""
+"""``attitude propagate NAME|FILE.toml``: attitudes at equally spaced epochs as a table."""
 
 from __future__ import annotations
 
 import argparse
 
-from attitude.cli import output
+from attitude.cli import output, target
 from attitude.errors import AttitudeError
 
 HELP: str = "write a table of attitudes at equally spaced epochs"
@@ -12,6 +12,7 @@ EPILOG: str = """\
 example:
   attitude propagate toutatis.toml --start 1992-12-01 --stop 1992-12-20 --step "1 h" \\
       --output toutatis.csv
+  attitude propagate "4179 Toutatis" --stop "30 d" --step "6 h"
 
 columns:
   utc            ISO date
@@ -32,11 +33,7 @@ _BLOCK = 16384
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument(
-        "file",
-        metavar="FILE",
-        help="a body and its state: spin file (.toml), APM, or DAMIT spin file (.spin)",
-    )
+    target.add_arguments(parser)
     parser.add_argument(
         "--start",
         default="0",
@@ -69,14 +66,13 @@ def run(arguments: argparse.Namespace) -> None:
     """
     from attitude.cli import table
     from attitude.cli.grid import grid
-    from attitude.formats import state
 
     kind = output.kind_of(arguments.output)
-    motion = state.read(arguments.file).motion
+    motion = target.opened(arguments).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:
         raise AttitudeError(
-            f"{arguments.file} has no section [errors], from which --sigma follows; give it, for "
+            f"{arguments.target} has no section [errors], from which --sigma follows; give it, for "
             'example with attitude = "1 deg".'
         )
     columns = {"rates": arguments.rates, "sigma": arguments.sigma}

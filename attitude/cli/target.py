@@ -42,12 +42,22 @@ class Target(NamedTuple):
     name : str
         Of the entry or in the spin file; the file itself if the file has none.
     source, note : str or None
+    given : tuple of str
+        Options whose values replace or complete those of the entry.
     """
 
     motion: FreeRotation
     name: str
     source: str | None
     note: str | None
+    given: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """The name, and which numbers are not those of its sources."""
+        if not self.given:
+            return self.name
+        return f"{self.name}, with {', '.join(self.given)} as given here"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,8 +77,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def is_file(text: str) -> bool:
     """Whether a target is a file: one that exists, or a name of the form of a path."""
+    from attitude import catalog
+
     written_so = re.search(r"\.(toml|spin|apm)$|[/\\]", text) is not None
-    return os.path.exists(text) or (written_so and not _listed(text))
+    return os.path.isfile(text) or (written_so and not catalog.has(text))
 
 
 def opened(arguments: argparse.Namespace) -> Target:
@@ -84,9 +96,9 @@ def opened(arguments: argparse.Namespace) -> Target:
     from attitude import catalog
 
     entry = catalog.entry(arguments.target)
-    return Target(
-        entry.motion(**_given(arguments)), entry.name, "; ".join(entry.sources), entry.note
-    )
+    given = tuple(_completing(arguments))
+    sources = "; ".join(entry.sources)
+    return Target(entry.motion(**_given(arguments)), entry.name, sources, entry.note, given)
 
 
 def incomplete(arguments: argparse.Namespace) -> Entry | None:
@@ -114,13 +126,13 @@ def _from_file(arguments: argparse.Namespace) -> Target:
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the options."""
-    from attitude.textfiles import quantities
+    from attitude import validation
 
     given: dict[str, Any] = {}
     for option, name, unit, _ in _NUMBERS:
         words = getattr(arguments, name)
         if words is not None:
-            found = quantities.in_unit(" ".join(words), option, unit)
+            found = validation.real(" ".join(words), option, unit=unit)
             given[name] = found[()] if found.size > 1 else float(found.reshape(()))
     for _, name, _ in _WORDS:
         given[name] = getattr(arguments, name)
@@ -131,10 +143,3 @@ def _completing(arguments: argparse.Namespace) -> list[str]:
     """The options given that complete an entry of the catalogue."""
     options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]
     return [option for option, name in options if getattr(arguments, name) is not None]
-
-
-def _listed(text: str) -> bool:
-    """Whether the catalogue has a name with this text in it."""
-    from attitude import catalog
-
-    return any(text.lower() in name.lower() for name in catalog.names())

@@ -257,6 +257,13 @@ def reduction_subroutine(function: Callable[..., Any]) -> Compilable:
     return Compilable(function, {**_ANY_ORDER, **_INNER, "no_cfunc_wrapper": True})
 
 
+def reduction_within(function: Callable[..., Any]) -> Compilable:
+    """As `reduction_subroutine`, inlined regardless of length: for functions of SIMD vectors."""
+    return Compilable(
+        function, {**_ANY_ORDER, **_INNER, "no_cfunc_wrapper": True, "forceinline": True}
+    )
+
+
 def reduction_inlined(function: Callable[..., Any]) -> Compilable:
     """As `reduction`, for functions that numba copies into their callers before it infers types.
 

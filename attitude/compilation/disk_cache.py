@@ -1,12 +1,10 @@
-"""Machine code on disk, invalidated by a change of any source file of the package."""
+"""Machine code on disk, invalidated by a change of a source that it is made from."""
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from numba.core import event
 from numba.core.compiler_lock import global_compiler_lock
 
 from attitude.compilation import deferral, notice
+from attitude.compilation.source_stamp import stamp_of
 
 
 class _Undisturbed(event.Listener):
@@ -64,13 +63,13 @@ def kept_on_disk(function: Callable[..., Any], options: Mapping[str, Any]) -> An
     except RuntimeError:  # numba found no folder that it can write
         return numba.njit(**options)(function)
     # Private: Dispatcher._cache, the numba.core.caching.FunctionCache of a function.
-    if not is_stamped(getattr(dispatcher, "_cache", None)):
+    if not is_stamped(getattr(dispatcher, "_cache", None), function):
         return numba.njit(**options)(function)
     return dispatcher
 
 
-def is_stamped(on_disk: Any) -> bool:
-    """Extend the stamp of a numba cache to every file of the package; whether that was possible.
+def is_stamped(on_disk: Any, function: Callable[..., Any]) -> bool:
+    """Replace the stamp of a numba cache by one of the sources; whether that was possible.
 
     numba compares a cached function with the time and size of its own file alone, and would run
     machine code that contains callees from before an edit or an upgrade elsewhere.  These names of
@@ -83,13 +82,29 @@ def is_stamped(on_disk: Any) -> bool:
     index = getattr(on_disk, "_cache_file", None)
     if index is None or not hasattr(index, "_source_stamp"):
         return False
-    index._source_stamp = (index._source_stamp, _stamp())
-    _tolerate_errors(on_disk)
+    index._source_stamp = stamp_of(function)
+    _tolerate_errors(on_disk, _installed(on_disk, function))
     return True
 
 
-def _tolerate_errors(on_disk: Any) -> None:
-    """Treat an unreadable or unwritable cache as absent.
+def _installed(on_disk: Any, function: Callable[..., Any]) -> Any:
+    """The index beside the sources, for users who cannot write there; None if it is in use.
+
+    Whoever installs the package can compile it there for all users.  `Cache.cache_path` is public;
+    if the arguments of IndexDataCacheFile change, each user compiles for himself.
+    """
+    beside = Path(function.__code__.co_filename).parent / "__pycache__"
+    index = on_disk._cache_file
+    if os.environ.get("NUMBA_CACHE_DIR") or Path(on_disk.cache_path) == beside:
+        return None
+    with suppress(TypeError, AttributeError):
+        base = index._index_name.removesuffix(".nbi")
+        return type(index)(str(beside), base, index._source_stamp)
+    return None
+
+
+def _tolerate_errors(on_disk: Any, installed: Any) -> None:
+    """Treat an unreadable or unwritable cache as absent; read `installed` after the user's own.
 
     The dispatcher calls these methods of its Cache, which are private too: `load_overload`, None
     for a function that is not in the cache, `save_overload` and `flush`.  If numba calls others, a
@@ -98,28 +113,21 @@ def _tolerate_errors(on_disk: Any) -> None:
     load, save = on_disk.load_overload, on_disk.save_overload
 
     def load_overload(*given: Any) -> Any:
+        found = None
         try:
-            return load(*given)
+            found = load(*given)
         except Exception:  # a torn file raises any error in pickle; the next process compiles anew
             with suppress(OSError):
                 on_disk.flush()
-            return None
+        if found is None and installed is not None:
+            own, on_disk._cache_file = on_disk._cache_file, installed
+            with suppress(Exception):
+                found = load(*given)
+            on_disk._cache_file = own
+        return found
 
     def save_overload(*given: Any) -> None:
         with suppress(OSError):
             save(*given)
 
     on_disk.load_overload, on_disk.save_overload = load_overload, save_overload
-
-
-@cache
-def _stamp() -> str:
-    """A hash of the names, sizes and modification times of the package's sources."""
-    package = Path(__file__).parent.parent
-    found = hashlib.sha256()
-    for source in sorted(package.rglob("*.py")):
-        status = source.stat()
-        found.update(
-            f"{source.relative_to(package)} {status.st_size} {status.st_mtime_ns}\n".encode()
-        )
-    return found.hexdigest()

@@ -52,15 +52,16 @@ class _StampedCFunc(CFunc):
     """A C function whose machine code on disk belongs to one state of all sources.
 
     What `numba.cfunc` makes, whose cache compares the file of the function alone.  The class, its
-    `_cache` and `NullCache` are private names of numba.
+    `_cache`, `_pyfunc` and `NullCache` are private names of numba.
     """
 
     _cache: Any
+    _pyfunc: Any
 
     def enable_caching(self) -> None:
         super().enable_caching()
         on_disk: Any = self._cache
-        self._cache = on_disk if is_stamped(on_disk) else NullCache()
+        self._cache = on_disk if is_stamped(on_disk, self._pyfunc) else NullCache()
 
 
 def _instruction(function, signature):

@@ -86,14 +86,42 @@ def eight(array: FloatArray, i: int) -> Lanes:
     return Lanes(array[i : i + 8])
 
 
+def four(array: FloatArray, i: int) -> Lanes:
+    """The vector array[i], ..., array[i + 3] of a contiguous array of doubles."""
+    i = int(i)
+    return Lanes(array[i : i + 4])
+
+
+def sixteen(array: FloatArray, i: int) -> Lanes:
+    """The vector array[i], ..., array[i + 15] of a contiguous array of doubles."""
+    i = int(i)
+    return Lanes(array[i : i + 16])
+
+
+def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
+    """Store a vector as array[i], ..., array[i + 7] of a contiguous array of doubles."""
+    i = int(i)
+    array[i : i + 8] = a.lanes
+
+
 def lanes(numbers: tuple[float, ...]) -> Lanes:
     """The vector of the doubles of a tuple."""
     return Lanes(numbers)
 
 
+def doubles_of(a: Lanes) -> tuple[float, ...]:
+    """The doubles of the lanes as a tuple."""
+    return a.lanes
+
+
 def bits_set_in_bytes(word: int) -> Lanes:
     """The numbers of bits set in each of the eight bytes of a word, the lowest byte first."""
     return Lanes(each.bit_count() for each in int(word).to_bytes(8, "little"))
+
+
+def every(number: float, like: Lanes) -> Lanes:
+    """A vector as long as another one, with a double in every lane."""
+    return Lanes([number] * len(like.lanes))
 
 
 def at_least(a: Lanes, least: Lanes | float) -> Lanes:
@@ -114,6 +142,38 @@ def chosen(by: Lanes, a: Lanes, b: Lanes) -> Lanes:
 def root(a: Lanes) -> Lanes:
     """The square root, lane by lane; NaN of negative numbers."""
     return Lanes(math.nan if x < 0.0 else math.sqrt(x) for x in a.lanes)
+
+
+def packed(a: Lanes, by: Lanes) -> Lanes:
+    """The lanes of `a` where those of `by` are above zero, without gaps; the others are zero."""
+    kept = [x for k, x in zip(by.lanes, a.lanes, strict=True) if k > 0.0]
+    return Lanes(kept + [0.0] * (len(a.lanes) - len(kept)))
+
+
+def truncated(a: Lanes) -> Lanes:
+    """The whole part, lane by lane, of sizes below 2^31."""
+    return Lanes(math.trunc(x) for x in a.lanes)
+
+
+def nearest_eighth(a: Lanes) -> Lanes:
+    """The nearest multiple of 1/8, ties to even, lane by lane; sizes are at most 2^48."""
+    return Lanes(round(8.0 * x) / 8.0 for x in a.lanes)
+
+
+def inverse_power(a: Lanes) -> Lanes:
+    """2^-a of multiples of 1/8 below 1022, lane by lane."""
+    return Lanes(2.0**-x for x in a.lanes)
+
+
+def halved(a: Lanes, times: Lanes) -> Lanes:
+    """a / 2^times for whole `times`, lane by lane; numbers and results are normal."""
+    return Lanes(math.ldexp(x, -int(n)) for x, n in zip(a.lanes, times.lanes, strict=True))
+
+
+def exponent(a: Lanes) -> Lanes:
+    """The whole n by which a / 2^n is from 3/4 to 3/2, lane by lane, for normal a > 0."""
+    found = (math.frexp(x) for x in a.lanes)
+    return Lanes(n if fraction >= 0.75 else n - 1 for fraction, n in found)
 
 
 def summed_up(a: Lanes) -> float:

@@ -59,12 +59,38 @@ def _eight_type(array, i):
     return LanesType(8)
 
 
+@_typed(simd.four)
+def _four_type(array, i):
+    return LanesType(4)
+
+
+@_typed(simd.sixteen)
+def _sixteen_type(array, i):
+    return LanesType(16)
+
+
+@_lowered(simd.four)
+@_lowered(simd.sixteen)
 @_lowered(simd.eight)
 def _eight(context, builder, signature, arguments):
     kind = signature.return_type
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     here = builder.gep(data, [arguments[1]])
     return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
+
+
+@_typed(simd.put_eight)
+def _put_eight_type(array, i, a):
+    return types.void(array, types.intp, a)
+
+
+@_lowered(simd.put_eight)
+def _put_eight(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    numbers = arguments[2]
+    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
+    return context.get_dummy_value()
 
 
 @_typed(simd.lanes)
@@ -82,6 +108,18 @@ def _lanes(context, builder, signature, arguments):
     return made
 
 
+@_typed(simd.doubles_of)
+def _doubles_type(a):
+    return types.UniTuple(types.float64, a.count)
+
+
+@_lowered(simd.doubles_of)
+def _doubles(context, builder, signature, arguments):
+    count = range(signature.return_type.count)
+    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, found)
+
+
 @_typed(simd.bits_set_in_bytes)
 def _bits_type(word):
     return LanesType(8)(types.uint64)
@@ -95,6 +133,16 @@ def _bits(context, builder, signature, arguments):
     return builder.uitofp(counted, kind.vector)
 
 
+@_typed(simd.every)
+def _every_type(number, like):
+    return like(types.float64, like)
+
+
+@_lowered(simd.every)
+def _every_lane(context, builder, signature, arguments):
+    return _spread(builder, signature.return_type, arguments[0])
+
+
 @_typed(simd.at_least)
 def _at_least_type(a, least):
     return a
@@ -102,6 +150,7 @@ def _at_least_type(a, least):
 
 @_lowered(simd.at_least)
 def _at_least(context, builder, signature, arguments):
+    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
@@ -112,6 +161,7 @@ def _at_most_type(a, most):
 
 @_lowered(simd.at_most)
 def _at_most(context, builder, signature, arguments):
+    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
 
 
@@ -137,8 +187,118 @@ def _root(context, builder, signature, arguments):
     return builder.call(function, arguments)
 
 
+@_typed(simd.packed)
+def _packed_type(a, by):
+    return a
+
+
+@_lowered(simd.packed)
+def _packed(context, builder, signature, arguments):
+    kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
+    shape = ir.FunctionType(kind, [kind, mask.type, kind])
+    name = f"llvm.experimental.vector.compress.v{kind.count}f64"
+    function = builder.module.globals.get(name) or ir.Function(builder.module, shape, name)
+    return builder.call(function, [arguments[0], mask, ir.Constant(kind, [0.0] * kind.count)])
+
+
+# Adding these leaves a whole number below 2^51, or one of eighths below 2^48, in the low bits.
+_WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
+
+
+@_typed(simd.truncated)
+def _truncated_type(a):
+    return a
+
+
+@_lowered(simd.truncated)
+def _truncated(context, builder, signature, arguments):
+    kind = signature.return_type
+    whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
+    return builder.sitofp(whole, kind.vector)
+
+
+@_typed(simd.nearest_eighth)
+def _nearest_type(a):
+    return a
+
+
+@_lowered(simd.nearest_eighth)
+def _nearest_eighth(context, builder, signature, arguments):
+    kind = signature.return_type
+    total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
+    return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
+
+
+@_typed(simd.inverse_power)
+def _power_type(a):
+    return a
+
+
+@_lowered(simd.inverse_power)
+def _inverse_power(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    low = builder.bitcast(_in_low_bits(builder, kind, arguments[0], _EIGHTHS), integers)
+    place = builder.and_(low, ir.Constant(integers, [7] * kind.count))
+    table = ir.Constant(ir.VectorType(_DOUBLE, 8), [2.0 ** (-k / 8.0) for k in range(8)])
+    power = ir.Constant(kind.vector, ir.Undefined)
+    # LLVM makes one permutation of eight such lanes where the processor has it.
+    for k in range(kind.count):
+        one = builder.extract_element(table, builder.extract_element(place, _INDEX(k)))
+        power = builder.insert_element(power, one, _INDEX(k))
+    whole = builder.shl(builder.sub(low, place), ir.Constant(integers, [49] * kind.count))
+    return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
+
+
+@_typed(simd.halved)
+def _halved_type(a, times):
+    return a
+
+
+@_lowered(simd.halved)
+def _halved(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    times = builder.bitcast(_in_low_bits(builder, kind, arguments[1], _WHOLE), integers)
+    shifted = builder.shl(times, ir.Constant(integers, [52] * kind.count))
+    bits = builder.sub(builder.bitcast(arguments[0], integers), shifted)
+    return builder.bitcast(bits, kind.vector)
+
+
+@_typed(simd.exponent)
+def _exponent_type(a):
+    return a
+
+
+@_lowered(simd.exponent)
+def _exponent(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    # the bits of 3/4, by which the exponents of 3/4 to 3/2 become zero
+    first = ir.Constant(integers, [0x3FE8 << 48] * kind.count)
+    above = builder.sub(builder.bitcast(arguments[0], integers), first)
+    shifted = builder.ashr(above, ir.Constant(integers, [52] * kind.count))
+    return builder.sitofp(shifted, kind.vector)
+
+
+def _in_low_bits(builder, kind, a, number):
+    """The sum with a number that rounds to a multiple of a power of two in the low bits."""
+    return _fenced(builder, kind, builder.fadd(a, _all(kind, number)))
+
+
+def _fenced(builder, kind, a):
+    """The vector, across which the compiler does not reorder sums."""
+    name = f"llvm.arithmetic.fence.v{kind.count}f64"
+    return builder.call(_function(builder, name, kind.vector, 1), [a])
+
+
+def _all(kind, number):
+    return ir.Constant(kind.vector, [number] * kind.count)
+
+
+@_typed(simd.largest_lane)
 @_typed(simd.summed_up)
-def _summed_type(a):
+def _one_lane_type(a):
     return types.float64
 
 
@@ -152,11 +312,6 @@ def _summed_up(context, builder, signature, arguments):
         left = builder.fadd(low, high)
         half //= 2
     return builder.extract_element(left, _INDEX(0))
-
-
-@_typed(simd.largest_lane)
-def _largest_type(a):
-    return types.float64
 
 
 @_lowered(simd.largest_lane)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -71,6 +71,12 @@ class EnsembleHistory(AttitudeHistory):
     def angular_velocity(self) -> FloatArray:
         """(S, 3) rad/s over the body axes."""
         return frozen(self.ensemble.evaluated(self.member, self.seconds, self.low))
+
+    @cached_property
+    def sensitivity(self) -> FloatArray:
+        """(S, 3, 9) derivatives of the attitudes; see `Ensemble.sensitivity_at`."""
+        found = self.ensemble.sensitivity_at(self.seconds, self.member, low=self.low)
+        return frozen(cast("FloatArray", found))
 
     @cached_property
     def angular_acceleration(self) -> FloatArray:

@@ -12,9 +12,11 @@ from attitude.ensemble import epoch as instants
 from attitude.ensemble import evaluate
 from attitude.ensemble.answer import EnsembleHistory
 from attitude.ensemble.collection import Collection
+from attitude.ensemble.derivatives import MemberDerivatives
 from attitude.ensemble.rows import MemberGrid, MemberRows
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
+from attitude.sensitivities import columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -75,6 +77,59 @@ class Evaluated(Collection):
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
         return self._history(found, outs, threads)
+
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        angular_velocity: bool = False,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        rates_out: FloatArray | None = None,
+    ) -> FloatArray | tuple[FloatArray, FloatArray]:
+        """The derivatives of attitudes by the states and the moments, in closed form.
+
+        Parameters
+        ----------
+        t, member, low, threads
+            As of `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
+        angular_velocity : bool
+            Whether the derivatives of the angular velocity are returned too.
+        out, rates_out : float64 arrays (S, 3, 9), optional
+            Filled; as of `at`.
+
+        Returns
+        -------
+        attitude : (S, 3, 9) array
+            Rotation vector (rad, ICRF axes) of the change of attitude for a unit change of the
+            attitude at the epoch (3, rotation vector, rad, ICRF axes), the angular velocity
+            (3, rad/s, body axes) and the principal moments (3, in the unit of the member).
+        omega : (S, 3, 9) array
+            Of the angular velocity, body axes; only with `angular_velocity`.
+
+        Raises
+        ------
+        AttitudeError
+            As `at`, and for rods; with ``on_error="nan"`` their derivatives are NaN.
+
+        Notes
+        -----
+        The bits and the accuracy of `FreeRotation.sensitivity_at`.
+        """
+        found = self._epochs(t, low, None if member is None else self._members_of(member))
+        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
+        memory = [found.memory(*each, 3, columns.PARAMETERS) for each in outs]
+        filled = memory[0], memory[1] if both else None
+        changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
+        if isinstance(found, MemberGrid):
+            changes.grid(found.t, found.t_low, *filled, threads)
+        else:
+            evaluate.ragged(changes, *found.flat(), found.order, *filled, threads)
+        views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
+        return (views[0], views[1]) if both else views[0]
 
     def blocks(
         self,
@@ -162,8 +217,8 @@ class Evaluated(Collection):
                 label = partial(_shifted, self.label, found.first)
             evaluate.grid(members, label, *epochs, wxyz, rates, threads, raises)
         else:
-            rows = *found.flat(), found.order
-            evaluate.ragged(self._members, self.label, *rows, wxyz, rates, threads, raises)
+            runs = evaluate.Runs(self._members, self.label, raises)
+            evaluate.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
 
     def _members_of(self, member: ArrayLike) -> IntArray:
         """Numbers of members, of the shape given; AttitudeError for those out of range."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import evaluation
-from attitude.blocks import in_blocks
+from attitude.blocks import in_blocks, in_rectangles
 from attitude.compilation.deferral import uncollected
 from attitude.ensemble.members import BLOCK
 from attitude.errors import AttitudeError
@@ -68,62 +68,53 @@ def grid(
     count, length = wxyz.shape[0], t.shape[1]
     if not count or not length:
         return
-    span = min(length, evaluation.EPOCHS)
-    pieces = -(-length // span)
-    size = max(1, min(BLOCK, evaluation.EPOCHS // span))
     given = read_only(t), None if low is None else read_only(low)
 
-    def work(begin: int, end: int) -> None:
-        for each in range(begin, end):
-            block, piece = divmod(each, pieces)
-            part = slice(block * size, min((block + 1) * size, count))
-            epochs = piece * span, min((piece + 1) * span, length)
-            constants, _ = members.prepared(part, rates=rates is not None)
-            here = part if len(t) > 1 else slice(None)
-            times = given[0][here], None if given[1] is None else given[1][here]
-            out = wxyz[part], None if rates is None else rates[part]
-            failed = evaluation.evaluated(constants, *times, *out, *epochs)
-            if failed < 0:
-                continue
-            if raises:
-                few = failed if len(t) > 1 else 0, slice(*epochs)
-                lows = None if times[1] is None else times[1][few]
-                refuse(constants[failed], times[0][few], lows, label(part.start + failed))
-            evaluation.evaluated(
-                constants, *_near(*times, reaches(constants)[:, None]), *out, *epochs
-            )
+    def work(part: slice, epochs: tuple[int, int]) -> None:
+        constants, _ = members.prepared(part, rates=rates is not None)
+        here = part if len(t) > 1 else slice(None)
+        times = given[0][here], None if given[1] is None else given[1][here]
+        out = wxyz[part], None if rates is None else rates[part]
+        failed = evaluation.evaluated(constants, *times, *out, *epochs)
+        if failed < 0:
+            return
+        if raises:
+            few = failed if len(t) > 1 else 0, slice(*epochs)
+            lows = None if times[1] is None else times[1][few]
+            refuse(constants[failed], times[0][few], lows, label(part.start + failed))
+        near = within(*times, reaches(constants)[:, None])
+        evaluation.evaluated(constants, *near, *out, *epochs)
 
-    in_blocks(work, pieces * -(-count // size), 1, threads)
+    most = evaluation.EPOCHS
+    in_rectangles(work, count, length, BLOCK, most, most, threads)
 
 
 def ragged(
-    members: Members,
-    label: Callable[[int], str],
+    runs: Callable[..., None],
     member: IntArray,
     t: FloatArray,
     low: FloatArray | None,
     order: IntArray | None,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
+    first: FloatArray,
+    second: FloatArray | None,
     threads: int,
-    raises: bool = True,
 ) -> None:
-    """Fill attitudes and angular velocities at R rows, each of one of N members.
+    """Fill two results at R rows, each of one of N members.
 
     Parameters
     ----------
-    members, label, threads, raises
-        As of `grid`.
+    runs : callable
+        `Runs`, or another that takes its arguments: evaluates rows of which those of one member
+        stand together.
     member : (R,) array
         Numbers of members, 0 to N - 1, in any order.
     t, low : (R,) arrays
         The epochs t + low, s; low may be None.
     order : (R,) array or None
         Of `order_of`.
-    wxyz : (4, R) array
-        Filled: body to ICRF.
-    rates : (3, R) array or None
-        Filled: rad/s over the body axes.
+    first, second : (..., R) arrays
+        Filled by `runs`, as it is documented there; second may be None.
+    threads : int
 
     Raises
     ------
@@ -132,21 +123,20 @@ def ragged(
     """
     if not len(member):
         return
-    evaluated = Runs(members, label, raises)
 
     def direct(begin: int, end: int) -> None:
-        evaluated(member, begin, end, t, low, wxyz, rates)
+        runs(member, begin, end, t, low, first, second)
 
     def gathered(begin: int, end: int) -> None:
         assert order is not None
         some = order[begin:end]
         lows = None if low is None else low[some]
-        found = np.empty((4, len(some)))
-        turning = None if rates is None else np.empty((3, len(some)))
-        evaluated(member[some], 0, len(some), t[some], lows, found, turning)
-        wxyz.T[some] = found.T
-        if rates is not None and turning is not None:
-            rates.T[some] = turning.T
+        given = [each for each in (first, second) if each is not None]
+        found = [np.empty((*each.shape[:-1], len(some))) for each in given]
+        both = found[0], None if second is None else found[1]
+        runs(member[some], 0, len(some), t[some], lows, *both)
+        for whole, part in zip(given, found, strict=True):
+            np.moveaxis(whole, -1, 0)[some] = np.moveaxis(part, -1, 0)
 
     in_blocks(direct if order is None else gathered, len(member), ROWS, threads)
 
@@ -174,7 +164,18 @@ class Runs:
         wxyz: FloatArray,
         rates: FloatArray | None,
     ) -> None:
-        """Fill the rows from `begin` to `end`; arrays as of `ragged`."""
+        """Fill the rows from `begin` to `end`.
+
+        Parameters
+        ----------
+        member, t, low : (R,) arrays
+            As of `ragged`.
+        begin, end : int
+        wxyz : (4, R) array
+            Filled: body to ICRF.
+        rates : (3, R) array or None
+            Filled: rad/s over the body axes.
+        """
         who, starts = self.runs(member, begin, end)
         times = read_only(t)[None], None if low is None else read_only(low)[None]
         out = wxyz[None], None if rates is None else rates[None]
@@ -209,7 +210,7 @@ class Runs:
             refuse(constants[failed], t[here], lows, self._label(int(who[failed])))
         near, rows = t.copy(), slice(edges[0], edges[-1])
         reach = np.repeat(reaches(constants), np.diff(edges))
-        near[rows] = _near(t[rows], None if low is None else low[rows], reach)[0]
+        near[rows] = within(t[rows], None if low is None else low[rows], reach)[0]
         return read_only(near)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
@@ -264,7 +265,7 @@ def reaches(constants: NDArray[Any]) -> FloatArray:
         return np.minimum(LONGEST / np.maximum(*phases), np.finfo(float).max)
 
 
-def _near(
+def within(
     t: FloatArray, low: FloatArray | None, reach: FloatArray
 ) -> tuple[FloatArray, FloatArray | None]:
     """The epochs with NaN in place of those beyond reach, in the shape that t and reach have."""

@@ -118,13 +118,13 @@ class MemberGrid:
             place = members if self.scalar else (members, epochs)
             yield place, MemberGrid(count, self.t[own], low, self.scalar, members.start)
 
-    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
-        """Component-major memory (N, W, T) for an answer; that of `out` where possible."""
+    def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
+        """Component-major memory (N, *W, T) for an answer; that of `out` where possible."""
         shape = self.count, self.t.shape[1]
-        return propagation.result_memory(out, name, shape, (width,), self.scalar)
+        return propagation.result_memory(out, name, shape, width, self.scalar)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
-        """Component-major memory (N, W, T) as (S, W), in `out` if it is given."""
+        """Component-major memory (N, *W, T) as (S, *W), in `out` if it is given."""
         return propagation.result(memory, out, self.scalar, 1)
 
 
@@ -182,21 +182,23 @@ class MemberRows:
             lows = None if low is None else low[place]
             yield place, MemberRows(self.count, member[place], seconds[place], lows)
 
-    def memory(self, out: FloatArray | None, name: str, width: int) -> FloatArray:
-        """Memory (W, R) for an answer; that of `out` where possible."""
+    def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
+        """Memory (*W, R) for an answer; that of `out` where possible."""
         if out is None and self.order is not None:
             # Rows are filled one by one: the numbers of each are together.
-            return np.empty((self.seconds.size, width)).T
-        return propagation.result_memory(out, name, (self.seconds.size,), (width,), False)
+            return np.moveaxis(np.empty((self.seconds.size, *width)), 0, -1)
+        return propagation.result_memory(out, name, (self.seconds.size,), width, False)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
-        """Component-major memory (W, R) as (S, W), in `out` if it is given."""
+        """Component-major memory (*W, R) as (S, *W), in `out` if it is given."""
         if out is not None:
             if len(self.shape) != 1:
                 raise AttitudeError(
                     f"out is given for rows of shape {self.shape}; give rows (R,) with out=."
                 )
             return propagation.result(memory, out, False, 0)
+        width = memory.shape[:-1]
         if memory.flags.c_contiguous:
-            return np.moveaxis(memory.reshape(len(memory), *self.shape), 0, -1)
-        return memory.T.reshape(*self.shape, len(memory))
+            split = memory.reshape(*width, *self.shape)
+            return np.moveaxis(split, range(len(width)), range(-len(width), 0))
+        return np.moveaxis(memory, -1, 0).reshape(*self.shape, *width)

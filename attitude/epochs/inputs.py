@@ -24,6 +24,7 @@ TDB is that of the geocentre unless a Time has a location, as in astropy.
 from __future__ import annotations
 
 import math
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,7 +32,7 @@ import numpy as np
 from attitude import pairs, validation
 from attitude.epochs import kinds, readers
 from attitude.epochs.instants import Instant, times
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -44,7 +45,11 @@ _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '
     "or a numpy datetime64"
 )
-_DATES_OR_SECONDS = f"plain seconds, a time Quantity or TimeDelta, or dates: {_DATES}"
+# Seconds in this range, 27.8 to 28.9 days, are Julian dates of the years 1858 to 2132 more often.
+_FIRST_JD, _LAST_JD = 2.4e6, 2.5e6
+_DATES_OR_SECONDS = (
+    f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {_DATES}'
+)
 
 
 def instant(value: Epoch, name: str = "epoch") -> Instant:
@@ -64,7 +69,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
     """
     if isinstance(value, Instant):
         return value
-    if type(value) is str:
+    if type(value) is str and value[4:5] == "-":
         return Instant(*readers.of_text(value, name))
     kind, leaves, shape = kinds.entries(value, name, _DATES)
     if kind in kinds.LENGTHS:
@@ -95,7 +100,8 @@ def seconds_since(
 
         * Plain numbers: TDB seconds since `start`, returned as they are (a float64 array is not
           copied).
-        * A time Quantity, a timedelta or timedelta64: TDB seconds since `start` in another unit.
+        * A time Quantity, text such as "3 d" or "0, 6, 12 h", a timedelta or timedelta64: TDB
+          seconds since `start` in another unit.
         * A TimeDelta: the epoch that astropy computes as start + t.  Without a scale or in TDB the
           TimeDelta counts seconds of TDB; in TAI or TT (differences of UTC times are in TAI) and
           in TCG or TCB, seconds of that scale from `start`.
@@ -126,12 +132,18 @@ def seconds_since(
         of -4712 to 9999, UT1 outside of its table, `low` of another shape or with dates.
     """
     if type(t) is np.ndarray and t.dtype == np.float64:
+        if low is None and t.size and _FIRST_JD <= t.flat[0] <= _LAST_JD:
+            _warn_of_julian_dates(t, name)
         return t, _low(low, t.shape, name)
+    if low is None and type(t) is float and _FIRST_JD <= t <= _LAST_JD:
+        _warn_of_julian_dates(np.array(t), name)
     if type(t) is float or (type(t) is int and abs(t) < 2**53):
         return np.array(t, dtype=np.float64), _low(low, (), name)
     kind, leaves, shape = kinds.entries(t, name, _DATES_OR_SECONDS)
     if kind == "number":
         hi, _ = readers.read(kind, leaves, shape, name)
+        if low is None and hi.size and _FIRST_JD <= hi.flat[0] <= _LAST_JD:
+            _warn_of_julian_dates(hi, name)
         return hi, _low(low, hi.shape, name)
     if low is not None:
         raise AttitudeError(
@@ -144,6 +156,19 @@ def seconds_since(
     assert rest is not None  # a date has both doubles
     hi, lo = pairs.add((dates, rest), -start.seconds, -start.low)
     return np.asarray(hi), np.asarray(lo)
+
+
+def _warn_of_julian_dates(t: FloatArray, name: str) -> None:
+    """AttitudeWarning if all seconds are in the range of the Julian dates of 1858 to 2132."""
+    if not np.all((t >= _FIRST_JD) & (t <= _LAST_JD)):
+        return
+    warnings.warn(
+        f"{name} is {validation.shown(float(t.flat[0]))}, taken for seconds since the epoch, but "
+        'it looks like a Julian date; give a date such as "2026-01-01" or astropy.time.Time('
+        f'{float(t.flat[0])!r}, format="jd"), or the seconds as a Quantity or with low=0.',
+        AttitudeWarning,
+        stacklevel=4,
+    )
 
 
 def past_j2000(t: Epochs, name: str = "t") -> tuple[FloatArray, FloatArray]:

@@ -13,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from attitude import validation
+from attitude import quantity_text, validation
 from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 
 # Kinds that are lengths of time; the others are epochs.
-LENGTHS: tuple[str, ...] = ("number", "duration", "TimeDelta")
+LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
 
 _TYPES = (
-    ("text", str),
     ("Instant", Instant),
     ("datetime", datetime.datetime),
     ("datetime64", np.datetime64),
@@ -106,6 +105,10 @@ def _kind(value: Any) -> str | None:
     """The kind of one entry, or None for a type that is not allowed."""
     if isinstance(value, (bool, np.bool_)):
         return None
+    if isinstance(value, str):
+        # A date of four digits begins "2026-"; other text may be a length such as "3 d".
+        is_length = value[4:5] != "-" and quantity_text.is_quantity(value)
+        return "text length" if is_length else "text"
     for kind, types in _TYPES:
         if isinstance(value, types):
             return kind

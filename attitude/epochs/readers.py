@@ -121,6 +121,12 @@ def _durations(leaves, name):
     return np.stack([np.asarray(row, dtype=np.float64) for row in rows]), None
 
 
+def _text_lengths(leaves, name):
+    """Text such as "3 d" or "0, 6, 12 h" as seconds."""
+    rows = [validation.real(leaf, name, unit="s") for leaf in leaves]
+    return _stacked([(row, row) for row in rows], name)[0], None
+
+
 _SECOND = np.timedelta64(1, "s")
 
 
@@ -274,6 +280,7 @@ def _texts(leaves, name):
 
 _READERS: dict[str, Callable[..., Any]] = {
     "number": _numbers,
+    "text length": _text_lengths,
     "duration": _durations,
     "TimeDelta": _time_deltas,
     "text": _texts,

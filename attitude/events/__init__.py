@@ -11,20 +11,24 @@
 `find_discrete`, `find_maxima` and `find_minima` are called as in skyfield: with two epochs and a
 condition or an observable.
 
-conditions     `Condition`, and what makes one; `channels`, the functions whose signs it takes
-extrema        `Observable`, `find_maxima`, `find_minima`; `peaks`, of a plain function
-discrete       `find_discrete`, of conditions and of plain functions
-moments        a motion or scene at a block of epochs; `directions` that are compared with body axes
+conditions     of axes, facets and mirrors; `attitude.conditions` has `Condition` and `Observable`
+channels       the functions whose signs they take; `directions` that are compared with body axes
+discrete       `find_discrete`, of conditions and of plain functions; `combined`, of several kinds
+extrema        `find_maxima`, `find_minima`; `peaks`, of a plain function
+windows        intervals in which a condition holds; `passes` over a site, `glints` of a mesh
+timetable      their rows, as tables; `tops`, the greatest values within intervals
 search         all sign changes of channels; `rate_bounds` of the motion, `root_finding` in brackets
-events         `Events`, the result
+levels         the epochs at which quantities pass thresholds
+events         `Events`, the result; `sources`, what is searched
 """
 
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from attitude.conditions.condition import Condition
+from attitude.conditions.observable import Observable
 from attitude.events.channels import SUN_RADIUS
 from attitude.events.conditions import (
-    Condition,
     beyond_plane,
     glint,
     illuminated,
@@ -35,29 +39,40 @@ from attitude.events.conditions import (
 from attitude.events.directions import Moving
 from attitude.events.discrete import find_discrete, shadow_state, stream
 from attitude.events.events import Events
-from attitude.events.extrema import Observable, brightness, find_maxima, find_minima, separation
+from attitude.events.extrema import brightness, find_maxima, find_minima, separation
+from attitude.events.glints import Glints, glints
+from attitude.events.passes import Passes, passes
 from attitude.events.search import TOUCH
+from attitude.events.timetable import Timetable
+from attitude.events.windows import Windows, windows
 
 __all__ = [
     "SUN_RADIUS",
     "TOUCH",
     "Condition",
     "Events",
+    "Glints",
     "Moving",
     "Observable",
+    "Passes",
+    "Timetable",
+    "Windows",
     "beyond_plane",
     "brightness",
     "find_discrete",
     "find_maxima",
     "find_minima",
     "glint",
+    "glints",
     "illuminated",
     "in_cone",
+    "passes",
     "past_meridian",
     "separation",
     "shadow_state",
     "stream",
     "visible",
+    "windows",
 ]
 
 if not TYPE_CHECKING:  # so that type checkers know that there are no other names

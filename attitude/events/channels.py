@@ -1,4 +1,4 @@
-"""Channels: smooth functions of time whose sign changes a search finds.
+"""The channels of body axes and directions: smooth functions of time.
 
 Each channel knows upper bounds of its first two derivatives, from the rates of the motion and the
 drift of its directions.
@@ -10,45 +10,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude.conditions.channel import Channel
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SUN_RADIUS_M
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import FloatArray
-    from attitude.events.moments import Drift, Moment, SearchDirection
+    from attitude.conditions.moments import Drift, Moment, SearchDirection
     from attitude.motion import RateBounds
 
 # Angular radius at 1 au of the nominal Sun, rad: 959.2 arcsec (IAU 2015 B3, 2012 B2).
 SUN_RADIUS: float = np.arcsin(SUN_RADIUS_M / ASTRONOMICAL_UNIT_M)
-
-
-class Channel:
-    """The base of all channels.
-
-    A new kind defines ``directions``, ``noise``, and the two methods.
-
-    Attributes
-    ----------
-    directions : tuple of SearchDirection
-        The directions on which the value depends.
-    noise : float
-        Rounding error of the value: smaller magnitudes have no certain sign.
-    """
-
-    directions: tuple[SearchDirection, ...]
-    noise: float
-
-    def value(self, moment: Moment) -> FloatArray:
-        """The values (N,) at a block of epochs."""
-        raise NotImplementedError(f"{type(self).__name__} defines no value")
-
-    def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
-        """Upper bounds of the first two derivatives, per second and per second squared.
-
-        From bounds for axes fixed in the body, and for each of the `directions`.
-        """
-        raise NotImplementedError(f"{type(self).__name__} defines no bounds")
 
 
 class Height(Channel):
@@ -114,13 +87,21 @@ class Mirrored(Channel):
 
     def value(self, moment: Moment) -> FloatArray:
         """r.s - cos(radius) (N,)."""
+        return self._one_minus_cosine(moment) - 0.5 * self._chord_squared(moment)
+
+    def off_mirror(self, moment: Moment) -> FloatArray:
+        """The angle (N,) between the mirrored observer and the Sun, rad."""
+        return 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(self._chord_squared(moment)), 1.0))
+
+    def _chord_squared(self, moment: Moment) -> FloatArray:
+        """|r - s|^2 (N,)."""
         sun, observer = (moment.body(each) for each in self.directions)
         twice = 2.0 * dot(observer, self._normal)
         square = np.zeros(moment.hi.shape)
         for k in range(3):
             part = twice * self._normal[k] - observer[..., k] - sun[..., k]
             square = square + part * part
-        return self._one_minus_cosine(moment) - 0.5 * square
+        return square
 
     def _one_minus_cosine(self, moment: Moment) -> FloatArray | float:
         """1 - cos(radius)."""

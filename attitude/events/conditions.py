@@ -1,122 +1,26 @@
-"""Conditions: what is true or false of an attitude at each epoch, searched by `find_discrete`.
-
-A condition is a logical function of the signs of one or several channels.
-"""
+"""The conditions of body axes, facets and mirrors, searched by `find_discrete`."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import validation
+from attitude.conditions.condition import Condition
+from attitude.conditions.logic import Both, Sign
 from attitude.errors import AttitudeError
-from attitude.events.channels import SUN_RADIUS, Channel, Cone, Height, Mirrored
+from attitude.events.channels import SUN_RADIUS, Cone, Height, Mirrored
 from attitude.events.directions import Aberrated, direction_of
-from attitude.events.moments import source_of, values_at
+from attitude.events.sources import source_of
 from attitude.validation import unit_vector
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from typing import TypeAlias
-
-    from numpy.typing import ArrayLike
-
-    from attitude.annotations import BoolArray, Epochs, FloatArray, Real, Reals
-    from attitude.epochs import Instant
+    from attitude.annotations import FloatArray, Real, Reals
+    from attitude.conditions.channel import Channel
+    from attitude.conditions.moments import Source
     from attitude.events.directions import AnyDirection, VectorFunction
-    from attitude.events.moments import AnyMotion, Moment, Source
-
-    # Whether a condition holds (N,), from the signs (N,) of its channels.
-    Logic: TypeAlias = Callable[[Sequence[BoolArray]], BoolArray]
-
-
-# Logic is made of functions and classes of this module, which can be pickled; closures cannot.
-def _first(signs: Sequence[BoolArray]) -> BoolArray:
-    return signs[0]
-
-
-def _first_two(signs: Sequence[BoolArray]) -> BoolArray:
-    return signs[0] & signs[1]
-
-
-@dataclass(frozen=True)
-class _Not:
-    """The opposite of a logic."""
-
-    logic: Logic
-
-    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
-        return ~self.logic(signs)
-
-
-@dataclass(frozen=True)
-class _Joined:
-    """Two logics joined by a function of two arrays; the first takes the first `count` signs."""
-
-    operation: Callable[[BoolArray, BoolArray], BoolArray]
-    one: Logic
-    count: int
-    other: Logic
-
-    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
-        return self.operation(self.one(signs[: self.count]), self.other(signs[self.count :]))
-
-
-class Condition:
-    """True or False at every epoch; made by `in_cone`, `glint` and the other functions here.
-
-    ``condition(t)`` evaluates it; ``&``, ``|`` and ``~`` combine conditions of the same motion or
-    scene.  Conditions can be pickled if their motion and functions can be; those of one list
-    remain conditions of one motion.
-
-    Attributes
-    ----------
-    source : Source
-        The motion or scene.
-    channels : tuple of Channel
-    """
-
-    def __init__(self, source: Source, channels: Sequence[Channel], logic: Logic) -> None:
-        self.source, self.channels, self._logic = source, tuple(channels), logic
-
-    @property
-    def epoch(self) -> Instant:
-        """The epoch of the motion, from which plain seconds count."""
-        return self.source.epoch
-
-    def __call__(self, t: Epochs, low: ArrayLike | None = None) -> BoolArray:
-        """Whether the condition holds at epochs of any shape, as ``motion.at`` takes them."""
-        return values_at(self.source, lambda moment: self.states(self.signs(moment)), t, low)
-
-    def signs(self, moment: Moment) -> list[BoolArray]:
-        """For each channel, whether its values (N,) are not negative."""
-        return [channel.value(moment) >= 0.0 for channel in self.channels]
-
-    def states(self, signs: Sequence[BoolArray]) -> BoolArray:
-        """Whether the condition holds (N,), from the signs of the channels."""
-        return self._logic(signs)
-
-    def __and__(self, other: Condition) -> Condition:
-        return self._joined(other, np.logical_and)
-
-    def __or__(self, other: Condition) -> Condition:
-        return self._joined(other, np.logical_or)
-
-    def __invert__(self) -> Condition:
-        return Condition(self.source, self.channels, _Not(self._logic))
-
-    def _joined(
-        self, other: Condition, operation: Callable[[BoolArray, BoolArray], BoolArray]
-    ) -> Condition:
-        if not isinstance(other, Condition) or not same_source(self.source, other.source):
-            raise AttitudeError(
-                "only conditions of the same motion or scene can be combined with & and |; make "
-                "both from one."
-            )
-        logic = _Joined(operation, self._logic, len(self.channels), other._logic)
-        return Condition(self.source, self.channels + other.channels, logic)
+    from attitude.events.sources import AnyMotion
 
 
 def in_cone(motion: AnyMotion, axis: Reals, direction: AnyDirection, half_angle: Real) -> Condition:
@@ -222,9 +126,9 @@ def past_meridian(
     """
     source = source_of(motion)
     if pole is None:
-        if source.motion.momentum is None:
+        if source.turning.momentum is None:
             raise AttitudeError("this motion has no constant momentum; give a pole.")
-        pole = source.motion.momentum
+        pole = source.turning.momentum
     east = np.cross(unit_vector(pole, "pole"), unit_vector(direction, "direction"))
     if not np.sqrt(east @ east) > 1e-12:
         raise AttitudeError("direction is along the pole, which is on no meridian; give another.")
@@ -287,21 +191,14 @@ def glint(
         to_observer = Aberrated(to_observer, velocity, source, sent=True)
     unit = unit_vector(normal, "normal")
     channels = Mirrored(unit, to_sun, to_observer, radius), Height(unit, to_observer)
-    return Condition(source, channels, _first_two)
-
-
-def same_source(one: Source, other: Source) -> bool:
-    """Whether two sources are of the same motion or scene object."""
-    if one.scene is not None or other.scene is not None:
-        return one.scene is other.scene
-    return one.motion is other.motion
+    return Condition(source, channels, Both(Sign(0), Sign(1)))
 
 
 def axis_or_long(axis: Reals | None, source: Source) -> FloatArray:
     """The unit vector (3,) along a body axis; for None, the axis of least moment of inertia."""
     if axis is not None:
         return unit_vector(axis, "axis")
-    body = source.motion.body
+    body = source.turning.body
     if body is None:
         raise AttitudeError(
             "axis is None, the long axis, but this motion has no body from which it follows; give "
@@ -311,4 +208,4 @@ def axis_or_long(axis: Reals | None, source: Source) -> FloatArray:
 
 
 def _of_one(source: Source, channel: Channel) -> Condition:
-    return Condition(source, (channel,), _first)
+    return Condition(source, (channel,), Sign(0))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import paths, validation
+from attitude.conditions.moments import Drift, SearchDirection, lengths
 from attitude.errors import AttitudeError
-from attitude.events.moments import Drift, SearchDirection, lengths
 from attitude.paths.uniform import Direction
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.validation import unit_vector
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import FloatArray, Real, Reals
-    from attitude.events.moments import Moment, Pair, Source
+    from attitude.conditions.moments import Moment, Pair, Source
     from attitude.scene.view import View
 
     # Vectors (N, 3) at seconds (N,) since the epoch of the motion.

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import epochs, validation
+from attitude.conditions.condition import Condition, Joinable, condition_of
 from attitude.errors import AttitudeError
-from attitude.events.conditions import Condition
+from attitude.events.combined import changed, channels_of, one_source, sign_changes
 from attitude.events.events import Events
-from attitude.events.search import crossings, difference, one_source
+from attitude.events.search import difference
 from attitude.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epoch, EpochOrSeconds, FloatArray, IntArray, Real
-    from attitude.events.channels import Channel
-    from attitude.events.moments import Pair
+    from attitude.conditions.moments import Pair
 
     # A state (N,) at seconds (N,).
     StateFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
@@ -33,7 +33,7 @@ _BLOCK = 8192
 def find_discrete(
     start: EpochOrSeconds,
     stop: EpochOrSeconds,
-    f: Condition | Sequence[Condition] | StateFunction,
+    f: Joinable | Sequence[Joinable] | StateFunction,
     *,
     step: Real | None = None,
     epoch: Epoch | None = None,
@@ -77,7 +77,7 @@ def find_discrete(
     known at epochs only (tables, torques), and for directions by functions without bounds, the
     rates are estimated from samples.
     """
-    if not isinstance(f, Condition) and callable(f):
+    if isinstance(f, ShadowState) or (not isinstance(f, Joinable) and callable(f)):
         return _of_function(start, stop, f, step, epoch, tolerance)
     if step is not None or epoch is not None or tolerance is not None:
         raise AttitudeError(
@@ -85,12 +85,12 @@ def find_discrete(
             "out."
         )
     parts = list(stream(start, stop, f))
-    conditions = [f] if isinstance(f, Condition) else f
-    return Events.joined(conditions[0].epoch, parts)
+    first = f if isinstance(f, Joinable) else f[0]
+    return Events.joined(first.condition.epoch, parts)
 
 
 def stream(
-    start: EpochOrSeconds, stop: EpochOrSeconds, f: Condition | Sequence[Condition]
+    start: EpochOrSeconds, stop: EpochOrSeconds, f: Joinable | Sequence[Joinable]
 ) -> Iterator[Events]:
     """The events of `find_discrete` block by block, for spans with more events than memory holds.
 
@@ -104,33 +104,29 @@ def stream(
     Events
         In order of time.
     """
-    if not isinstance(f, (Condition, list, tuple)):
+    if not isinstance(f, (Joinable, list, tuple)):
         raise AttitudeError(
             f"f is {f!r}; give a Condition, such as events.in_cone(...), a list of them, or a "
             "function of seconds."
         )
-    conditions = [f] if isinstance(f, Condition) else list(f)
-    if not conditions:
+    given = [f] if isinstance(f, Joinable) else list(f)
+    if not given:
         raise AttitudeError("the list of conditions is empty; give one or more.")
+    conditions = [condition_of(each, "the list of conditions") for each in given]
     source = one_source(conditions)
     begin, end = span(source.epoch, start, stop)
-    channels: list[Channel] = []
-    for each in conditions:
-        channels += each.channels
-    # The condition of each channel, and the first channel of each condition.
-    count = [len(each.channels) for each in conditions]
-    owner = np.repeat(np.arange(len(conditions)), count)
-    offset = np.cumsum([0, *count[:-1]])
-    for hi, lo, channel, rising in crossings(source, channels, begin, end):
-        which = owner[channel]
-        values, kept = np.zeros(len(hi), bool), np.zeros(len(hi), bool)
-        for k in np.unique(which):
-            here = np.flatnonzero(which == k)
-            own = channel[here] - offset[k]
-            moment = source.at(hi[here], lo[here])
-            kept[here], values[here] = _changes(conditions[k], moment, own, rising[here])
-        if np.any(kept):
-            yield Events(source.epoch, hi[kept], lo[kept], values[kept], which[kept])
+    channels = channels_of(conditions)
+    for hi, lo, number, rising in sign_changes(conditions, channels, begin, end):
+        if not len(hi):
+            continue
+        moment = source.at(hi, lo)
+        found = [changed(each, channels, moment, number, rising) for each in conditions]
+        which, row = np.nonzero([kept for kept, _ in found])
+        if len(row):
+            order = np.lexsort((which, row))
+            which, row = which[order], row[order]
+            values = np.array([after for _, after in found])[which, row]
+            yield Events(source.epoch, hi[row], lo[row], values, which)
 
 
 def shadow_state(lit: Scene | StateFunction) -> ShadowState:
@@ -155,8 +151,10 @@ def shadow_state(lit: Scene | StateFunction) -> ShadowState:
     return ShadowState(lit)
 
 
-class ShadowState:
+class ShadowState(Joinable):
     """0 in full light, 1 in penumbra, 2 in umbra, at seconds (N,); made by `shadow_state`.
+
+    That of a Scene stands for the condition that the body is in shadow: penumbra or umbra.
 
     Attributes
     ----------
@@ -174,19 +172,21 @@ class ShadowState:
         fraction = np.asarray(lit, dtype=np.float64)
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
 
+    @property
+    def condition(self) -> Condition:
+        """The condition that a part of the Sun's disc is hidden.
 
-def _changes(condition, moment, channel, rising):
-    """For crossings of one channel each: whether they change the condition, and the new states."""
-    if len(condition.channels) == 1:
-        after = condition.states([rising])
-        return np.ones(len(rising), bool), after
-    signs = condition.signs(moment)
-    before, after = [s.copy() for s in signs], [s.copy() for s in signs]
-    for k in range(len(signs)):
-        before[k][channel == k] = ~rising[channel == k]
-        after[k][channel == k] = rising[channel == k]
-    after = condition.states(after)
-    return condition.states(before) != after, after
+        Raises
+        ------
+        AttitudeError
+            For a shadow by a function of seconds.
+        """
+        if not isinstance(self.lit, Scene):
+            raise AttitudeError(
+                "the shadow is a function of seconds, which has no scene; give a Scene to "
+                "shadow_state to combine it with other conditions."
+            )
+        return self.lit.quantity("lit_fraction") < 1.0
 
 
 def span(epoch: epochs.Instant, start: EpochOrSeconds, stop: EpochOrSeconds) -> tuple[Pair, Pair]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray, IntArray
+    from attitude.flat_table import FlatTable
 
 
 class Events(Immutable):
@@ -34,6 +35,8 @@ class Events(Immutable):
         value that is reached, in the unit of the quantity.
     which : (N,) array of int
         Index of the condition, if several were searched at once; otherwise zeros.
+    unit : str
+        Of the values of extrema; "" for states.
     """
 
     epoch: epochs.Instant | None
@@ -41,6 +44,7 @@ class Events(Immutable):
     low: FloatArray
     values: NDArray[Any]
     which: IntArray
+    unit: str
 
     def __init__(
         self,
@@ -49,7 +53,9 @@ class Events(Immutable):
         low: FloatArray,
         values: NDArray[Any],
         which: IntArray | None = None,
+        unit: str = "",
     ) -> None:
+        self._set("unit", unit)
         self._set("epoch", epoch)
         self._set("seconds", frozen(seconds))
         self._set("low", frozen(low))
@@ -58,13 +64,18 @@ class Events(Immutable):
 
     @classmethod
     def joined(
-        cls, epoch: epochs.Instant | None, parts: Sequence[Events], kind: type = bool
+        cls,
+        epoch: epochs.Instant | None,
+        parts: Sequence[Events],
+        kind: type = bool,
+        unit: str = "",
     ) -> Events:
         """The events of successive searches in one object; without any, values of a given type."""
         if not parts:
-            return cls(epoch, np.zeros(0), np.zeros(0), np.zeros(0, kind), np.zeros(0, int))
+            return cls(epoch, np.zeros(0), np.zeros(0), np.zeros(0, kind), None, unit)
         columns = zip(*((p.seconds, p.low, p.values, p.which) for p in parts), strict=True)
-        return cls(epoch, *(np.concatenate(column) for column in columns))
+        seconds, low, values, which = (np.concatenate(column) for column in columns)
+        return cls(epoch, seconds, low, values, which, unit)
 
     @cached_property
     def time(self) -> Time:
@@ -93,7 +104,12 @@ class Events(Immutable):
         """Some of the events: events[:10], events[events.values], events[events.which == 2]."""
         index = np.atleast_1d(np.arange(len(self))[index])
         return Events(
-            self.epoch, self.seconds[index], self.low[index], self.values[index], self.which[index]
+            self.epoch,
+            self.seconds[index],
+            self.low[index],
+            self.values[index],
+            self.which[index],
+            self.unit,
         )
 
     def at(self, source: Any) -> Any:
@@ -120,6 +136,32 @@ class Events(Immutable):
             )
         begins = np.flatnonzero(self.values[:-1] & ~self.values[1:])
         return np.stack([self.seconds[begins], self.seconds[begins + 1]], axis=-1)
+
+    def table(self) -> FlatTable:
+        """An astropy QTable: time (UTC), value, and which of several conditions.
+
+        ``.write("x.ecsv")`` keeps times and units; ``.write("x.csv")`` has the numbers alone.
+
+        Raises
+        ------
+        AttitudeError
+            If `epoch` is None.
+        """
+        from astropy.units import Unit
+
+        from attitude.flat_table import FlatTable
+
+        time = self.time.utc
+        time.format = "isot"
+        found = FlatTable({"time": time}, meta={"times": "UTC"})
+        found["value"] = self.values * Unit(self.unit) if self.unit else np.array(self.values)
+        if np.any(self.which):
+            found["which"] = np.array(self.which)
+        return found
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame of `table`; AttitudeError if pandas is not installed."""
+        return self.table().to_pandas()
 
     def __repr__(self) -> str:
         start = "" if self.epoch is None else f" from {self.epoch.utc_iso} UTC"

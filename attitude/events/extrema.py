@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import validation
+from attitude.conditions.channel import Channel
+from attitude.conditions.observable import Observable
 from attitude.errors import AttitudeError
-from attitude.events.channels import Channel, chord_squared, dot, turning
+from attitude.events.channels import chord_squared, dot, turning
 from attitude.events.conditions import axis_or_long
 from attitude.events.directions import Fixed, direction_of
 from attitude.events.discrete import plain_span, plain_step, span
 from attitude.events.events import Events
-from attitude.events.moments import source_of, values_at
 from attitude.events.peaks import peaks
 from attitude.events.rate_bounds import Sampled, pieces
 from attitude.events.search import crossings
+from attitude.events.sources import source_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -25,10 +26,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epoch, EpochOrSeconds, Epochs, FloatArray, Real, Reals
+    from attitude.annotations import Epoch, EpochOrSeconds, FloatArray, Real, Reals
+    from attitude.conditions.moments import Drift, Moment, Pair, SearchDirection
     from attitude.epochs import Instant
     from attitude.events.directions import AnyDirection
-    from attitude.events.moments import AnyMotion, Drift, Moment, Pair, SearchDirection, Source
+    from attitude.events.sources import AnyMotion
     from attitude.motion import RateBounds
     from attitude.scene.scene import Scene
 
@@ -40,38 +42,6 @@ _SPACING = 0.05
 # Derivatives by differences: 6th order over this many rad of the fastest rotation.
 _STENCIL = 4e-3
 _WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
-
-
-class Observable:
-    """A number at every epoch, whose extrema `find_maxima` and `find_minima` find.
-
-    Made by `separation` and `brightness`; ``observable(t)`` evaluates it.  Can be pickled if its
-    motion can be.
-
-    Attributes
-    ----------
-    source : Source
-        The motion or scene.
-    slope : Channel or None
-        A channel with the sign of the derivative.
-    """
-
-    def __init__(
-        self,
-        source: Source,
-        value: Callable[[Moment], FloatArray],
-        slope: Channel | None = None,
-    ) -> None:
-        self.source, self._value, self.slope = source, value, slope
-
-    @property
-    def epoch(self) -> Instant:
-        """The epoch of the motion, from which plain seconds count."""
-        return self.source.epoch
-
-    def __call__(self, t: Epochs, low: ArrayLike | None = None) -> FloatArray:
-        """The values at epochs of any shape, as ``motion.at`` takes them."""
-        return values_at(self.source, self._value, t, low)
 
 
 def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -> Observable:
@@ -94,7 +64,7 @@ def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -
     source = source_of(motion)
     unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
-    return Observable(source, _Angle(unit, seen), Receding(unit, seen))
+    return Observable(source, _Angle(unit, seen), Receding(unit, seen), unit="rad")
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +95,8 @@ def brightness(scene: Scene) -> Observable:
             f"{type(scene).__name__} is given, which has no brightness; give a Scene with a shape, "
             "or a function of seconds to the search."
         )
-    return Observable(source, _lit_brightness if source.scene.shadow_of else _full_brightness)
+    lit = _lit_brightness if source.scene.shadow_of else _full_brightness
+    return Observable(source, lit, unit="m2 / sr")
 
 
 def _full_brightness(moment: Moment) -> FloatArray:
@@ -216,16 +187,15 @@ def _extrema(
     if epoch is not None:
         raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
     begin, end = span(f.source.epoch, start, stop)
-    limit = pieces(f.source, begin, end)[0][2]
-    # Interpolated attitudes have kinks: there the slope has no bounded derivative.
-    has_kinks = isinstance(limit, Sampled) and not limit.smooth
-    if step is None and f.slope is not None and not has_kinks:
-        return Events.joined(f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float)
-    if step is None:
-        rate = limit.guess(f.source, begin)
-        step = _SPACING / rate if rate > 0.0 else max(end[0] - begin[0], 1.0) / 64.0
-    spacing = validation.positive(step, "step", unit="s")
-    return _joined(f.epoch, peaks(f, begin, end, spacing, sign))
+    if step is None and f.slope is not None:
+        # Interpolated attitudes have kinks: there the slope has no bounded derivative.
+        limit = pieces(f.source, begin, end)[0][2]
+        if not isinstance(limit, Sampled) or limit.smooth:
+            return Events.joined(
+                f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float, f.unit
+            )
+    spacing = f.spacing(begin, end) if step is None else plain_step(step)
+    return _joined(f.epoch, peaks(f, begin, end, spacing, sign), f.unit)
 
 
 def _by_slope(
@@ -239,10 +209,12 @@ def _by_slope(
 
 
 def _joined(
-    epoch: Instant | None, found: Iterable[tuple[FloatArray, FloatArray, FloatArray]]
+    epoch: Instant | None,
+    found: Iterable[tuple[FloatArray, FloatArray, FloatArray]],
+    unit: str = "",
 ) -> Events:
     parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
-    return Events.joined(epoch, parts, float)
+    return Events.joined(epoch, parts, float, unit)
 
 
 class Receding(Channel):

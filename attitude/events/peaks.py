@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import FloatArray
-    from attitude.events.moments import Pair
+    from attitude.conditions.moments import Pair
 
 _BLOCK = 8192
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)

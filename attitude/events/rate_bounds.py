@@ -17,7 +17,7 @@ from attitude.motion import Motion, RateBounds
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
-    from attitude.events.moments import Moment, Pair, Source
+    from attitude.conditions.moments import Moment, Pair, Source
 
 # Samples 0.25 rad apart show the largest rate of a smooth motion to a few percent.
 _MARGIN = 1.25
@@ -87,7 +87,7 @@ def pieces(source: Source, start: Pair, stop: Pair) -> list[tuple[Pair, Pair, Bo
     seen a light time later: there the rate of the fastest arc bounds the whole span, and the
     derivatives that jump have no bound.
     """
-    motion = source.motion
+    motion = source.turning
     joints = motion.joints
     if motion.rate_bounds(start[0]) is None:
         return [(start, stop, Sampled(motion.smooth))]

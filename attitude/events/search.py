@@ -24,7 +24,6 @@ import numpy as np
 
 from attitude import pairs
 from attitude.errors import AttitudeError
-from attitude.events.conditions import Condition, same_source
 from attitude.events.rate_bounds import pieces
 from attitude.events.root_finding import refined
 from attitude.motion import RateBounds
@@ -33,8 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from attitude.annotations import BoolArray, FloatArray, IntArray
-    from attitude.events.channels import Channel
-    from attitude.events.moments import Moment, Pair, Source
+    from attitude.conditions.channel import Channel
+    from attitude.conditions.moments import Moment, Pair, Source
 
 # Pairs of crossings nearer to each other than this, in rad of the fastest rotation, may be missed.
 TOUCH: Final = 1e-6
@@ -221,24 +220,3 @@ def difference(start: Pair, stop: Pair) -> float:
     """stop - start, rounded once."""
     hi, lo = pairs.add(stop, -start[0], -start[1])
     return float(hi + lo)
-
-
-def one_source(conditions: Sequence[Condition]) -> Source:
-    """The source that all conditions share.
-
-    Raises
-    ------
-    AttitudeError
-        For entries that are not conditions, and conditions of different motions.
-    """
-    for each in conditions:
-        if not isinstance(each, Condition):
-            raise AttitudeError(
-                f"the list of conditions holds {type(each).__name__}; give conditions, such as "
-                "events.in_cone(...), only."
-            )
-        if not same_source(each.source, conditions[0].source):
-            raise AttitudeError(
-                "the conditions are of different motions; search each motion separately."
-            )
-    return conditions[0].source

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -42,7 +40,7 @@ def numbers(history: AttitudeHistory, *, rates: bool, sigma: bool = False) -> li
     if sigma:
         # First the one from which the other one follows.
         of_rates = history.sigma_angular_velocity.T if rates else ()
-        columns += [*np.degrees(history.sigma).T, *of_rates]
+        columns += [*history.sigma.T, *of_rates]
     return columns
 
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from attitude.axes.axes import named
 from attitude.formats import csv_rows
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
-from attitude.formats.ccsds.axes import named
 from attitude.formats.csv_rows import ATTITUDE, RATES
 from attitude.formats.rows import Rows
 from attitude.textfiles.atomic_write import written_whole

@@ -14,9 +14,10 @@
     step = "1 s"
 
 ==============  ====================================================================================
-spin            A spin file, APM or DAMIT spin file; or ``{ catalog = "Apophis", ... }`` with the
-                values that the entry lacks, as `catalog.load` takes them; or sections [body] and
-                [spin] as in a spin file.  Left out if no column needs a rotation.
+spin            A spin file, APM or DAMIT spin file; a name in the catalogue ("4179 Toutatis"), or
+                ``{ catalog = "Apophis", ... }`` with the values that the entry lacks, as
+                `catalog.load` takes them; or sections [body] and [spin] as in a spin file.  Left
+                out if no column needs a rotation.
 errors          Section [errors] as in a spin file; it replaces the errors of the spin file.
 center          The place of the centre of mass.
 observer, sun   Places; "earth" and "sun" by default.
@@ -50,13 +51,13 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from attitude import paths, validation
+from attitude import catalog, paths, quantity_text, validation
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file, spin_sections, state
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.paths.solar_system import SOURCES
 from attitude.scene import Scene, View
-from attitude.textfiles import quantities, toml
+from attitude.textfiles import toml
 from attitude.textfiles.toml import refuse_unknown, text_of, way_of
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class MissionColumn:
             return 1.0
         from astropy.units import Unit
 
-        return float(Unit(own).to(quantities.unit_of(self.unit, "columns")))
+        return float(Unit(own).to(quantity_text.unit_of(self.unit, "columns")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +217,7 @@ def column(text: str) -> MissionColumn:
     if unit and unit != own:
         from astropy import units
 
-        if not own or not units.Unit(own).is_equivalent(quantities.unit_of(unit, "columns")):
+        if not own or not units.Unit(own).is_equivalent(quantity_text.unit_of(unit, "columns")):
             raise AttitudeError(
                 f"columns holds {text!r}, but {name} is "
                 + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
@@ -258,16 +259,19 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
     if given is None:
         return None
     if isinstance(given, str):
-        return state.read(_file(given, folder, "spin")).motion
+        return _named(given, folder)
     if isinstance(given, dict) and isinstance(given["catalog"], str):
-        from attitude import catalog
-
         rest = {key: value for key, value in given.items() if key != "catalog"}
         return catalog.entry(given["catalog"]).motion(**rest)
-    raise AttitudeError(
-        f'spin is {given!r}; give the name of a spin file, {{ catalog = "name", ... }}, or the '
-        "sections [body] and [spin]."
-    )
+    ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
+    raise AttitudeError(f"spin is {given!r}; give {ways}.")
+
+
+def _named(given: str, folder: str) -> FreeRotation:
+    """The motion of a file, or of an entry of the catalogue if no file has the name."""
+    if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
+        return catalog.entry(given).motion()
+    return state.read(_file(given, folder, "spin")).motion
 
 
 def _place(given: Any, name: str, folder: str) -> Any:
@@ -310,8 +314,7 @@ def _kepler(value: Any, name: str) -> Place:
 
 def _pair(value: Any, name: str) -> list[float]:
     """Longitude and latitude in rad."""
-    found = quantities.in_unit(value, name, "rad") if isinstance(value, str) else value
-    found = validation.real(found, name, unit="rad")
+    found = validation.real(value, name, unit="rad")
     if found.shape != (2,):
         raise AttitudeError(
             f'{name} is {value!r}; give longitude and latitude, as in "15.49, 47.07 deg".'

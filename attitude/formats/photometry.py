@@ -31,7 +31,6 @@ import numpy as np
 from attitude import scattering, shape, validation
 from attitude.errors import AttitudeError
 from attitude.light_curve import magnitudes
-from attitude.textfiles import quantities
 from attitude.textfiles.toml import refuse_unknown, way_of
 
 if TYPE_CHECKING:
@@ -83,12 +82,20 @@ class MagnitudeScale:
     sun_distance: float | None = None
     observer_distance: float | None = None
 
-    def of(self, view: View) -> FloatArray:
-        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen."""
+    def of(self, view: View, *, everywhere: bool = False) -> FloatArray:
+        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen.
+
+        NaN where a ground site does not observe it (`View.is_observable`), unless `everywhere`, or
+        the scene has site_limits=False.
+        """
+        found = self._everywhere(view)
+        return found if everywhere else view.as_observed(found)
+
+    def _everywhere(self, view: View) -> FloatArray:
         if self.kind == "reduced":
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
-            return view.magnitude
+            return view.magnitude_everywhere
         given = self.sun_distance, self.observer_distance
         sun = view.sun_distance if given[0] is None else given[0]
         observer = view.observer_distance if given[1] is None else given[1]
@@ -363,7 +370,5 @@ def _table(
 
 
 def _number(value: Any, name: str, unit: str | None) -> Any:
-    """A number or list of a file, or text with a unit, as a float or an array in the unit."""
-    if isinstance(value, str):
-        return quantities.in_unit(value, name, unit)[()]
+    """A number, a list or a text of a file, as a float or an array in the unit."""
     return validation.real(value, name, unit=unit)[()]

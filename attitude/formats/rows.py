@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import FloatArray, IntArray
+    from attitude.axes.axes import Axes
     from attitude.epochs import Instant
     from attitude.formats.ccsds.attitude_types import Convention
-    from attitude.formats.ccsds.axes import Axes
     from attitude.history import AttitudeHistory
     from attitude.paths.path import Path
     from attitude.textfiles.lines import Fault

@@ -18,9 +18,9 @@ from attitude import epochs, pairs, quaternion
 from attitude import representations as forms
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.formats.sources import Records
-from attitude.motion import motion_of
 from attitude.textfiles.atomic_write import made_whole
 
 if TYPE_CHECKING:

@@ -13,9 +13,10 @@ import numpy as np
 
 from attitude import epochs, pairs
 from attitude.attitude_table.table import AttitudeTable
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.history import AttitudeHistory
-from attitude.motion import Motion, motion_of
+from attitude.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -24,11 +24,15 @@
 
 =========  =========================================================================================
 [body]     ``moments`` (three), or ``tensor`` (three rows), or ``ellipsoid`` (three semi-axes), or
-           ``masses`` with ``positions``; as in `Body`, `Body.from_ellipsoid`, `Body.from_points`.
+           ``masses`` with ``positions``; as in `Body`, `Body.from_ellipsoid`, `Body.from_points`;
+           or the ratios of papers, ``A_over_C`` with ``B_over_C``.
            ``mass``, ``center_of_mass``; ``relative = true`` where the unit of inertia is unknown.
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
-           ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.
+           ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.  Or a
+           published state, as of `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
+           ("L", "S"), ``P_psi``, ``P_phi``, ``pole`` (longitude, latitude in ``frame``, "ecliptic"
+           if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates.
 [errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
            the unit of the body); or ``covariance``, nine or six rows as of `Spin`, in rad, rad/s

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from attitude import epochs, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.published.dynamic_inertia import moments_from_ratios
 from attitude.sensitivities import covariance as covariances
 from attitude.spin import Spin
-from attitude.textfiles import quantities
 from attitude.textfiles.toml import listed, refuse_unknown
 
 if TYPE_CHECKING:
@@ -25,9 +25,14 @@ _BODIES = {
     "tensor": ((), ("mass", "relative", "center_of_mass")),
     "ellipsoid": ((), ("mass",)),
     "masses": (("positions",), ("relative",)),
+    "A_over_C": (("B_over_C",), ()),
 }
 _ATTITUDES = {"wxyz": ((), ()), "matrix": ((), ()), "sequence": (("angles",), ())}
 _SPIN = ("epoch", "angular_velocity")
+# Keys of a published state, with their units; those that may be left out.
+_PUBLISHED = {"P_psi": "s", "P_phi": "s", "pole": "rad", "phi0": "rad", "psi0": "rad"}
+_PUBLISHED_WORDS = ("mode", "convention")
+_OF_PUBLISHED = ("theta_branch", "frame")
 _ERRORS = ("attitude", "angular_velocity", "moments")
 _FLOAT = r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?"
 _TWO_DOUBLES = re.compile(rf"({_FLOAT}) \+ ({_FLOAT}) s TDB since J2000")
@@ -38,6 +43,14 @@ _EXAMPLES = {
     "angles": '"145.498, 65.865, 241.524 deg"',
     "masses": '["1 kg", "2 kg"]',
     "positions": '["0, 0, 1 m", "0, 1, 0 m"]',
+    "B_over_C": "0.965",
+    "mode": '"SAM"',
+    "convention": '"S"',
+    "P_psi": '"263 h"',
+    "P_phi": '"27.38 h"',
+    "pole": '"250, -75 deg"',
+    "phi0": '"152 deg"',
+    "psi0": '"14 deg"',
 }
 
 
@@ -51,7 +64,10 @@ def body_and_spin(content: Mapping[str, Any]) -> tuple[Body, Spin]:
         and `Spin`.
     """
     body = _body(_section(content, "body"))
-    return body, with_errors(content, body, _spin(_section(content, "spin")))
+    section = _section(content, "spin")
+    published = any(key in section for key in (*_PUBLISHED, *_PUBLISHED_WORDS))
+    spin = _published(section, body) if published else _spin(section)
+    return body, with_errors(content, body, spin)
 
 
 def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
@@ -103,6 +119,9 @@ def _body(section):
     if way == "ellipsoid":
         axes = _numbers(section, "body", "ellipsoid", (3,), "m" if extra else None)
         return Body.from_ellipsoid(axes, **extra)
+    if way == "A_over_C":
+        ratios = (_numbers(section, "body", key, (), None) for key in ("A_over_C", "B_over_C"))
+        return Body(moments=moments_from_ratios(*map(float, ratios)), relative=True)
     masses = _numbers(section, "body", "masses", None, None if relative else "kg")
     positions = _numbers(section, "body", "positions", (..., 3), length)
     return Body.from_points(masses, positions, relative=relative)
@@ -124,6 +143,31 @@ def _spin(section):
         return Spin.from_matrix(matrix=_numbers(section, "spin", "matrix", (3, 3), None), **given)
     angles = _numbers(section, "spin", "angles", (3,), "rad")
     return Spin.from_euler(sequence=section["sequence"], angles=angles, **given)
+
+
+def _published(section, body):
+    """The Spin of a state as papers print it: mode, convention, periods, pole, angles."""
+    needed = (*_PUBLISHED_WORDS, *_PUBLISHED, "epoch")
+    refuse_unknown(section, (*needed, *_OF_PUBLISHED, *_ATTITUDES, *_SPIN), "[spin]")
+    for key in (*_ATTITUDES, "angular_velocity"):
+        if key in section:
+            raise AttitudeError(
+                f"[spin] {key} does not go with a published state (mode, convention, P_psi ...); "
+                "leave one of them out."
+            )
+    for key in needed:
+        if key not in section:
+            raise AttitudeError(_lacking("spin", key))
+    shapes = {"pole": (2,)}
+    numbers = {
+        key: _numbers(section, "spin", key, shapes.get(key, ()), unit)
+        for key, unit in _PUBLISHED.items()
+    }
+    given = {key: each if key == "pole" else float(each) for key, each in numbers.items()}
+    for key in (*_PUBLISHED_WORDS, *_OF_PUBLISHED):
+        if key in section:
+            given[key] = section[key]
+    return Spin.from_periods(body, epoch=_epoch(section["epoch"]), **given)
 
 
 def _section(content, name):
@@ -194,7 +238,7 @@ def _numbers(section, where, key, shape, unit):
 def _converted(value, name, unit):
     """A number, a text or nested lists of them as floats in the unit."""
     if isinstance(value, str):
-        return quantities.in_unit(value, name, unit).tolist()
+        return validation.real(value, name, unit=unit).tolist()
     if isinstance(value, list):
         kinds = {_kind(each) for each in value}
         if len(kinds) > 1:

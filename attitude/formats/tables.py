@@ -160,7 +160,7 @@ def columns_of(path: FilePath) -> Table:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:200] or type(err).__name__
-        raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from err
+        raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from None
 
 
 def _of_ecsv(path):
@@ -360,7 +360,7 @@ def _columns(table, name, names, origin, unit):
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError) as err:  # from astropy, for unknown units
         reason = " ".join(str(err).split())[:200]
-        raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from err
+        raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from None
 
 
 def _plain(column, unit):

@@ -13,8 +13,9 @@ from attitude import evaluation, frames, published, quaternion, validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import polhode, predictability, rate_bounds
-from attitude.free_rotation.normal_form import NormalForm
+from attitude.free_rotation.other_epoch import OtherEpochs
 from attitude.immutable import frozen
+from attitude.memory import new_array
 from attitude.published import conventions
 from attitude.regime import Mode, regime_of
 from attitude.spin import Spin
@@ -22,7 +23,7 @@ from attitude.spin import Spin
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import Epochs, FloatArray, Real, Reals
+    from attitude.annotations import EpochOrSeconds, Epochs, FloatArray, Real, Reals
     from attitude.epochs.instants import Instant
     from attitude.motion import RateBounds
     from attitude.published.published import Published
@@ -34,7 +35,7 @@ _ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FreeRotation(NormalForm):
+class FreeRotation(OtherEpochs):
     """Torque-free motion of a rigid body, in closed form.
 
     Parameters
@@ -79,6 +80,7 @@ class FreeRotation(NormalForm):
     # Without field(), dataclass takes None, the class attribute of Motion, as the default.
     body: Body = field()
     spin: Spin = field()
+    _value = ("body", "spin")
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
@@ -166,7 +168,9 @@ class FreeRotation(NormalForm):
         """The `Regime` of the motion: E/E0, periods in both conventions, ranges, times."""
         return regime_of(self.body.moments_as_pairs[None], self._constants)
 
-    def published(self, convention: str, frame: str | None = None) -> Published:
+    def published(
+        self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
+    ) -> Published:
         """The motion in the form of papers: mode, periods, pole, angles at the epoch.
 
         Parameters
@@ -175,6 +179,8 @@ class FreeRotation(NormalForm):
             Whether phi is the angle of the long or of the short axis about the momentum.
         frame : str, optional
             Of the pole; by default the frame of the spin.
+        at : epoch or seconds, optional
+            Epoch of the angles; that of the spin by default.
 
         Returns
         -------
@@ -186,6 +192,8 @@ class FreeRotation(NormalForm):
         AttitudeError
             For a body at rest, and an unknown convention or frame.
         """
+        if at is not None:
+            return FreeRotation(self.body, self.spin_at(at)).published(convention, frame)
         frame = self.spin.frame if frame is None else frames.known(frame)
         wxyz = quaternion.multiply(
             quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.spin.wxyz_icrf
@@ -368,8 +376,8 @@ class FreeRotation(NormalForm):
         # frozen: a new view each, also of the caller's array
         t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
         t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
-        wxyz = np.empty((1, 4, t.size))
-        omega = np.empty((1, 3, t.size)) if order else None
+        wxyz = new_array(1, 4, t.size)
+        omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
         found = [wxyz[0].T.reshape(*shape, 4)]
         if omega is not None:

@@ -23,7 +23,6 @@ many_starts            Levenberg and Marquardt's iteration from many starts, com
 normal_form_series     attitudes and derivatives from the five elements of a motion, compiled
 ellipsoid_magnitudes   magnitudes of an ellipsoid with all derivatives, compiled
 moments_of_elements    moments of inertia from elements in closed form, compiled
-transforms, pair_scan  Fourier series in pairs of frequencies by closed normal equations
 """
 
 from attitude.inversion.curve import LightCurve

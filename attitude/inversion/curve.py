@@ -11,7 +11,9 @@ from attitude import epochs, frames, validation
 from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
+from attitude.photometry.table import numbered
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude.spectrum.samples import HasSamples, Samples
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -33,7 +35,7 @@ _WAYS = "sun= and observer= (vectors from the body), scene=, or path= with site=
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class LightCurve(Immutable):
+class LightCurve(Immutable, HasSamples):
     """Magnitudes of a body with the geometry of each.
 
     Parameters
@@ -145,7 +147,7 @@ class LightCurve(Immutable):
         left = t - (np.linalg.norm(to_observer, axis=1) / SPEED_OF_LIGHT_M_S if light_time else 0.0)
         order = np.argsort(t, kind="stable")
         middle = float(np.round(0.5 * (left.min() + left.max())))
-        named = _numbered(session, len(t), "session"), _numbered(filter, len(t), "filter")
+        named = numbered(session, len(t), "session"), numbered(filter, len(t), "filter")
         _refuse_twice(t[order], *(each[1][order] for each in named))
         _doubts(values, notes)
         self._set("epoch", start.after(middle))
@@ -164,12 +166,12 @@ class LightCurve(Immutable):
 
     @classmethod
     def read(cls, path: FilePath, **given: Any) -> Self:
-        """The light curve in a file; see `attitude.inversion.curve_files`.
+        """The light curve in a file of any format that `attitude.photometry.read` reads.
 
         Parameters
         ----------
         path : str or path
-            CSV with a line of names, or a table of numbers.
+            Named columns as in `attitude.photometry.named_columns`, ALCDEF, ADES, MPC, DAMIT.
         given
             Keywords of the class; geometry that the file does not have, `frame`, `zero_points`.
         """
@@ -186,6 +188,13 @@ class LightCurve(Immutable):
             f"<LightCurve of {len(self)} points in {len(self.sessions)} sessions over "
             f"{span:.4g} d about {self.epoch.utc_iso} UTC>"
         )
+
+    def samples(self) -> Samples:
+        """Reduced magnitudes at the epochs of emission, a zero point a session and filter."""
+        keys = self.session * len(self.filters) + self.filter
+        curve = np.unique(keys, return_inverse=True)[1].reshape(-1)
+        t = np.array(self.emission)
+        return Samples(t, self.reduced, np.array(self.sigma), curve.astype(np.int64), self.epoch)
 
     @property
     def span(self) -> float:
@@ -281,19 +290,6 @@ def _geometry(times, start, t, sun, observer, scene, path, site, frame):
         unit = np.broadcast_to(getattr(view, f"{name}_direction_icrf"), (len(t), 3))
         sizes.append(unit * np.reshape(distance, (-1, 1)))
     return sizes[0], sizes[1]
-
-
-def _numbered(given, count, name):
-    """The names of sessions or filters, and the number of each point."""
-    if given is None:
-        return ("",), np.zeros(count, np.int64)
-    array = np.asarray(given)
-    if array.shape != (count,):
-        raise AttitudeError(
-            f"{name} has shape {array.shape}; give one for each of {count} points, text or numbers."
-        )
-    words, numbers = np.unique(array.astype(str), return_inverse=True)
-    return tuple(words.tolist()), numbers.astype(np.int64)
 
 
 def _refuse_twice(t, session, filters):

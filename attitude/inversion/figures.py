@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
-from attitude.inversion import aliases, lattices, pair_scan, search
+from attitude.inversion import aliases, lattices, search
+from attitude.spectrum import pair_scan
+from attitude.spectrum.pair_search import OVERSAMPLING
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
@@ -89,7 +91,7 @@ def _map(axes: Any, best: Solution) -> None:
         return
     problem = best.weighted.problem
     phi, psi = aliases.rates(best.state)
-    step = 1.0 / lattices.OVERSAMPLING
+    step = 1.0 / OVERSAMPLING
     sides = []
     for centre in (phi, 2.0 * psi):
         least = max(2, round(centre / step) - _SIDE)

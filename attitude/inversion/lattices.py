@@ -12,29 +12,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude.inversion import pair_scan, transforms
+from attitude.spectrum import pair_scan, pair_search
+from attitude.spectrum.pair_search import OVERSAMPLING, RIDGE, Tables
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
     from attitude.inversion.problem import CurveProblem
 
-# Grid frequencies per 1/span, least frequency in turns per span.
-OVERSAMPLING = 3.0
+# Least frequency, turns per span.
 LEAST = 0.7
-# Inverse variance, 1/mag2, of the amplitudes of lines before the fit.
-_RIDGE = 1.0
 # Distances at which two candidates are one: of lambda/pi and of f, turns per span.
 _SAME_RATE, _SAME_NUTATION = 0.7, 0.5
-
-
-class Tables(NamedTuple):
-    """The transforms of weights and of weighted magnitudes, real and imaginary parts."""
-
-    wr: FloatArray
-    wi: FloatArray
-    yr: FloatArray
-    yi: FloatArray
-    total: float
 
 
 class Candidate(NamedTuple):
@@ -46,14 +34,9 @@ class Candidate(NamedTuple):
 
 def tables(problem: CurveProblem, count: int) -> Tables:
     """The tables of `pair_scan` up to the grid frequency `count`."""
-    weights = problem.root**2
-    y = problem.detrended
-    both = transforms.sums(
-        problem.t, np.stack([weights, weights * y]), 1.0 / OVERSAMPLING, count + 1
+    return pair_search.tables(
+        problem.t, problem.root**2, problem.detrended, 1.0 / OVERSAMPLING, count + 1
     )
-    parts = both[0].real, both[0].imag, both[1].real, both[1].imag
-    wr, wi, yr, yi = (np.ascontiguousarray(each) for each in parts)
-    return Tables(wr, wi, yr, yi, float(weights @ y**2))
 
 
 def pairs(
@@ -71,15 +54,11 @@ def pairs(
     """
     count = int(most * OVERSAMPLING) + 1
     least = max(2, int(LEAST * OVERSAMPLING))
-    first, second = np.triu_indices(max(count - least, 3), 2)
-    first, second = first + least, second + least
-    made = tables(problem, 4 * order * int(second.max() + 1) + 2)
-    gain = np.empty(len(first))
-    lines = pair_scan.harmonics(order)
-    pair_scan.decreases(*made[:4], first, second, lines, _RIDGE, gain)
-    chosen = _peaks(first, second, gain, keep)
-    found = np.stack([first[chosen], second[chosen]], axis=-1) / OVERSAMPLING
-    return found, 1.0 - gain[chosen] / made.total
+    end = least + max(count - least, 3)
+    made = tables(problem, 4 * order * end + 2)
+    found = pair_search.best(made, (least, end), (least, end), order, RIDGE, keep)
+    both = np.stack([found.first, found.second], axis=-1) / OVERSAMPLING
+    return both, found.left
 
 
 def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
@@ -97,25 +76,10 @@ def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[Float
         basis = np.concatenate([np.cos(angle), np.sin(angle)]) * problem.root
         basis -= (basis @ problem.u.T) @ problem.u
         along = basis @ y
-        normal = basis @ basis.T + _RIDGE * np.eye(len(basis))
+        normal = basis @ basis.T + RIDGE * np.eye(len(basis))
         left[k] = 1.0 - float(along @ np.linalg.solve(normal, along)) / total
     best = np.argsort(left, kind="stable")
     return found[best], left[best]
-
-
-def _peaks(first, second, gain, keep):
-    """Numbers of the best pairs, no two of them neighbours on the grid."""
-    size = int(second.max()) + 4
-    used = np.zeros((size, size), bool)
-    chosen = []
-    for p in np.argsort(-gain, kind="stable"):
-        a, b = first[p], second[p]
-        if not used[a, b]:
-            used[a - 2 : a + 3, b - 2 : b + 3] = True
-            chosen.append(p)
-            if len(chosen) >= keep:
-                break
-    return np.array(chosen)
 
 
 def candidates(
@@ -160,7 +124,7 @@ def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
     made = tables(problem, 8 * int(grid[-1] + 1))
     harmonics = np.array([(i, 0) for i in range(5)])
     gain = np.empty(len(grid))
-    pair_scan.decreases(*made[:4], grid, grid, harmonics, _RIDGE, gain)
+    pair_scan.decreases(*made[:4], grid, grid, harmonics, RIDGE, gain)
     found: list[float] = []
     for k in np.argsort(-gain, kind="stable"):
         here = float(grid[k]) / OVERSAMPLING

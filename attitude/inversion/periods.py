@@ -9,23 +9,19 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import curve_problem, lattices, pair_scan
+from attitude.inversion import curve_problem, lattices
 from attitude.inversion.curve import LightCurve
+from attitude.spectrum import significance
 
 if TYPE_CHECKING:
     from astropy.table import QTable
 
     from attitude.annotations import FilePath, Real
-    from attitude.inversion.problem import CurveProblem
 
-# Error of the model, mag, and inverse variance of amplitudes, 1/mag2.
-_ERROR, _RIDGE = 0.02, 1.0
+# Error of the model, mag, and turns per span searched at most.
+_ERROR, _MOST_TURNS = 0.02, 1500.0
 # Pairs that are fitted with the linear terms, for each that is returned.
 _MORE = 10
-# Pairs that a permutation of the magnitudes is fitted with, and turns per span searched at most.
-_PERMUTED, _MOST_TURNS = 20_000, 1500.0
-# s, of the Sun and of the stars.
-_DAYS = 86400.0, 86164.1
 
 
 class Pair(NamedTuple):
@@ -147,46 +143,9 @@ def periods(
     found = np.sort(found, axis=1) / curve.span
     pairs: list[Pair] = []
     for (first, second), share in zip(found, left, strict=True):
-        alias = _alias(first, second, pairs, 0.6 / curve.span)
+        alias = significance.alias_of(first, second, pairs, 0.6 / curve.span)
         pairs.append(Pair(float(first), float(second), float(share), alias))
-    return Periods(pairs, number, _false_alarm(problem, turns, number, seed))
-
-
-def _alias(first: float, second: float, better: list[Pair], near: float) -> int | None:
-    for rank, pair in enumerate(better):
-        for day in _DAYS:
-            ends = [(pair.first, abs(pair.second + s / day)) for s in (-1, 1)]
-            ends += [(abs(pair.first + s / day), pair.second) for s in (-1, 1)]
-            for a, b in ends:
-                low, high = min(a, b), max(a, b)
-                if abs(low - first) < near and abs(high - second) < near:
-                    return rank
-    return None
-
-
-def _false_alarm(problem: CurveProblem, turns: float, order: int, seed: int) -> float:
-    """The share left that 1 of 100 permuted curves reaches, from the distribution of largest."""
-    from attitude.inversion import transforms
-
-    generator = np.random.default_rng(seed)
-    y, weights = problem.detrended, problem.root**2
-    count = int(turns * lattices.OVERSAMPLING) + 1
-    all_pairs = max(count * (count - 1) // 2, 1)
-    tried = min(all_pairs, _PERMUTED if order < 3 else _PERMUTED // 10)
-    pair = generator.integers(2, count, (2, tried))
-    lines = pair_scan.harmonics(order)
-    best = []
-    for _ in range(10):
-        mixed = generator.permutation(len(y))
-        rows = np.stack([weights, weights * y[mixed]])
-        made = transforms.sums(
-            problem.t, rows, 1.0 / lattices.OVERSAMPLING, 4 * order * (count + 1) + 2
-        )
-        tables = [np.ascontiguousarray(part) for each in made for part in (each.real, each.imag)]
-        gain = np.empty(tried)
-        pair_scan.decreases(*tables, pair[0], pair[1], lines, _RIDGE, gain)
-        best.append(float(gain.max() / (weights @ y[mixed] ** 2)))
-    # Gumbel's distribution of the largest of `tried`, extended to all pairs
-    scale = max(np.std(best) * np.sqrt(6.0) / np.pi, 1e-6)
-    place = np.mean(best) - 0.5772 * scale + scale * np.log(all_pairs / tried)
-    return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))
+    least = significance.share_of_chance(
+        problem.t, problem.root**2, problem.detrended, turns, number, seed
+    )
+    return Periods(pairs, number, least)

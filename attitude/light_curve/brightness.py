@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import weakref
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude.blocks import in_blocks
 from attitude.errors import AttitudeError
-from attitude.light_curve.clusters import aligned, clusters_of
+from attitude.light_curve.clusters import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import POINTS, Visibility
 from attitude.scattering import law as known_law
@@ -17,17 +17,18 @@ from attitude.scattering import laws
 from attitude.shape import Ellipsoid, Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Any
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
-    from attitude.annotations import FloatArray
-    from attitude.light_curve.clusters import Clusters
+    from attitude.annotations import FloatArray, IntArray
     from attitude.scattering import Law
 
 # Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
 BLOCK = 8192
+
+# Facets that are gathered at a time, 0.8 MB of temporary arrays.
+_GATHERED = 32768
 
 # Tables of shadows; each lives as long as its mesh.
 _visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()
@@ -227,21 +228,83 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     assert law.weights is not None
     seeliger, lambert = law.weights
     blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
-    rest = aligned(blocks), *_tables(clusters, table)
-    return _times(clusters.area, lambda *arrays: sums.fused(*rest, *arrays))
+    tables = aligned(blocks), clusters.axes, clusters.sky, clusters.cells
+    if table is None:
+        return _times(clusters.area, lambda *arrays: sums.fused(*tables, None, None, None, *arrays))
+    masks, resolution = table.masks.view(np.uint64), table.resolution
+
+    def kernel(*arrays: FloatArray) -> None:
+        cells = _cells(resolution, arrays[:3]), _cells(resolution, arrays[3:6])
+        sums.fused(*tables, masks, *cells, *arrays)
+
+    return _times(clusters.area, kernel)
+
+
+def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
+    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    from attitude.light_curve import sums
+
+    if resolution == 0:
+        return np.zeros(directions[0].size)
+    missing = -directions[0].size % SIZE
+    if missing:
+        directions = [np.append(each, np.ones(missing)) for each in directions]
+        for each in directions:
+            each.flags.writeable = False  # as `components` gives them: one compiled version
+    cells = np.empty(directions[0].size)
+    sums.cells_of(*directions, float(resolution), cells)
+    return cells
 
 
 def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
-    """The sum for laws that are evaluated facet by facet."""
+    """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
     from attitude.light_curve import sums
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
-    which = np.where(clusters.order < 0, 0, number[clusters.order])
-    rest = clusters.blocks, *_tables(clusters, table), rows, which
-    assert law.of_phase is not None and law.element is not None
-    summed = sums.by_facet(law.of_phase, law.element)
-    return _times(clusters.area, lambda *arrays: summed(*rest, *arrays))
+    which = np.where(clusters.order < 0, -1, number[clusters.order])
+    masks, resolution = np.full((1, clusters.count), ~np.uint64(0)), 0
+    masks.flags.writeable = False
+    if table is not None:
+        masks, resolution = table.masks.view(np.uint64), table.resolution
+    found: tuple[Any, ...] = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found += _segments(which, len(rows)), which.astype(float), masks
+    assert law.of_phase is not None
+    if law.elements is not None:
+        summed = sums.by_sixteen(law.of_phase, law.elements)
+    else:
+        assert law.element is not None
+        summed = sums.by_facet(law.of_phase, law.element)
+    size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
+
+    def kernel(*arrays: FloatArray) -> None:
+        *directions, out = arrays
+        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        packed = np.empty((3, size))
+        ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
+        begin = 0
+        while begin < out.size:
+            end = sums.gather(*found, *cells, *directions, begin, *packed, ends)
+            own = [each[begin:end] for each in directions]
+            summed(rows, *packed, ends, *own, out[begin:end])
+            begin = end
+
+    return _times(clusters.area, kernel)
+
+
+def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
+    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    found = []
+    of_clusters = which.reshape(-1, SIZE)
+    for row in range(rows):
+        holds = np.any(of_clusters == row, axis=1)
+        padded = np.zeros(-(-len(holds) // WORD) * WORD, dtype=np.uint8)
+        padded[: len(holds)] = holds
+        words = np.packbits(padded, bitorder="little").view("<u8")
+        # each row has a segment, be it empty
+        used = np.flatnonzero(words) if np.any(words) else [0]
+        found += [(word, int(words[word]), row) for word in used]
+    return np.array(found, dtype=np.uint64)
 
 
 def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
@@ -255,11 +318,3 @@ def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
         arrays[-1][:] *= area
 
     return kernel
-
-
-def _tables(clusters: Clusters, table: Visibility | None) -> tuple[Any, ...]:
-    """The arguments by which a sum finds the clusters that face a direction and the free points."""
-    free: tuple[Any, int] = (
-        (None, 0) if table is None else (table.masks.view(np.uint64), table.resolution)
-    )
-    return clusters.axes, clusters.sky, clusters.cells, *free

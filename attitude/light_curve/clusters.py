@@ -37,6 +37,9 @@ WORD = 64
 # the table in bytes; coarser cells skip fewer clusters.
 _CELLS = 32
 _LARGEST = 1 << 26
+# Clusters up to which each facet is compared with each cell; of more, which have smaller boxes, the
+# box of their normals is compared, an eighth of the work.
+_EXACT = 4096
 # Scale by which components of 1, and directions with a rounded length, stay in the last cell.
 _INSET = 1.0 - 1e-5
 # Lower bound of the height of a facet in its cluster; of a single facet it is at least 0.57.
@@ -104,20 +107,24 @@ def clusters_of(mesh: Mesh) -> Clusters:
 
 def clustered(normals: FloatArray, areas: FloatArray) -> Clusters:
     """`Clusters` of (F, 3) unit normals and (F,) areas."""
-    groups = _halved(normals, np.arange(len(normals)))
+    order = _grouped(normals)
     total = float(np.sum(areas))
-    blocks = np.zeros((len(groups), ROWS, SIZE))
-    axes = np.empty((len(groups), 2), dtype=np.uint64)
-    order = np.full((len(groups), SIZE), -1)
-    for k, group in enumerate(groups):
-        axis, opposite, _ = _common_axis(normals[group])
-        axes[k] = axis + 1, axis + 5 * opposite
-        own = np.roll(normals[group], -1 - axis, axis=1)
-        height = np.abs(own[:, 2])
-        here = blocks[k, :, : len(group)]
-        here[0], here[1] = own[:, 0] / height, own[:, 1] / height
-        here[2], here[3] = height, areas[group] / total
-        order[k, : len(group)] = group
+    used = order >= 0
+    own = np.where(used[..., None], normals[order], 0.0)
+    # the axis with the largest minimum height, be it the opposite one
+    low = np.min(np.where(used[..., None], own, np.inf), axis=1)
+    high = np.max(np.where(used[..., None], own, -np.inf), axis=1)
+    best = np.argmax(np.concatenate([low, -high], axis=1), axis=1)
+    axis, opposite = best % 3, best // 3
+    following = (axis[:, None] + [1, 2, 3]) % 3
+    own = np.take_along_axis(own, following[:, None, :], axis=2)
+    height = np.abs(own[..., 2])
+    over = np.where(used, height, 1.0)
+    blocks = np.stack(
+        [own[..., 0] / over, own[..., 1] / over, height, np.where(used, areas[order] / total, 0.0)],
+        axis=1,
+    )
+    axes = np.stack([axis + 1, axis + 5 * opposite], axis=1).astype(np.uint64)
     cells, sky = _sky(normals, order)
     return Clusters(aligned(blocks), axes, sky, cells, order.reshape(-1), total)
 
@@ -137,25 +144,44 @@ def cell_scale(cells: int) -> float:
     return 0.5 * cells * _INSET
 
 
-def _common_axis(normals: FloatArray) -> tuple[int, int, float]:
-    """The axis with the largest minimum height, 1 if it is the opposite one, and that height."""
-    rise = np.concatenate([np.min(normals, axis=0), np.min(-normals, axis=0)])
-    best = int(np.argmax(rise))
-    return best % 3, best // 3, rise[best]
+def _grouped(normals: FloatArray) -> IntArray:
+    """Facets (C, SIZE), -1 in empty places, of groups with a common axis.
 
-
-def _halved(normals: FloatArray, members: IntArray) -> list[IntArray]:
-    """Groups of at most SIZE facets with a common axis, by recursive splits along the widest axis.
-
-    A split leaves a multiple of SIZE on the left, so that most groups are full.
+    All groups are split together, each along its widest axis, until they have at most SIZE facets
+    and a common axis.  A split leaves a multiple of SIZE on the left, so that most groups are full.
     """
-    few = len(members) <= SIZE
-    if few and _common_axis(normals[members])[2] >= _LEAST_HEIGHT:
-        return [members]
-    axis = np.argmax(np.ptp(normals[members], axis=0))
-    members = members[np.argsort(normals[members, axis], kind="stable")]
-    half = len(members) // 2 if few else -(-len(members) // SIZE) // 2 * SIZE
-    return _halved(normals, members[:half]) + _halved(normals, members[half:])
+    count = len(normals)
+    members, ranks = np.arange(count), np.empty((3, count), dtype=np.int64)
+    for axis in range(3):
+        ranks[axis] = np.unique(normals[:, axis], return_inverse=True)[1]
+    first, size = np.zeros(1, dtype=np.int64), np.array([count])
+    found = []
+    while len(first):
+        number = np.repeat(np.arange(len(first)), size)
+        begin = np.cumsum(size) - size
+        places = np.arange(len(number)) + (first - begin)[number]
+        own = normals[members[places]]
+        low, high = np.minimum.reduceat(own, begin), np.maximum.reduceat(own, begin)
+        few = size <= SIZE
+        whole = few & (np.max(np.maximum(low, -high), axis=1) >= _LEAST_HEIGHT)
+        found.append(np.stack([first, size], axis=1)[whole])
+        split = ~whole[number]
+        places, number = places[split], number[split]
+        chosen = members[places]
+        widest = np.argmax(high - low, axis=1)
+        key = number * count + ranks[widest[number], chosen]
+        members[places] = chosen[np.argsort(key, kind="stable")]
+        half = np.where(few, size // 2, -(-size // SIZE) // 2 * SIZE)
+        left = np.stack([first, half], axis=1)
+        right = np.stack([first + half, size - half], axis=1)
+        first, size = np.stack([left, right], axis=1)[~whole].reshape(-1, 2).T
+    groups = np.concatenate(found)
+    groups = groups[np.argsort(groups[:, 0])]
+    order = np.full((len(groups), SIZE), -1)
+    place = np.arange(SIZE)
+    used = place < groups[:, 1:]
+    order[used] = members[(groups[:, :1] + place)[used]]
+    return order
 
 
 def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]:
@@ -171,18 +197,29 @@ def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]
     farthest = np.linalg.norm(np.abs(centers) + half, axis=1)
     near = np.flatnonzero((nearest <= 1.0 + _SLACK) & (farthest >= 1.0 - _SLACK))
     looking = centers[near].astype(np.float32)
-    # The cosine with a normal exceeds that at the middle of the cell by at most this.
-    spare = (half * np.sum(np.abs(normals), axis=1) + _SLACK).astype(np.float32)
+    each = len(order) <= _EXACT
+    own, empty = normals[order], order[..., None] < 0
+    if each:
+        low = high = np.where(empty, 0.0, own).reshape(-1, 3)
+    else:
+        low = np.min(np.where(empty, np.inf, own), axis=1)
+        high = np.max(np.where(empty, -np.inf, own), axis=1)
+    # The largest cosine of a direction with normals in a box: its middle times the direction, and
+    # half its edges times the sizes of the components.  It exceeds that at the middle of the cell
+    # by at most `half` for each axis.
+    spare = half * np.sum(np.maximum(np.abs(low), np.abs(high)), axis=1) + _SLACK
+    if each:
+        spare[empty.reshape(-1)] = -9.0
+    boxes = np.column_stack([0.5 * (low + high), 0.5 * (high - low), spare]).astype(np.float32)
+    ahead = np.column_stack([looking, np.abs(looking), np.ones(len(looking))]).astype(np.float32)
     sky = np.zeros((cells**3, words), dtype=np.uint64)
+    step = WORD * SIZE if each else WORD
     for word in range(words):
-        part = order[word * WORD : (word + 1) * WORD].reshape(-1)
-        height = looking @ normals[part].T.astype(np.float32)
-        height += spare[part]
-        height[:, part < 0] = -9.0
-        # The eight facets of a cluster are the eight bytes of a word.
-        shown = (height > 0.0).view(np.uint64) != 0
-        bits = np.zeros((len(near), WORD // 8), dtype=np.uint8)
+        shown = ahead @ boxes[word * step : (word + 1) * step].T > 0.0
+        if each:  # the eight facets of a cluster are the eight bytes of a word
+            shown = np.ascontiguousarray(shown).view(np.uint64) != 0
         packed = np.packbits(shown, axis=1, bitorder="little")
+        bits = np.zeros((len(near), WORD // 8), dtype=np.uint8)
         bits[:, : packed.shape[1]] = packed
         sky[near, word] = bits.view("<u8")[:, 0]
     return cells, sky

@@ -4,9 +4,19 @@ The eight points of a facet are the lanes of a SIMD vector: a triangle is projec
 at once, and a cell is compared with its edges for all of them at once.
 """
 
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from attitude.compilation.decorators import reduction, reduction_inlined, reduction_subroutine
+from attitude.compilation.decorators import (
+    reduction,
+    reduction_inlined,
+    reduction_subroutine,
+    reduction_within,
+)
 from attitude.compilation.instructions import larger
 from attitude.compilation.simd import (
     at_least,
@@ -19,6 +29,9 @@ from attitude.compilation.simd import (
 )
 from attitude.light_curve.hierarchy import LEAF
 from attitude.light_curve.sums import evened
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
 # Heights above the plane of a facet up to this share of the size of the body are rounding: those
 # of neighbours in the same plane.
@@ -34,57 +47,56 @@ _ONE, _OPPOSITE = (1.0,) * _LANES, (-1.0,) * _LANES
 _RIGHT, _LEFT = (2.0,) * _LANES, (-2.0,) * _LANES
 
 
-@reduction
-def tangents(shift, resolution):
+def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray]:
     """Tangents along the rows and the columns of a face for each cell and point, two flat arrays.
 
     shift (8, 2) is in cells.
     """
-    across, up = np.empty(resolution * _LANES), np.empty(resolution * _LANES)
-    for k in range(resolution):
-        for bit in range(_LANES):
-            across[k * _LANES + bit] = _tangent(
-                (k + 0.5 + shift[bit, 0]) / (0.5 * resolution) - 1.0
-            )
-            up[k * _LANES + bit] = _tangent((k + 0.5 + shift[bit, 1]) / (0.5 * resolution) - 1.0)
-    return across, up
+    places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
+    # the inverse of `sums.evened`
+    found = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
+    return np.ascontiguousarray(found[..., 0]).reshape(-1), found[..., 1].flatten()
+
+
+def surroundings(points: FloatArray, size: float) -> FloatArray:
+    """Centre and half the edges of a box about the points (F, 3, 8) of each facet: (F, 6)."""
+    middle = np.mean(points, axis=2)
+    reach = np.max(np.abs(points - middle[..., None]), axis=2)
+    return np.concatenate([middle, 1.001 * reach + 1e-12 * size], axis=1)
 
 
 @reduction
 def paint(
-    boxes, corners, balls, facing, normals, points, members, across, up, resolution, both, masks,
-    place,
+    boxes, corners, balls, facing, normals, points, middles, size, members, across, up, resolution,
+    both, masks, place,
 ):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
     `boxes` are those of a `Hierarchy`, in whose order are corners (F, 3, 3), `balls` (F, 4), their
     `enclosed`, and normals with their heights above the origin, `facing` (F, 4); normals (F, 3) and
-    points (F, 3, 8) are in that of the mesh, all in m.  `across` and `up` are `tangents`; masks are
+    points (F, 3, 8) with their `surroundings` are in that of the mesh, all in m; `size` is that of
+    the body.  `across` and `up` are `tangents`; masks are
     (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
     """
     sky = np.empty((members.size, masks.shape[0]), np.uint8)
     flat = points.reshape(-1)
-    middle = np.empty(6)
-    size = np.max(np.abs(corners))
-    for m in range(members.size):
-        sky[m, :] = 255
+    count = np.uint64(members.size)
+    for m in range(count):
+        for i in range(np.uint64(masks.shape[0])):
+            sky[m, i] = 255
         k = members[m]
         if k >= 0:
-            for i in range(3):
-                middle[i] = np.mean(points[k, i])
-                reach = np.max(np.abs(points[k, i] - middle[i]))
-                middle[3 + i] = 1.001 * reach + 1e-12 * size
             _look_around(
-                boxes, corners, balls, facing, normals[k], flat, 24 * k, middle, size, across, up,
-                resolution, both, sky[m],
+                boxes, corners, balls, facing, normals[k], flat, 24 * k, middles[k], size, across,
+                up, resolution, both, sky[m],
             )  # fmt: skip
-    first, count = np.uint64(place), np.uint64(members.size)
+    first = np.uint64(place)
     for i in range(np.uint64(masks.shape[0])):
         for m in range(count):
             masks[i, first + m] = sky[m, i]
 
 
-@reduction_subroutine
+@reduction_inlined
 def _look_around(
     boxes, corners, balls, facing, normal, flat, first, middle, size, across, up, resolution, both,
     sky,
@@ -104,7 +116,7 @@ def _look_around(
             inner = node < leaves
             if not inner:
                 start = (node - leaves) * LEAF
-                for g in range(np.uint64(start), np.uint64(min(start + LEAF, len(corners)))):
+                for g in range(np.uint64(start), np.uint64(_smaller(start + LEAF, len(corners)))):
                     if not _may_hide(corners, facing, g, normal, lowest, middle, both):
                         continue
                     for face in range(_FACES):
@@ -119,6 +131,11 @@ def _look_around(
 
 
 @reduction_inlined
+def _smaller(a, b):
+    return a if a < b else b
+
+
+@reduction_inlined
 def _after(node):
     """The node that follows when the children of a node are skipped; 0 at the end."""
     while node & 1:
@@ -126,7 +143,7 @@ def _after(node):
     return node + 1 if node > 0 else 0
 
 
-@reduction_inlined
+@reduction_within
 def _highest(boxes, node, normal):
     """The largest height along a normal in a box; minus infinity or NaN if the box is empty."""
     height = 0.0
@@ -135,7 +152,7 @@ def _highest(boxes, node, normal):
     return height
 
 
-@reduction_inlined
+@reduction_within
 def _may_hide(corners, facing, g, normal, lowest, middle, both):
     """Whether a triangle rises above a height and its front may face one of the points."""
     rise, front = lowest, middle[_3] + middle[_4] + middle[_5] - facing[g, _3]
@@ -150,7 +167,7 @@ def _may_hide(corners, facing, g, normal, lowest, middle, both):
     return rise > lowest
 
 
-@reduction_inlined
+@reduction_within
 def _may_meet(balls, g, middle, face):
     """Whether a triangle may be in front of a face of the cube about one of the points.
 
@@ -169,7 +186,7 @@ def _axes(face):
     return np.uint64(axis), np.uint64((axis + 1) % 3), np.uint64((axis + 2) % 3)
 
 
-@reduction_inlined
+@reduction_within
 def _window(corners, g, middle, face, resolution):
     """Columns and rows of a face that a triangle may reach, seen from any point: from, to."""
     w, u, v = _axes(face)
@@ -189,8 +206,8 @@ def _window(corners, g, middle, face, resolution):
     if least < 0.0:
         left, right, low, high = -2.0, 2.0, -2.0, 2.0
     return (
-        max(_first(left, half), 0), min(_last(right, half), resolution),
-        max(_first(low, half), 0), min(_last(high, half), resolution),
+        _first(left, half, 0), _last(right, half, resolution),
+        _first(low, half, 0), _last(high, half, resolution),
     )  # fmt: skip
 
 
@@ -239,8 +256,8 @@ def _cover(
             right = at_most(_bound(e0u * -1.0, x0, _RIGHT), _bound(e1u * -1.0, x1, _RIGHT))
             right = at_most(right, _bound(e2u * -1.0, x2, _RIGHT))
             right = at_most(right, _bound(rise * -1.0, x3, _RIGHT))
-            here = max(begin, _first(-largest_lane(left * -1.0), 0.5 * resolution))
-            there = min(end, _last(largest_lane(right), 0.5 * resolution))
+            here = _first(-largest_lane(left * -1.0), 0.5 * resolution, begin)
+            there = _last(largest_lane(right), 0.5 * resolution, end)
         start = (face * resolution + row) * resolution
         for column in range(here, there):
             x = eight(across, column * _LANES)
@@ -249,29 +266,24 @@ def _cover(
             sky[np.uint64(start + column)] &= np.uint8(255 - (positive_bits(least) & seen))
 
 
-@reduction_inlined
+@reduction_within
 def _bound(slope, x, none):
     """The bound x of an interval where the slope is above zero, else none."""
     return chosen(slope, x, lanes(none))
 
 
-@reduction_inlined
-def _first(u, half):
-    """The first cell in which a point may look at a tangent of u or more.
+@reduction_within
+def _first(u, half, least):
+    """The first cell, or `least`, in which a point may look at a tangent of u or more.
 
     Points look at directions up to half a cell from the middle of a cell.
     """
-    return int(np.ceil((1.0 + evened(larger(u, -1.1))) * half - 1.001))
+    found = math.ceil((1.0 + evened(larger(u, -1.1))) * half - 1.001)
+    return found if found > least else least
 
 
-@reduction_inlined
-def _last(u, half):
-    """The cell after the last one in which a point may look at a tangent of u or less."""
-    return int(np.floor((1.0 - evened(larger(-u, -1.1))) * half + 0.001)) + 1
-
-
-@reduction_inlined
-def _tangent(s):
-    """The tangent at a place on a face; the inverse of `evened`."""
-    u = ((1.0 + abs(s)) * (1.0 + abs(s)) - 1.0) / 3.0
-    return u if s >= 0.0 else -u
+@reduction_within
+def _last(u, half, most):
+    """The cell after the last one, or `most`, in which a point may look at a tangent up to u."""
+    found = math.floor((1.0 - evened(larger(-u, -1.1))) * half + 0.001) + 1
+    return found if found < most else most

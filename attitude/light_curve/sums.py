@@ -15,7 +15,22 @@ import numpy as np
 
 from attitude.compilation.decorators import reduction, reduction_inlined, reduction_over
 from attitude.compilation.instructions import bits_set, fence, lowest_bit
-from attitude.compilation.simd import at_least, bits_set_in_bytes, eight, lanes, summed_up
+from attitude.compilation.simd import (
+    at_least,
+    at_most,
+    bits_set_in_bytes,
+    chosen,
+    eight,
+    every,
+    lanes,
+    packed,
+    positive_bits,
+    put_eight,
+    root,
+    sixteen,
+    summed_up,
+    truncated,
+)
 from attitude.light_curve.clusters import ROWS, SIZE, WORD
 from attitude.light_curve.clusters import cell_scale as _cell_scale
 from attitude.scattering.reflectances import TERMS
@@ -25,14 +40,16 @@ if TYPE_CHECKING:
 
 # _TINY replaces mu0 <= 0, which avoids a branch and a division by zero: the sum over facets that
 # are dark or turned away is less than _DARK.
-_TINY, _ZEROS = (1e-100,) * SIZE, (0.0,) * SIZE
+_TINY, _ZEROS, _ONES = (1e-100,) * SIZE, (0.0,) * SIZE, (1.0,) * SIZE
+_SIXTEEN_ZEROS = (0.0,) * (2 * SIZE)
 _DARK = 1e-90
 
 # Unsigned indices: for signed ones numba adds a test for negative values to every access.  Counters
 # of loops are made such too: Python counts in its own integers, whose sums numpy 1 makes doubles.
-_0, _1, _EYE = np.uint64(0), np.uint64(1), np.uint64(8)
+_0, _1, _2, _LAST, _EYE = (np.uint64(k) for k in (0, 1, 2, 2 * SIZE - 1, 8))
 _BLOCK = np.uint64(ROWS * SIZE)
 _PLACES = np.uint64(SIZE)
+_AT_ONCE = np.uint64(2 * SIZE)
 _ROW_1, _ROW_2, _ROW_3 = (np.uint64(k * SIZE) for k in (1, 2, 3))
 _WORD = np.uint64(WORD)
 
@@ -86,12 +103,12 @@ def stray(x, y, z):
 
 
 @reduction
-def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, out):
+def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
     g and h are the third and fourth rows of `blocks`.  With masks, one word for the eight facets
-    of a cluster, each term is multiplied by the number of points of the facet that are both lit
-    and seen.  Components of directions and out are (N,).
+    of a cluster, and `cells_of` both directions, each term is multiplied by the number of points of
+    the facet that are both lit and seen.  Components of directions and out are (N,).
     """
     ways = np.empty(16)
     tiny, zeros = lanes(_TINY), lanes(_ZEROS)
@@ -99,8 +116,7 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
         lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
         if masks is not None:
-            free_sun = np.uint64(cell(a, b, c, resolution))
-            free_eye = np.uint64(cell(d, e, f, resolution))
+            free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
         part = zeros
@@ -122,21 +138,38 @@ def fused(blocks, axes, sky, cells, masks, resolution, sx, sy, sz, ox, oy, oz, o
         out[t] = total if total > _DARK else 0.0
 
 
+@reduction
+def cells_of(x, y, z, resolution, out):
+    """Write the indices of the cells of directions on the cube of `visibility`, as doubles.
+
+    Eight directions at once, and without branches, which random directions would make the processor
+    guess wrong.  The arrays are as long as the first multiple of eight that holds the directions.
+    """
+    for t in range(0, out.size, 8):
+        a, b, c = eight(x, t), eight(y, t), eight(z, t)
+        ax, ay, az = at_least(a, -1.0 * a), at_least(b, -1.0 * b), at_least(c, -1.0 * c)
+        # lanes above zero: the largest component is not x; of y and z it is z
+        rest, last = at_least(ay, az) - ax, az - ay
+        w = chosen(rest, chosen(last, c, b), a)
+        u = chosen(rest, chosen(last, a, c), b)
+        v = chosen(rest, chosen(last, b, a), c)
+        face = chosen(rest, chosen(last, every(4.0, a), every(2.0, a)), every(0.0, a))
+        face = chosen(-1.0 * w, face + 1.0, face)
+        w = 1.0 / at_least(w, -1.0 * w)
+        column = at_most(
+            truncated((1.0 + _evened_lanes(u * w)) * (0.5 * resolution)), resolution - 1.0
+        )
+        row = at_most(
+            truncated((1.0 + _evened_lanes(v * w)) * (0.5 * resolution)), resolution - 1.0
+        )
+        put_eight(out, t, (face * resolution + row) * resolution + column)
+
+
 @reduction_inlined
-def cell(x, y, z, resolution):
-    """The index of the cell of a direction on the cube of `visibility`."""
-    ax, ay, az = abs(x), abs(y), abs(z)
-    if ax >= ay and ax >= az:
-        face, w, u, v = 0, x, y, z
-    elif ay >= az:
-        face, w, u, v = 1, y, z, x
-    else:
-        face, w, u, v = 2, z, x, y
-    side = 1 if w < 0.0 else 0
-    w = 1.0 / abs(w)
-    column = min(int((1.0 + evened(u * w)) * (0.5 * resolution)), resolution - 1)
-    row = min(int((1.0 + evened(v * w)) * (0.5 * resolution)), resolution - 1)
-    return ((2 * face + side) * resolution + row) * resolution + column
+def _evened_lanes(u):
+    """`evened` of a vector."""
+    s = root(1.0 + 3.0 * at_least(u, -1.0 * u)) - 1.0
+    return chosen(-1.0 * u, -1.0 * s, s)
 
 
 @reduction_inlined
@@ -149,62 +182,139 @@ def evened(u):
     return s if u >= 0.0 else -s
 
 
+@reduction_inlined
+def _filled_up(incidence, emission, weights, used, ones, zeros):
+    """The next multiple of sixteen; the places before it get weights of zero."""
+    for place in (used, used + _PLACES):
+        put_eight(incidence, place, ones)
+        put_eight(emission, place, ones)
+        put_eight(weights, place, zeros)
+    return (used + _LAST) & ~_LAST
+
+
+@reduction
+def gather(
+    blocks, axes, sky, cells, segments, which, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz,
+    begin, incidence, emission, weights, ends,
+):  # fmt: skip
+    """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
+
+    `segments` (S, 3) hold a word of `sky`, the clusters of it with facets of a row of the law, and
+    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; a
+    row of ones and cells of zero where nothing casts a shadow.  For each epoch and row the cosines
+    mu0, mu and the weights, area times mu0 mu times the share of free points, follow each other
+    from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
+    sixteen by weights of zero.  It stops where another epoch might not fit.
+    """
+    ways = np.empty(16)
+    ones, zeros = lanes(_ONES), lanes(_ZEROS)
+    rows = ends.shape[1]
+    last = incidence.size - SIZE * (axes.shape[0] + 2 * rows)
+    used = np.uint64(0)
+    for t in range(begin, min(sx.size, begin + ends.shape[0])):
+        if used > last:
+            return t
+        a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+        lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
+        free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
+        _laid_out(ways, 0, a, b, c)
+        _laid_out(ways, 8, d, e, f)
+        row = _0
+        for s in range(np.uint64(segments.shape[0])):
+            if segments[s, _2] != row:
+                used = _filled_up(incidence, emission, weights, used, ones, zeros)
+                ends[np.uint64(t - begin), row] = used
+                row += _1
+            w = segments[s, _0]
+            word = sky[lit, w] & sky[seen, w] & segments[s, _1]
+            while word != _0:
+                n = lowest_bit(word) + w * _WORD
+                word &= word - _1
+                i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
+                x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
+                height, area = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
+                p = _cosines(x, y, ways, way, own) * height
+                q = _cosines(x, y, ways, way + _EYE, own + _EYE) * height
+                free = masks[free_sun, n] & masks[free_eye, n]
+                weight = area * (0.125 * bits_set_in_bytes(free))
+                by = at_most(at_most(p, q), weight)
+                if rows > 1:
+                    other = eight(which, n * _PLACES) - float(row)
+                    by = at_most(by, 0.5 - other * other)
+                put_eight(incidence, used, packed(p, by))
+                put_eight(emission, used, packed(q, by))
+                put_eight(weights, used, packed(weight * (p * q), by))
+                used += np.uint64(bits_set(np.uint8(positive_bits(by))))
+        used = _filled_up(incidence, emission, weights, used, ones, zeros)
+        ends[np.uint64(t - begin), row] = used
+    return min(sx.size, begin + ends.shape[0])
+
+
 @cache
 def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
-    """The sum of mu0 mu (r / mu0) dA for the functions of a law; see `scattering.law`.
+    """The sum over gathered facets for the functions of a law, one facet at a time.
 
-    It is compiled for each pair, so that the loop over facets has no branch for the law.  The
-    fences keep the terms of a law apart from those of the sum: r has the same bits as in
-    `Law.reflectance`.
+    It is compiled for each pair, so that the loop over facets has no branch for the law; see
+    `scattering.law`.  Arguments as of `by_sixteen`.
     """
 
     @reduction_over(of_phase, element)
-    def summed(
-        blocks, axes, sky, cells, masks, resolution, rows, which, sx, sy, sz, ox, oy, oz, out
-    ):
-        # The terms of the phase angle for each row.
-        numbers = np.empty((rows.shape[0], TERMS))
-        ways = np.empty(16)
-        share = 1.0
-        for t in range(out.size):
-            a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-            cos_half = 0.5 * _length(a + d, b + e, c + f)
-            sin_half = 0.5 * _length(a - d, b - e, c - f)
-            for m in range(rows.shape[0]):
-                of_phase(rows[m], cos_half, sin_half, numbers[m])
-            lit, seen = _looked_up(cells, a, b, c), _looked_up(cells, d, e, f)
-            if masks is not None:
-                free_sun = np.uint64(cell(a, b, c, resolution))
-                free_eye = np.uint64(cell(d, e, f, resolution))
-            _laid_out(ways, 0, a, b, c)
-            _laid_out(ways, 8, d, e, f)
-            total = 0.0
-            for w in range(np.uint64(sky.shape[1])):
-                word = sky[lit, w] & sky[seen, w]
-                while word != _0:
-                    n = lowest_bit(word) + np.uint64(w) * _WORD
-                    word &= word - _1
-                    i, way, own, k = n * _BLOCK, axes[n, 0], axes[n, 1], n * _PLACES
-                    a, b, c = ways[way], ways[way + _1], ways[own]
-                    way, own = way + _EYE, own + _EYE
-                    d, e, f = ways[way], ways[way + _1], ways[own]
-                    if masks is not None:
-                        free = masks[free_sun, n] & masks[free_eye, n]
-                    for place in range(_PLACES):
-                        j = np.uint64(place)
-                        x, y = blocks[i + j], blocks[i + _ROW_1 + j]
-                        p, q = x * a + y * b + c, x * d + y * e + f
-                        # A branch saves time here: a law takes much longer than the test.
-                        if p > 0.0 and q > 0.0:
-                            height, area = blocks[i + _ROW_2 + j], blocks[i + _ROW_3 + j]
-                            if masks is not None:
-                                share = 0.125 * bits_set(np.uint8(free >> (j * _PLACES)))
-                            if share > 0.0 and area > 0.0:
-                                m = which[k + j]
-                                p, q = p * height, q * height
-                                weight = fence(share * area * p * q)
-                                r = element(rows[m], numbers[m], fence(p), fence(q))
-                                total += weight * fence(r)
-            out[t] = total
+    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+        terms = np.empty(TERMS)
+        out[:] = 0.0
+        for m in range(rows.shape[0]):
+            row = rows[m]
+            for t in range(out.size):
+                begin, end = _between(ends, t, m)
+                if begin < end:
+                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+                    cos_half = 0.5 * _length(a + d, b + e, c + f)
+                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    total = 0.0
+                    for i in range(begin, end):
+                        if weights[i] > 0.0:
+                            r = element(row, terms, fence(incidence[i]), fence(emission[i]))
+                            total += weights[i] * fence(r)
+                    out[t] += total
 
     return summed
+
+
+@cache
+def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
+    """As `by_facet`, sixteen facets at a time.
+
+    The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arrays of `gather`, the
+    directions of its epochs by component, and the output, one number for each epoch.
+    """
+
+    @reduction_over(of_phase, elements)
+    def summed(rows, incidence, emission, weights, ends, sx, sy, sz, ox, oy, oz, out):
+        terms = np.empty(TERMS)
+        out[:] = 0.0
+        for m in range(rows.shape[0]):
+            row = rows[m]
+            for t in range(out.size):
+                begin, end = _between(ends, t, m)
+                if begin < end:
+                    a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+                    cos_half = 0.5 * _length(a + d, b + e, c + f)
+                    of_phase(row, cos_half, 0.5 * _length(a - d, b - e, c - f), terms)
+                    part = lanes(_SIXTEEN_ZEROS)
+                    for i in range(begin, end, _AT_ONCE):
+                        p, q = sixteen(incidence, i), sixteen(emission, i)
+                        part = part + sixteen(weights, i) * elements(row, terms, p, q)
+                    out[t] += summed_up(part)
+
+    return summed
+
+
+@reduction_inlined
+def _between(ends, t, m):
+    """Where the facets of epoch t and row m begin and end."""
+    begin = _0
+    if m > 0:
+        begin = np.uint64(ends[t, m - 1])
+    elif t > 0:
+        begin = np.uint64(ends[t - 1, ends.shape[1] - 1])
+    return begin, np.uint64(ends[t, m])

@@ -212,13 +212,15 @@ def _painted(
     facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
     balls = enclosed(near)
     normals = np.ascontiguousarray(mesh.normals)
+    size = float(np.max(np.abs(corners)))
+    middles = painting.surroundings(points, size)
     both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
     def work(begin: int, end: int) -> None:
         members = clusters.order[begin * SIZE : end * SIZE]
         painting.paint(
-            *(tree.boxes, near, balls, facing, normals, points, members, across, up),
-            *(resolution, both, masks, begin * SIZE),
+            *(tree.boxes, near, balls, facing, normals, points, middles, size, members),
+            *(across, up, resolution, both, masks, begin * SIZE),
         )
 
     in_blocks(work, clusters.count, _AT_ONCE, threads, progress)

@@ -70,7 +70,7 @@ class AstropyBody(Path):
             raise AttitudeError(
                 f"{self.source} does not give {self.body} at every epoch ({err}); leave out epochs "
                 "outside of its range, or give another kernel."
-            ) from err
+            ) from None
         return tuple(
             np.ascontiguousarray(each.xyz.to_value(unit))
             for each, unit in zip(found, ("m", "m/s"), strict=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from attitude.paths.astropy_body import BUILT_IN_SOURCE, AstropyBody
 from attitude.paths.bodies import SSB
 from attitude.paths.ephemeris_source import Ephemeris
+from attitude.paths.series_body import SeriesBody
 
 if TYPE_CHECKING:
     from attitude.paths.path import Path
@@ -39,7 +40,7 @@ class BuiltIn(Ephemeris):
     def _step(self, name: str) -> Path | None:
         if name not in _ASTROPY_NAMES:
             return None
-        return AstropyBody(_ASTROPY_NAMES[name], "builtin", name, self.source)
+        return SeriesBody(AstropyBody(_ASTROPY_NAMES[name], "builtin", name, self.source))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return built_in, ()

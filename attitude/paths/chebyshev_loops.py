@@ -19,6 +19,7 @@ import math
 
 from attitude.compilation.decorators import sized_entry_point, subroutine
 from attitude.compilation.instructions import fma
+from attitude.compilation.simd import doubles_of, eight, four, lanes, positive_bits, put_eight, root
 from attitude.solution.twofloat import two_sum
 
 
@@ -111,21 +112,115 @@ def _ends_after(s, e, knots, knots_low, number):
     return (s - knots[number + 1]) + (e - knots_low[number + 1]) < 0.0
 
 
+@subroutine
+def _vector(records, row, skip, count, t):
+    """The components of the vector at the coordinate t of a piece: one, or eight of simd.Lanes."""
+    twice = t + t
+    a = b = c = last_a = last_b = last_c = 0.0 * t
+    for order in range(count - 1, 0, -1):
+        column = skip + order
+        a, last_a = fma(twice, a, records[row, column] - last_a), a
+        b, last_b = fma(twice, b, records[row, column + count] - last_b), b
+        c, last_c = fma(twice, c, records[row, column + 2 * count] - last_c), c
+    return (
+        fma(t, a, records[row, skip] - last_a),
+        fma(t, b, records[row, skip + count] - last_b),
+        fma(t, c, records[row, skip + 2 * count] - last_c),
+    )
+
+
+@subroutine
+def _four_at_once(rows, first, count, t):
+    """As `_vector`, the components as the lanes of one vector."""
+    twice = t + t
+    a = last = lanes((0.0, 0.0, 0.0, 0.0))
+    for order in range(count - 1, 0, -1):
+        a, last = fma(twice, a, four(rows, first + 4 * order) - last), a
+    return fma(t, a, four(rows, first) - last)
+
+
 @sized_entry_point
 def values(records, skip, count, piece, x, factor, out):
-    """Fill out (3, N) with the vector at each epoch times a factor."""
-    for k in range(piece.size):
-        row, t = piece[k], x[k]
-        twice = t + t
-        a = b = c = last_a = last_b = last_c = 0.0
-        for order in range(count - 1, 0, -1):
-            column = skip + order
-            a, last_a = fma(twice, a, records[row, column] - last_a), a
-            b, last_b = fma(twice, b, records[row, column + count] - last_b), b
-            c, last_c = fma(twice, c, records[row, column + 2 * count] - last_c), c
-        out[0, k] = fma(t, a, records[row, skip] - last_a) * factor
-        out[1, k] = fma(t, b, records[row, skip + count] - last_b) * factor
-        out[2, k] = fma(t, c, records[row, skip + 2 * count] - last_c) * factor
+    """Fill out (3, N) with the vector at each epoch times a factor.
+
+    Eight epochs in one piece are evaluated together, by SIMD.
+    """
+    out_a, out_b, out_c = out[0], out[1], out[2]
+    for first in range(0, piece.size, 8):
+        row = piece[first]
+        together = first + 8 <= piece.size
+        if together:
+            for k in range(first + 1, first + 8):
+                together &= piece[k] == row
+        if together:
+            a, b, c = _vector(records, row, skip, count, eight(x, first))
+            put_eight(out_a, first, a * factor)
+            put_eight(out_b, first, b * factor)
+            put_eight(out_c, first, c * factor)
+        else:
+            for k in range(first, min(first + 8, piece.size)):
+                a, b, c = _vector(records, piece[k], skip, count, x[k])
+                out_a[k], out_b[k], out_c[k] = a * factor, b * factor, c * factor
+
+
+@sized_entry_point
+def directions(
+    hi, lo, base_hi, base_lo, most, width, cells, starts, widths, records, rows, count, sign,
+    begin, end, unit, length,
+):  # fmt: skip
+    """Fill unit vectors (3, N) times a sign, and lengths (N,), at the epochs from begin to end.
+
+    rows (pieces 4 count,) holds the coefficients of `records` in the order of x, y, z and a zero.
+
+    Pieces as of `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
+    before them, or in one other piece, are evaluated together by SIMD: sorted epochs are walked
+    piece by piece.  NaN for NaN.  Returns -1, or the index of an epoch outside of the range.
+    """
+    step = 0 if lo.size == 1 else 1
+    x_out, y_out, z_out = unit[0], unit[1], unit[2]
+    outside, row = -1, 0
+    for first in range(begin, end, 8):
+        together = first + 8 <= end
+        if together:
+            s, e = two_sum(base_hi, eight(hi, first))
+            e = e + (base_lo + (eight(lo, first) if step else 0.0 * e + lo[0]))
+            t = 2.0 * (((s - starts[row]) + e) / widths[row]) - 1.0
+            if positive_bits(1.0 - t * t) != 255:
+                row = _row_of(hi[first] + base_hi, most, width, cells)
+                t = 2.0 * (((s - starts[row]) + e) / widths[row]) - 1.0
+                together = positive_bits(1.0 - t * t) == 255
+        if together:
+            a, b, c = _vector(records, row, 0, count, t)
+            size = root(a * a + b * b + c * c)
+            put_eight(length, first, size)
+            scale = sign / size
+            put_eight(x_out, first, a * scale)
+            put_eight(y_out, first, b * scale)
+            put_eight(z_out, first, c * scale)
+        else:
+            for k in range(first, min(first + 8, end)):
+                p, q = two_sum(base_hi, hi[k])
+                q += base_lo + lo[k * step]
+                if p + q < 0.0 or p + q > most:
+                    outside = k
+                here = _row_of(p + q, most, width, cells)
+                u = 2.0 * (((p - starts[here]) + q) / widths[here]) - 1.0
+                a, b, c, _ = doubles_of(_four_at_once(rows, 4 * count * here, count, u))
+                size = math.sqrt(a * a + b * b + c * c)
+                length[k] = size
+                scale = sign / size
+                x_out[k], y_out[k], z_out[k] = a * scale, b * scale, c * scale
+    return outside
+
+
+@subroutine
+def _row_of(seconds, most, width, cells):
+    """The number of the piece at an epoch in seconds after the start; of an end if outside."""
+    # NaN is in neither comparison.
+    if not seconds > 0.0:
+        return cells[0]
+    cell = int(seconds / width) if seconds < most else cells.size - 1
+    return cells[cell if cell < cells.size else cells.size - 1]
 
 
 @sized_entry_point

@@ -8,17 +8,20 @@ tolerance, so that a close approach of an hour does not refine the year around i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial import chebyshev as polynomials
 
 from attitude import chebyshev, epochs, pairs, validation
 from attitude.errors import AttitudeError
+from attitude.immutable import frozen, read_only
 from attitude.paths.path import Path, since, spelled
 from attitude.paths.pieces import CellPieces, placed, values, values_and_rates
 
 if TYPE_CHECKING:
-    from attitude.annotations import Epoch, Real
+    from attitude.annotations import Epoch, FloatArray, Real
     from attitude.epochs.instants import Instant
 
 # Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
@@ -29,6 +32,12 @@ _MOST_PIECES = 400_000
 # Rounding errors of Clenshaw's recurrence and of the path itself, in units of eps |r|.
 _ROUNDINGS = 8.0
 _EPS = np.finfo(np.float64).eps
+# The largest number of pieces that are sampled before it is known which of them are needed.
+_TOGETHER = 3
+# Places of the samples between the nodes, and there the Chebyshev polynomials and their slopes.
+_EXTREMA = np.cos(np.pi * np.arange(_COUNT + 1) / _COUNT)
+_VALUES = np.cos(np.pi * np.outer(np.arange(_COUNT + 1), np.arange(_COUNT)) / _COUNT)
+_SLOPES = polynomials.chebval(_EXTREMA, polynomials.chebder(np.eye(_COUNT), axis=0)).T
 # The largest number of epochs at which a path is sampled in one call.
 _BATCH = 1 << 18
 
@@ -59,11 +68,50 @@ class Compressed(Path):
     source: str
     span: tuple[Instant, Instant]
 
+    @cached_property
+    def _rows(self) -> FloatArray:
+        """The records with x, y, z and a zero of each order together; see `chebyshev_loops`."""
+        count = self.pieces.count
+        rows = np.zeros((len(self.pieces.records), count, 4))
+        rows[:, :, :3] = self.pieces.records.reshape(-1, 3, count).transpose(0, 2, 1)
+        return frozen(rows.reshape(-1))
+
     def _position(self, instant, hi, lo):
         return values(self.pieces, *placed(self, instant, hi, lo))
 
     def _state(self, instant, hi, lo):
         return values_and_rates(self.pieces, *placed(self, instant, hi, lo))
+
+    def directions(
+        self,
+        instant: Instant,
+        hi: FloatArray,
+        lo: FloatArray,
+        sign: float,
+        unit: FloatArray,
+        length: FloatArray,
+    ) -> None:
+        """Fill unit vectors (3, N) times a sign, and lengths (N,) in m, of the positions.
+
+        At the epochs instant + hi (N,) + lo (N,) or (1,), in any order; ascending ones take 6 ns
+        each, others up to three times as long.  NaN for NaN.
+
+        Raises
+        ------
+        AttitudeError
+            For an epoch outside of the span.
+        """
+        from attitude.paths import chebyshev_loops
+
+        pieces = self.pieces
+        at = read_only(hi), read_only(lo), *since(instant, pieces.start)
+        cells = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
+        given = *at, *cells, pieces.records, self._rows, pieces.count, sign
+        for begin in range(0, hi.size, _BATCH):
+            end = min(begin + _BATCH, hi.size)
+            outside = chebyshev_loops.directions(*given, begin, end, unit, length)
+            if outside >= 0:
+                self.refuse_outside(instant, hi[outside])
 
 
 def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> Compressed:
@@ -148,51 +196,67 @@ def _halved(path, start, length, tolerance):
                 f"{length / 2**level:.3g} s; allow a larger tolerance or give a shorter span, or "
                 "a smoother path."
             )
-        width = length / 2**level
-        rows, errors, speeds, limits = _fit(path, start, width, remaining, length, tolerance)
-        good = errors <= limits
-        found += [
-            (level, int(number), row, float(error), float(speed))
-            for number, row, error, speed in zip(
-                remaining[good], rows[good], errors[good], speeds[good], strict=True
-            )
-        ]
-        remaining = (2 * remaining[~good][:, None] + np.arange(2)).ravel()
-        level += 1
+        for numbers, *columns in _fit(path, start, level, remaining, length, tolerance):
+            needed = np.isin(numbers, remaining)
+            rows, errors, speeds, limits = (each[needed] for each in columns)
+            good = errors <= limits
+            found += [
+                (level, int(number), row, float(error), float(speed))
+                for number, row, error, speed in zip(
+                    remaining[good], rows[good], errors[good], speeds[good], strict=True
+                )
+            ]
+            remaining, level = _halves(remaining[~good]), level + 1
+            if not remaining.size:
+                break
     return found
 
 
-def _fit(path, start, width, numbers, length, tolerance):
-    """Records of pieces of one width, and for each its error, speed error and allowed error."""
-    extrema = np.cos(np.pi * np.arange(_COUNT + 1) / _COUNT)
-    x = np.concatenate([chebyshev.nodes(_COUNT), extrema])
+def _halves(numbers):
+    """The numbers of the halves of pieces, at the next level."""
+    return (2 * numbers[:, None] + np.arange(2)).ravel()
+
+
+def _fit(path, start, level, numbers, length, tolerance):
+    """Numbers of pieces, and for each its record, error, speed error and allowed error.
+
+    A tuple of these for a level, and for the next ones as far as few samples suffice for all: a
+    call of a path costs as much as hundreds of epochs.
+    """
+    levels = [numbers]
+    while not path.is_slow and sum(map(len, levels)) + 2 * len(levels[-1]) <= _TOGETHER:
+        levels.append(_halves(levels[-1]))
+    widths = np.repeat(length / 2.0 ** (level + np.arange(len(levels))), [len(e) for e in levels])
+    x = np.concatenate([chebyshev.nodes(_COUNT), _EXTREMA])
     # Two doubles: at 1e9 s a single one rounds by 1e-7 s, which is 4 mm at 30 km/s.
-    hi, lo = pairs.two_sum((numbers * width)[:, None], width * (0.5 * (x + 1.0)))
+    begin = np.concatenate(levels) * widths
+    hi, lo = pairs.two_sum(begin[:, None], widths[:, None] * (0.5 * (x + 1.0)))
     # Rounding may put a sample beyond the end of the span, where the path may be undefined.
     hi, lo = np.where(hi + lo > length, length, hi), np.where(hi + lo > length, 0.0, lo)
-    position, velocity = _sampled(path, start, hi.ravel(), lo.ravel())
-    position = position.reshape(3, len(numbers), x.size)
-    velocity = velocity.reshape(3, len(numbers), x.size)
+    sampled = _sampled(path, start, hi.ravel(), lo.ravel())
+    position, velocity = (each.reshape(3, widths.size, x.size) for each in sampled)
     # Differences from one position of the piece: sums of these round less than sums of distances.
     middle = position[:, :, _COUNT // 2]
     table = chebyshev.coefficients(np.moveaxis(position[:, :, :_COUNT] - middle[..., None], -1, 0))
+    error, speed = _errors(table, position[:, :, _COUNT:] - middle[..., None], velocity, widths)
     table[0] += middle
     rows = np.ascontiguousarray(np.moveaxis(table, 0, -1).transpose(1, 0, 2))
-    size = np.linalg.norm(position, axis=0).max(axis=-1)
-    between = slice(_COUNT, None)
-    fitted, rate = _at(table, extrema, width)
-    error = np.linalg.norm(fitted - position[:, :, between], axis=0).max(axis=-1)
-    speed = np.linalg.norm(rate - velocity[:, :, between], axis=0).max(axis=-1)
+    size = np.sqrt(np.sum(position * position, axis=0)).max(axis=-1)
     limit = np.maximum(max(tolerance, path.roughness), _ROUNDINGS * _EPS * size)
-    return rows.reshape(len(numbers), -1), error, speed, limit
+    ends = np.cumsum([len(each) for each in levels])[:-1]
+    columns = rows.reshape(widths.size, -1), error, speed, limit
+    return zip(levels, *(np.split(each, ends) for each in columns), strict=True)
 
 
-def _at(table, x, width):
-    """Values and derivatives by time (3, pieces, x) of coefficients (count, 3, pieces)."""
-    from numpy.polynomial import chebyshev as series
+def _errors(table, position, velocity, widths):
+    """Largest errors of coefficients (count, 3, pieces), and of their derivatives, between nodes.
 
-    slopes = series.chebder(table, axis=0) * (2.0 / width)
-    return series.chebval(x, table), series.chebval(x, slopes)
+    At the extrema of T_16: positions (3, pieces, 17), and velocities at their end.
+    """
+    off = np.tensordot(table, _VALUES, axes=(0, 1)) - position
+    slow = np.tensordot(table, _SLOPES, axes=(0, 1)) * (2.0 / widths)[:, None]
+    slow -= velocity[:, :, _COUNT:]
+    return (np.sqrt(np.sum(each * each, axis=0)).max(axis=-1) for each in (off, slow))
 
 
 def _sampled(path, start, hi, lo):

@@ -41,7 +41,8 @@ def to_celestial(
     *,
     long_term: bool = False,
     name: str = "the ground site",
-) -> tuple[FloatArray, FloatArray]:
+    rates: bool = True,
+) -> tuple[FloatArray, FloatArray | None]:
     """GCRS components (3, N) and their rates per second of a vector (3,) that rests in ITRS.
 
     Parameters
@@ -54,6 +55,8 @@ def to_celestial(
         Whether a model of delta T replaces the IERS table at epochs outside of the table.
     name : str
         For messages.
+    rates : bool
+        Whether the rates are computed; None in their place if not.
 
     Raises
     ------
@@ -70,6 +73,8 @@ def to_celestial(
     intermediate = _without_polar_motion(vector, x_pole, y_pole, -47e-6 * _ARCSEC * centuries)
     angle = rotation_angle(*ut1)
     position = to_gcrs(x, y, angle - s, intermediate)
+    if not rates:
+        return position, None
     turning = RATE * np.stack([-intermediate[1], intermediate[0], np.zeros(hi.size)])
     return position, to_gcrs(x, y, angle - s, turning)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from attitude.annotations import FloatArray, Real
     from attitude.epochs.instants import Instant
+
+_POLE = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,22 +64,25 @@ class Site(Immutable, Path):
         """First and last epoch of the installed IERS table; None with long_term."""
         return None if self.long_term else table_span()
 
-    def zenith(
+    @property
+    def zenith_path(self) -> Site:
+        """See `Place.zenith_path`."""
+        return replace(self, itrs=self.up)
+
+    def pole(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> FloatArray:
-        """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`."""
-        return self._evaluate(instant, seconds, low, self._zenith)[0]
-
-    def _zenith(self, instant, hi, lo):
-        return (self._celestial(instant, hi, lo, self.up)[0],)
+        """Unit vectors (..., 3) along the axis of ITRS, ICRF axes; see `Path.position`."""
+        return replace(self, itrs=_POLE).position(instant, seconds, low)
 
     def _state(self, instant, hi, lo):
-        return self._celestial(instant, hi, lo, self.itrs)
-
-    def _celestial(self, instant, hi, lo, vector):
-        """ICRF components and their rates (3, N) of a vector in ITRS."""
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
-        return to_celestial(*at, vector, long_term=self.long_term, name=self.name)
+        return to_celestial(*at, self.itrs, long_term=self.long_term, name=self.name)
+
+    def _position(self, instant, hi, lo):
+        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        given = {"long_term": self.long_term, "name": self.name, "rates": False}
+        return to_celestial(*at, self.itrs, **given)[0]
 
 
 def site(
@@ -124,17 +129,27 @@ def site(
             f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
             'as "48.1 deg").'
         )
-    up = np.array(
+    up = _normal(longitude, latitude)
+    squeeze = (1.0 - EARTH_FLATTENING) ** 2
+    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
+    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
+    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
+
+
+def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, source: str) -> Site:
+    """The place at (3,) m in ITRS, whose zenith has a geodetic longitude and latitude, rad."""
+    return Site(np.array(itrs, dtype=np.float64), _normal(longitude, latitude), name, source)
+
+
+def _normal(longitude: float, latitude: float) -> FloatArray:
+    """The normal (3,) of the ellipsoid, ITRS axes."""
+    return np.array(
         [
             math.cos(latitude) * math.cos(longitude),
             math.cos(latitude) * math.sin(longitude),
             math.sin(latitude),
         ]
     )
-    squeeze = (1.0 - EARTH_FLATTENING) ** 2
-    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
-    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
-    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
 
 
 def observatory(code: str, *, long_term: bool = False) -> Site:

@@ -15,7 +15,7 @@ flat arrays of finite epochs: ``_position(instant, hi, lo)``, which returns (3, 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NoReturn, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 import numpy as np
 
@@ -204,8 +204,8 @@ def spelled(instant: Instant) -> str:
     return f"{year:04d}-{month:02d}-{day:02d}T{hour:02d}:{minute:02d}:{second:02d}.{milli:03d} TDB"
 
 
-def common_span(paths: Iterable[Path]) -> tuple[Instant, Instant] | None:
-    """First and last epoch that all paths cover, or None if no path has a limit."""
+def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
+    """First and last epoch that all paths (or motions) cover, or None if none has a limit."""
     spans = [path.span for path in paths if path.span is not None]
     if not spans:
         return None

@@ -13,6 +13,7 @@ import os
 import re
 import warnings
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,14 +75,20 @@ class Satellite(Path):
     any_epoch: bool = False
     center = "earth"
 
+    def _position(self, instant, hi, lo):
+        return self._turned(instant, hi, lo, 1)[0]
+
     def _state(self, instant, hi, lo):
+        return self._turned(instant, hi, lo, 2)
+
+    def _turned(self, instant, hi, lo, count):
         base = since(instant, self.epoch)
         elapsed = (base[0] + hi) + (base[1] + lo)
         # The rounding error of that sum moves a satellite by less than 1e-7 m a year.
-        position, velocity = self._teme(elapsed, instant, hi)
+        found = self._teme(elapsed, instant, hi)[:count]
         seconds = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         pole = pole_of_teme(*seconds)
-        return to_gcrs(*pole, position), to_gcrs(*pole, velocity)
+        return tuple(to_gcrs(*pole, each) for each in found)
 
     def _teme(self, elapsed, instant, hi):
         """Positions and velocities (3, N) over TEME axes, m and m/s."""
@@ -254,20 +261,9 @@ def _tai_of_utc(jd1, jd2):
     return time_scales.tai_from_utc_day(day, second)
 
 
+@lru_cache(maxsize=256)
 def _model(lines):
     """sgp4's object for some elements, cached here because it cannot be pickled."""
-    if lines not in _models:
-        if len(_models) > 256:
-            _models.clear()
-        _models[lines] = _made(lines)
-    return _models[lines]
-
-
-_models: dict[tuple[Any, ...], Any] = {}
-
-
-def _made(lines):
-    """A new object of sgp4 for some elements."""
     from sgp4 import omm as reader
     from sgp4.api import Satrec
 

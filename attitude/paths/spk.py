@@ -280,13 +280,16 @@ class Succession(Path):
         return position, velocity
 
     def _by_part(self, instant, hi, lo):
-        """Yield each part that is used, a mask (N,) of its epochs, and their hi and lo."""
-        lo = np.broadcast_to(lo, hi.shape)
+        """Yield each part that is used, a mask or slice of its epochs, and their hi and lo."""
+        given, lo = lo, np.broadcast_to(lo, hi.shape)
         left = np.ones(hi.size, dtype=bool)
         for part in self.parts:
             first, last = (since(each, instant) for each in part.span)
             here = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
             here &= (hi - last[0]) + (lo - last[1]) <= 0.0
+            if here.all():
+                yield part, slice(None), (hi, given)
+                return
             if here.any():
                 yield part, here, (np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here]))
                 left &= ~here

@@ -7,14 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from attitude.compilation.decorators import reduction_subroutine
+from attitude.compilation.decorators import reduction_subroutine, reduction_within
+from attitude.compilation.elementary import power_of_half, share_of_half_turn
 from attitude.compilation.instructions import fence
+from attitude.compilation.simd import at_least, at_most, chosen, root
 from attitude.scattering.law import Law
 from attitude.scattering.parameters import NumberField, parameter
 
-# Lower bound of a denominator of Hapke's roughness, which vanishes together with its numerators
-# where Sun and observer are both on the horizon and opposite each other: the quotient is then 0.
-_LEAST = 1e-300
+# Below this tangent of the mean slope the surface is smooth to rounding.
+_SMOOTH = 1e-18
+# Lower bound of numbers that vanish together with others, where their quotient does not count.
+_LEAST = 1e-40
+_LN2 = math.log(2.0)
 
 
 @reduction_subroutine
@@ -31,76 +35,80 @@ def _of_phase(row, cos_half, sin_half, phase_terms):
     phase_terms[3] = math.sqrt(1.0 - row[0])
 
 
-@reduction_subroutine
-def _element(row, phase_terms, mu0, mu):
-    """r / mu0 in 1/sr, with the terms of `_of_phase`."""
-    w, tan_bar, gamma = row[0], phase_terms[2], phase_terms[3]
-    if tan_bar <= 0.0:
-        return (
-            0.25 / math.pi * w * _single_and_multiple(phase_terms[0], gamma, mu0, mu) / (mu0 + mu)
-        )
-    mu0 = min(mu0, 1.0)
-    mu = min(mu, 1.0)
-    sin_i = math.sqrt(1.0 - mu0 * mu0)
-    sin_e = math.sqrt(1.0 - mu * mu)
-    # The azimuth psi between the planes of incidence and emission, 0 if i or e is 0:
+@reduction_within
+def _elements(row, phase_terms, mu0, mu):
+    """r / mu0 in 1/sr of eight elements, with the terms of `_of_phase`."""
+    if phase_terms[2] <= _SMOOTH:
+        return _smooth(row, phase_terms, mu0, mu)
+    return _rough(row, phase_terms, mu0, mu)
+
+
+@reduction_within
+def _smooth(row, phase_terms, mu0, mu):
+    above = (mu0 * 2.0 + 1.0) * (mu * 2.0 + 1.0)
+    gamma = 2.0 * phase_terms[3]
+    below = (mu0 * gamma + 1.0) * (mu * gamma + 1.0)
+    several = (phase_terms[0] - 1.0) * below + above
+    return (0.25 / math.pi * row[0]) * several / (below * (mu0 + mu))
+
+
+@reduction_within
+def _rough(row, phase_terms, mu0, mu):
+    """Hapke's eqs. 46-58 as one quotient.
+
+    The equations treat the larger of incidence and emission and the smaller one differently, and
+    are symmetric otherwise: here a is the one of larger cosine.  With t = tan(theta-bar), S = t sin
+    and E1, E2 of eqs. 45 and 46,
+
+        D = 2 - E1                                  eta = chi (mu D + S E2) / D
+        L = 2 - E1b - psi/pi E1a
+        Ya = L mua + Sa (cos psi E2b + sin^2(psi/2) E2a)        mu_e = chi Y / L
+        Yb = L mub + Sb (E2b - sin^2(psi/2) E2a)
+    """
+    tan_bar, gamma = phase_terms[2], phase_terms[3]
+    a, b = at_least(mu0, mu), at_most(mu0, mu)
+    sin_a = root(at_least(1.0 - a * a, _LEAST))
+    sin_b = root(at_least(1.0 - b * b, _LEAST))
+    # The azimuth psi between the planes of incidence and emission:
     # sin^2(psi/2) = [sin^2(alpha/2) - sin^2((i - e)/2)] / (sin i sin e).  Cosines would lose half
-    # of their digits near opposition.  Rounding can leave the range 0 to 1, hence min and max.
-    sines = sin_i * sin_e
-    sin2_half = 0.0
-    if sines > 0.0:
-        # the same operations with Sun and observer exchanged: reciprocity to rounding
-        high, low = max(mu0, mu), min(mu0, mu)
-        apart = min(sin_i, sin_e) * low - max(sin_i, sin_e) * high
-        apart = 0.5 * apart * apart / (1.0 + mu0 * mu + sines)
-        sin2_half = min(max((phase_terms[1] - apart) / sines, 0.0), 1.0)
-    cos_psi = 1.0 - 2.0 * sin2_half
-    tan_half = math.sqrt(sin2_half) / math.sqrt(max(1.0 - sin2_half, 1e-300))
-    psi = 2.0 * math.atan(tan_half)
-    chi = 1.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
-    e1_i, e2_i = _slopes(mu0, sin_i, tan_bar)
-    e1_e, e2_e = _slopes(mu, sin_e, tan_bar)
-    eta_i = chi * (mu0 + sin_i * tan_bar * e2_i / (2.0 - e1_i))
-    eta_e = chi * (mu + sin_e * tan_bar * e2_e / (2.0 - e1_e))
-    hidden = math.exp(-2.0 * tan_half)
-    if mu0 >= mu:
-        below = max(2.0 - e1_e - psi / math.pi * e1_i, _LEAST)
-        mu0_e = chi * (mu0 + sin_i * tan_bar * (cos_psi * e2_e + sin2_half * e2_i) / below)
-        mu_e = chi * (mu + sin_e * tan_bar * (e2_e - sin2_half * e2_i) / below)
-        share = mu0 / eta_i
-    else:
-        below = max(2.0 - e1_i - psi / math.pi * e1_e, _LEAST)
-        mu0_e = chi * (mu0 + sin_i * tan_bar * (e2_i - sin2_half * e2_e) / below)
-        mu_e = chi * (mu + sin_e * tan_bar * (cos_psi * e2_i + sin2_half * e2_e) / below)
-        share = mu / eta_e
-    # S / mu0: a division by mu0, which may be tiny, is not needed.
-    shadow = mu_e / (eta_e * eta_i) * chi / (1.0 - hidden + hidden * chi * share)
-    ratio = mu0_e / (mu0_e + mu_e)
+    # of their digits near opposition.  Rounding can leave the range 0 to 1.
+    sines = sin_a * sin_b
+    more = a * b + sines + 1.0
+    apart = sin_a * b - sin_b * a
+    inverse = 1.0 / (more * sines)
+    sin2 = (more * phase_terms[1] - 0.5 * apart * apart) * inverse
+    sin2 = at_most(at_least(sin2, 0.0), 1.0)
+    cos2 = 1.0 - sin2
+    cos_psi = cos2 - sin2
+    # psi/pi, and exp(-2 tan(psi/2))
+    steep = 1.0 / root(at_least(sin2 * cos2, _LEAST))
+    angle = share_of_half_turn(at_most(sin2, cos2) * steep)
+    angle = chosen(cos_psi, angle, 1.0 - angle)
+    hidden = power_of_half(sin2 * (steep * (2.0 / _LN2)))
+    # -ln E1 and -ln E2 are multiples of the cotangent of i or e, and of its square
+    scaled = inverse * (more * (2.0 / math.pi / _LN2 / tan_bar))
+    cot_a, cot_b = a * sin_b * scaled, b * sin_a * scaled
+    e1a, e1b = power_of_half(cot_a), power_of_half(cot_b)
+    e2a = power_of_half(cot_a * cot_a * (0.25 * math.pi * _LN2))
+    e2b = power_of_half(cot_b * cot_b * (0.25 * math.pi * _LN2))
+    slope_a, slope_b = sin_a * tan_bar, sin_b * tan_bar
+    da, db = 2.0 - e1a, 2.0 - e1b
+    below = at_least(db - angle * e1a, _LEAST)
+    ya = at_least(a * below + slope_a * (cos_psi * e2b + sin2 * e2a), _LEAST)
+    yb = at_least(b * below + slope_b * (e2b - sin2 * e2a), _LEAST)
+    # H(mu0_e) H(mu_e) is `above` / `under`
+    twice = 2.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
+    above = (ya * twice + below) * (yb * twice + below)
+    twice *= gamma
+    under = (ya * twice + below) * (yb * twice + below)
+    several = (phase_terms[0] - 1.0) * under + above
+    shaded = (b * db + slope_b * e2b) * (a * da + slope_a * e2a * (1.0 - hidden))
     return (
-        0.25
-        / math.pi
-        * w
-        * ratio
-        * shadow
-        * _single_and_multiple(phase_terms[0], gamma, mu0_e, mu_e)
+        (0.25 / math.pi * row[0])
+        * (ya * yb * da * db)
+        * several
+        / (below * (ya + yb) * under * shaded)
     )
-
-
-@reduction_subroutine
-def _slopes(mu, sine, tan_bar):
-    """Hapke 1984, eqs. 45, 46: E1 and E2 of the angle with cosine mu; both 0 for angle 0."""
-    if sine <= 0.0:
-        return 0.0, 0.0
-    cot = mu / (sine * tan_bar)
-    return math.exp(-2.0 / math.pi * cot), math.exp(-cot * cot / math.pi)
-
-
-@reduction_subroutine
-def _single_and_multiple(single, gamma, mu0, mu):
-    """(1 + B) p + H(mu0) H(mu) - 1."""
-    h0 = (1.0 + 2.0 * mu0) / (1.0 + 2.0 * mu0 * gamma)
-    h1 = (1.0 + 2.0 * mu) / (1.0 + 2.0 * mu * gamma)
-    return single + h0 * h1 - 1.0
 
 
 @dataclass(frozen=True)
@@ -129,7 +137,7 @@ class Hapke(Law):
 
     name = "hapke"
     of_phase = _of_phase
-    element = _element
+    elements = _elements
 
     w: NumberField = parameter(0.037, low=0.0, high=1.0)
     g: NumberField = parameter(-0.47, low=-0.99, high=0.99)

@@ -5,12 +5,17 @@ A row holds the fields of a `Material` in order: diffuse, specular, model, expon
 
 import math
 
-from attitude.compilation.decorators import reduction_subroutine
+from attitude.compilation.decorators import reduction_subroutine, reduction_within
+from attitude.compilation.elementary import binary_logarithm, power_of_half
+from attitude.compilation.simd import at_least, at_most, chosen, every
 
 MODELS = ("phong", "cook-torrance")
 _PHONG = float(MODELS.index("phong"))
 # Below this cosine of a micro-facet's tilt Cook and Torrance's lobe underflows to zero.
 _STEEPEST = 0.03
+# Whole exponents up to this are raised by products, whose error is that of the cosine.
+_MULTIPLIED = 256.0
+_LEAST = 1e-300
 
 
 @reduction_subroutine
@@ -22,9 +27,9 @@ def of_phase(row, cos_half, sin_half, phase_terms):
         _cook_torrance_of_phase(row, cos_half, phase_terms)
 
 
-@reduction_subroutine
-def element(row, phase_terms, mu0, mu):
-    """r / mu0 in 1/sr for the model of a row."""
+@reduction_within
+def elements(row, phase_terms, mu0, mu):
+    """r / mu0 in 1/sr of eight elements for the model of a row."""
     if row[2] == _PHONG:
         return _phong(row, phase_terms, mu0, mu)
     return _cook_torrance(phase_terms, mu0, mu)
@@ -37,12 +42,21 @@ def _phong_of_phase(row, cos_half, sin_half, phase_terms):
     phase_terms[2] = (cos_half - sin_half) * (cos_half + sin_half)
 
 
-@reduction_subroutine
+@reduction_within
 def _phong(row, phase_terms, mu0, mu):
     mirrored = 2.0 * mu0 * mu - phase_terms[2]
-    if mirrored <= 0.0:
-        return phase_terms[0]
-    return phase_terms[0] + phase_terms[1] * math.pow(mirrored, row[3])
+    base = at_least(mirrored, _LEAST)
+    if row[3] <= _MULTIPLIED and row[3] == math.floor(row[3]):
+        lobe = every(1.0, base)
+        left = int(row[3])
+        while left > 0:
+            if left & 1:
+                lobe = lobe * base
+            base = base * base
+            left >>= 1
+    else:
+        lobe = power_of_half(binary_logarithm(base) * -row[3])
+    return phase_terms[0] + phase_terms[1] * chosen(mirrored, lobe, every(0.0, lobe))
 
 
 @reduction_subroutine
@@ -53,18 +67,22 @@ def _cook_torrance_of_phase(row, cos_half, phase_terms):
     phase_terms[0] = row[0] / math.pi
     phase_terms[1] = row[1] * fresnel / (4.0 * math.pi * slope)
     phase_terms[2] = cos_half
-    phase_terms[3] = 1.0 / slope
+    phase_terms[3] = 1.0 / (slope * math.log(2.0))
 
 
-@reduction_subroutine
+@reduction_within
 def _cook_torrance(phase_terms, mu0, mu):
     # The micro-facet that mirrors the Sun to the observer bisects the phase angle.
+    cos_half = phase_terms[2]
+    both = 0.5 * (mu0 + mu)
     # For steeper ones the exponential is below 1e-480 at every roughness, and could end as 0/0.
-    if phase_terms[2] <= 0.0 or 0.5 * (mu0 + mu) < _STEEPEST * phase_terms[2]:
-        return phase_terms[0]
-    tilt = min(0.5 * (mu0 + mu) / phase_terms[2], 1.0)
-    square = tilt * tilt
-    spread = math.exp((square - 1.0) / square * phase_terms[3]) / (square * square)
-    # min(1, 2 tilt min(mu0, mu) / cos_half) / (mu0 mu), where the product may underflow.
-    grooves = min(1.0 / (mu0 * mu), 2.0 * tilt / (phase_terms[2] * max(mu0, mu)))
-    return phase_terms[0] + phase_terms[1] * spread * grooves
+    shown = both - _STEEPEST * cos_half
+    if cos_half <= 0.0:
+        return shown * 0.0 + phase_terms[0]
+    # in units of cos(alpha/2) the cosine of the tilt of the facet is 1 at most
+    tilt = at_most(at_least(both / cos_half, _STEEPEST), 1.0)
+    inverse = 1.0 / (tilt * tilt)
+    spread = power_of_half((inverse - 1.0) * phase_terms[3]) * (inverse * inverse)
+    grooves = at_most((2.0 / cos_half) * tilt * at_most(mu0, mu), 1.0)
+    lobe = spread * grooves / at_least(mu0 * mu, _LEAST)
+    return phase_terms[0] + phase_terms[1] * chosen(shown, lobe, every(0.0, lobe))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.scattering import lobes
 from attitude.scattering.law import Law
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from attitude.annotations import FloatArray, IntArray, Reals
+
+# Of a fixed point whose error shrinks by 2 m^2 / (1 + tan^2) each time.
+_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class Material(Law):
 
     name = "material"
     of_phase = lobes.of_phase
-    element = lobes.element
+    elements = lobes.elements
 
     diffuse: NumberField = parameter(low=0.0, high=1.0)
     specular: NumberField = parameter(0.0, low=0.0, high=1.0)
@@ -69,6 +74,30 @@ class Material(Law):
                 f"diffuse {self.diffuse} and specular {self.specular} add up to more than 1: the "
                 "surface would return more light than it gets; lower one of them."
             )
+
+    def lobe_half_width(self, fraction: float = 0.1) -> float:
+        """The angle from the mirror direction at which the lobe falls to a fraction of its peak.
+
+        rad, up to pi / 2; for Cook and Torrance's that of the distribution of micro-facets, which
+        tilt by half of it.  0 for a material without a specular part.
+
+        Raises
+        ------
+        AttitudeError
+            For a fraction that is not between 0 and 1.
+        """
+        given = validation.number(fraction, "fraction")
+        if not 0.0 < given < 1.0:
+            raise AttitudeError(f"fraction is {given!r}; give one above 0 and below 1.")
+        if self.specular == 0.0:
+            return 0.0
+        if self.model == "phong":
+            return math.acos(given ** (1.0 / self.exponent))
+        # exp(-tan^2 / m^2) / cos^4 = fraction, with the tangent squared as the unknown.
+        square = -(self.roughness**2) * math.log(given)
+        for _ in range(_ITERATIONS):
+            square = self.roughness**2 * (2.0 * math.log1p(square) - math.log(given))
+        return min(2.0 * math.atan(math.sqrt(square)), 0.5 * math.pi)
 
 
 class Materials(Law):
@@ -92,7 +121,7 @@ class Materials(Law):
     """
 
     of_phase = lobes.of_phase
-    element = lobes.element
+    elements = lobes.elements
     _by_name: dict[str, Material]
 
     def __init__(self, by_name: Mapping[str, Material]) -> None:

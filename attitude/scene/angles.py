@@ -7,31 +7,62 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from attitude import frames
+from attitude.immutable import read_only
+from attitude.memory import new_array
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from attitude.annotations import FloatArray
 
 # A full turn, rad.
 TURN: Final = 2.0 * np.pi
+# Epochs that are computed together.
+_BLOCK = 1 << 13
 
 
 def between(a: FloatArray, b: FloatArray) -> FloatArray:
-    """The angle (N,) between directions of any length, 0 to pi rad, exact at both ends."""
-    across = np.cross(a, b, axis=0)
-    return np.arctan2(np.sqrt(np.sum(across * across, axis=0)), np.sum(a * b, axis=0))
+    """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
+    out = new_array(a.shape[1])
+    for part in parts(out.size):
+        (x, y, z), (u, v, w) = a[:, part], b[:, part]
+        p, q, r = y * w - z * v, z * u - x * w, x * v - y * u
+        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[part])
+    return out
+
+
+def between_units(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The angle (N,) between unit vectors (3, N) or (3, 1), as `between`, in half of the time."""
+    from attitude.solution.vectors import separation
+
+    pair = (read_only(np.ascontiguousarray(each)) for each in (a, b))
+    return separation(*(row for vectors in pair for row in vectors))
 
 
 def turned_positive(angle: FloatArray) -> FloatArray:
-    """An angle from -pi to pi as one from 0 to 2 pi, less than 2 pi."""
+    """An angle from -pi to pi as one from 0 to 2 pi, less than 2 pi; filled in place."""
+    np.add(angle, TURN, out=angle, where=angle < 0.0)
     # The sum of 2 pi and a negative rounding error such as -1e-20 rounds to 2 pi itself.
-    positive = np.where(angle < 0.0, angle + TURN, angle)
-    return np.where(positive >= TURN, 0.0, positive)
+    np.copyto(angle, 0.0, where=angle >= TURN)
+    return angle
 
 
 def longitude_and_latitude(vectors: FloatArray) -> FloatArray:
-    """East longitude, 0 to 2 pi, and latitude (2, N) of directions of any length, rad."""
-    x, y, z = vectors
-    return np.stack([turned_positive(np.arctan2(y, x)), np.arctan2(z, np.hypot(x, y))])
+    """East longitude, 0 to 2 pi, and latitude (2, N) of directions, rad.
+
+    Of any length whose square a double holds.
+    """
+    out = new_array(2, vectors.shape[1])
+    for part in parts(out.shape[1]):
+        x, y, z = vectors[:, part]
+        turned_positive(np.arctan2(y, x, out=out[0, part]))
+        np.arctan2(z, np.sqrt(x * x + y * y), out=out[1, part])
+    return out
+
+
+def parts(count: int) -> Iterator[slice]:
+    """Slices of epochs: temporary arrays of one stay in the second-level cache."""
+    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))
 
 
 def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
@@ -39,7 +70,12 @@ def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
 
     s and o are the unit vectors from the body to the Sun and to the observer, ICRF.
     """
-    return longitude_and_latitude(frames.matrix_to_icrf("ecliptic").T @ -(sun + observer))
+    turn = -frames.matrix_to_icrf("ecliptic").T
+    out = new_array(2, max(sun.shape[1], observer.shape[1]))
+    for part in parts(out.shape[1]):
+        pair = (each if each.shape[1] == 1 else each[:, part] for each in (sun, observer))
+        out[:, part] = longitude_and_latitude(turn @ sum(pair))
+    return out
 
 
 def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
@@ -48,12 +84,14 @@ def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
     Both arguments are directions (3, N), ICRF; the line of sight points from the observer to the
     body.
     """
-    x, y, _ = line_of_sight
-    # East is pole x line of sight, north the part of the pole across the line of sight; the length
-    # of both is cos(declination).
-    east = axis[1] * x - axis[0] * y
-    north = axis[2] - line_of_sight[2] * np.sum(axis * line_of_sight, axis=0)
-    return turned_positive(np.arctan2(east, north))
+    out = new_array(line_of_sight.shape[1])
+    for part in parts(out.size):
+        (a, b, c), (x, y, z) = axis[:, part], line_of_sight[:, part]
+        # East is pole x line of sight, north the part of the pole across the line of sight; the
+        # length of both is cos(declination).
+        north = c - z * (a * x + b * y + c * z)
+        turned_positive(np.arctan2(b * x - a * y, north, out=out[part]))
+    return out
 
 
 def aberrated(direction: FloatArray, velocity: FloatArray, light: float) -> FloatArray:
@@ -78,3 +116,17 @@ def aberrated(direction: FloatArray, velocity: FloatArray, light: float) -> Floa
     inverse_gamma = np.sqrt(1.0 - np.sum(beta * beta, axis=0))
     seen = inverse_gamma * direction + (1.0 + along / (1.0 + inverse_gamma)) * beta
     return seen / np.sqrt(np.sum(seen * seen, axis=0))
+
+
+def air_mass(elevation: FloatArray) -> FloatArray:
+    """Relative air mass (N,) at true (unrefracted) elevations (N,) in rad; NaN below 0.
+
+    Young (1994), Applied Optics 33, 1108: 1 at the zenith, 31.7 at the horizon, where its error of
+    0.0037 is greatest.
+    """
+    z = np.sin(elevation)
+    with np.errstate(invalid="ignore"):
+        above = ((1.002432 * z + 0.148386) * z + 0.0096467) / (
+            ((z + 0.149864) * z + 0.0102963) * z + 0.000303978
+        )
+        return np.where(z >= 0.0, above, np.nan)

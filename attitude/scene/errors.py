@@ -16,7 +16,6 @@ from attitude import representations as forms
 from attitude.history import turned_deviations
 from attitude.scene.lazy import kept, quantity
 from attitude.scene.photometry import Brightness
-from attitude.scene.sky import Sky
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -32,7 +31,7 @@ _CELLS = 64
 _MAGNITUDES = 2.5 / math.log(10.0)
 
 
-class Errors(Brightness, Sky):
+class Errors(Brightness):
     """Base of `View`: adds the standard deviations of quantities that depend on the attitude.
 
     To first order in the errors.  AttitudeError if the motion's spin has no covariance.

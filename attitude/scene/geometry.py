@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
+from attitude.memory import new_array
 from attitude.paths.path import Path
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles, lines_of_sight, shadow
@@ -70,7 +71,7 @@ class Geometry(Immutable):
         scene = self.scene
         if scene.observer.is_direction:
             return lines_of_sight.fixed(scene.observer)
-        found = self._sight(scene.center, scene.observer, self._reception(), sign=-1.0)
+        found = self._sight(scene.center, scene.observer, sign=-1.0)
         self._refuse_inside(found, scene.observer)
         return found
 
@@ -86,7 +87,7 @@ class Geometry(Immutable):
             return hi, None if self.low is None else lo
         from attitude.scene import loops
 
-        out = np.empty(hi.size), np.empty(hi.size)
+        out = new_array(hi.size), new_array(hi.size)
         loops.earlier(read_only(hi), read_only(lo), read_only(distance), SPEED_OF_LIGHT_M_S, *out)
         return frozen(out[0]), frozen(out[1])
 
@@ -96,7 +97,7 @@ class Geometry(Immutable):
         scene = self.scene
         if scene.sun.is_direction:
             return lines_of_sight.fixed(scene.sun)
-        found = self._sight(scene.sun, scene.center, self._emission())
+        found = self._sight(scene.sun, scene.center, emitted=True)
         self._refuse_inside(found, scene.sun)
         return found
 
@@ -111,11 +112,21 @@ class Geometry(Immutable):
             )
         if scene.sun.is_direction:
             return lines_of_sight.fixed(scene.sun)
-        return self._sight(scene.sun, scene.observer, self._reception())
+        return self._sight(scene.sun, scene.observer)
 
     def _reception(self) -> tuple[FloatArray, FloatArray]:
         lo = _NO_LOW if self.low is None else self.low.reshape(-1)
         return self.seconds.reshape(-1), lo
+
+    @cached_property
+    def _reception_sample(self) -> lines_of_sight.Sample:
+        """The `lines_of_sight.sample` of the epochs of reception."""
+        return lines_of_sight.sample(self.epoch, *self._reception())
+
+    @cached_property
+    def _emission_sample(self) -> lines_of_sight.Sample:
+        """The `lines_of_sight.sample` of the epochs of emission."""
+        return lines_of_sight.sample(self.epoch, *self._emission())
 
     def _emission(self) -> tuple[FloatArray, FloatArray]:
         hi, lo = self.emission
@@ -125,16 +136,16 @@ class Geometry(Immutable):
         self,
         target: Place | str | None,
         viewer: Place | None,
-        at: tuple[FloatArray, FloatArray],
         *,
+        emitted: bool = False,
         geometric: bool = False,
         sign: float = 1.0,
     ) -> LineOfSight:
-        """The line from a viewer at the epochs `at` to a target; opposite for sign -1.0."""
+        """The line from a viewer, at reception or emission, to a target; opposite for -1.0."""
         # A Scene without a center has directions only, which have lines of their own.
         assert isinstance(target, (Path, str)) and isinstance(viewer, Path)
-        scene, (hi, lo) = self.scene, at
-        some = lines_of_sight.sample(self.epoch, hi, lo)
+        scene, (hi, lo) = self.scene, self._emission() if emitted else self._reception()
+        some = self._emission_sample if emitted else self._reception_sample
         path: Path
         if scene.light_time and not geometric:
             path = Sightline(scene.steps(target, viewer), some)
@@ -227,28 +238,35 @@ class Geometry(Immutable):
     @quantity()
     def lit_fraction(self) -> FloatArray:
         """Fraction of the Sun's disc that the bodies of `scene.shadow_of` leave free, 0 to 1."""
+        # In parts, whose temporary arrays need no new memory.
         scene, lit = self.scene, np.ones(self.seconds.size)
         for body, radius in scene.shadow_of.items():
             far = scene.sun.is_direction
-            found = self._sight(body, scene.center, self._emission(), geometric=far)
-            assert found.distance is not None
+            found = self._sight(body, scene.center, emitted=True, geometric=far)
+            flattening = shadow.flattening_of(body, radius)
             moves = scene.light_time and not far
-            lit -= 1.0 - shadow.lit_fraction(
-                found.unit * found.distance,
-                radius,
-                self.sun_line.unit,
-                self.sun_line.distance,
-                flattening=shadow.flattening_of(body, radius),
-                velocity=partial(self._velocity_of, body) if moves else None,
-            )
-        return self._numbers(np.maximum(lit, 0.0))
+            for part in angles.parts(lit.size):
+                velocity = partial(self._velocity_of, body, part) if moves else None
+                occulter, sun = found.some(part), self.sun_line.some(part)
+                assert occulter.distance is not None
+                lit[part] -= 1.0 - shadow.lit_fraction(
+                    occulter.unit * occulter.distance,
+                    radius,
+                    sun.unit,
+                    sun.distance,
+                    flattening=flattening,
+                    velocity=velocity,
+                )
+        return self._numbers(np.maximum(lit, 0.0, out=lit))
 
-    def _velocity_of(self, body: str, where: BoolArray) -> FloatArray:
-        """Barycentric velocities (3, K) of a body at the marked epochs of emission, m/s, ICRF."""
-        hi, lo = self._emission()
-        low = np.broadcast_to(lo, hi.shape)[where]
+    def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
+        """Barycentric velocities (3, K) of a body at the marked epochs of a part, m/s, ICRF.
+
+        The epochs are those of emission.
+        """
+        hi, lo = (np.broadcast_to(each, self.seconds.size)[part] for each in self._emission())
         path = paths.relative(body, "ssb", self.scene.ephemeris)
-        return np.moveaxis(path.velocity(self.epoch, hi[where], low), -1, 0)
+        return np.moveaxis(path.velocity(self.epoch, hi[where], lo[where]), -1, 0)
 
     @quantity()
     def in_umbra(self) -> BoolArray:

@@ -17,6 +17,7 @@ Source: NAIF, SPK Required Reading, "light time corrections"; Kaplan et al., AJ 
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -40,6 +41,9 @@ _ROUNDINGS = 2.0
 _NOISE = 1e3
 # Each secant step doubles the number of correct digits: 1e-4, 1e-12 and so on for planets.
 _MOST_PASSES = 30
+# Change of the light time, times the light time, s2, below which the velocity of the viewer is
+# kept: at 10 m/s2, the fall in low orbit, it shifts the target by 1e-9 m.
+_SAME = 2e-10
 
 
 class Steps(NamedTuple):
@@ -79,8 +83,10 @@ class Sightline(Path):
 
     Attributes
     ----------
+    nearest : float
+        Least distance at the epochs of the sample, m, without the correction; 0 without any epoch.
     is_near : bool
-        Whether the target is nearer than a light second at some epoch of the sample.
+        Whether the target is nearer than a light second at all epochs of the sample.
     """
 
     def __init__(
@@ -95,13 +101,18 @@ class Sightline(Path):
         # The span of the target ends a light time later here; the target itself checks it.
         self.span = None
         self._ends = common_span([self.target])
-        geometric = self._guess(*sample, self.geometric)
-        self.is_near = bool(np.max(_length(geometric), initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
-        # The largest number that enters a difference of positions, m.
-        self._size = 0.0
+        distances = _length(self._guess(*sample, self.geometric))
+        self.nearest = float(np.min(distances, initial=np.inf)) if distances.size else 0.0
+        self.is_near = bool(np.max(distances, initial=0.0) < _NEAR * SPEED_OF_LIGHT_M_S)
+        self._sample = sample
+
+    @cached_property
+    def roughness(self) -> float:  # type: ignore[override]  # computed
+        """See `Path`, m: that of the parts, and the rounding of barycentric positions."""
+        size = 0.0
         if not self.is_near:
-            self._size = float(np.max(np.abs(self.viewer._position(*sample)), initial=0.0))
-        self.roughness = self.geometric.roughness + 8.0 * _EPS * self._size
+            size = float(np.max(np.abs(self.viewer._position(*self._sample)), initial=0.0))
+        return self.geometric.roughness + 8.0 * _EPS * size
 
     def _position(self, instant, hi, lo):
         return self._solved(instant, hi, lo)[0]
@@ -121,9 +132,10 @@ class Sightline(Path):
 
     def _solved(self, instant, hi, lo):
         """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
-        vectors_at = self._near(instant, hi, lo) if self.is_near else self._far(instant, hi, lo)
+        at = self._near if self.is_near else self._far
+        vectors_at, size = at(instant, hi, lo)
         seen, light = vectors_at(None), np.zeros(hi.size)
-        limit = self._rounding(seen)
+        limit = _ROUNDINGS * _EPS * (size + np.max(np.abs(seen), initial=0.0))
         found = _length(seen) / SPEED_OF_LIGHT_M_S
         used, speed, slope = light, np.zeros(hi.size), np.zeros(hi.size)
         for _ in range(_MOST_PASSES):
@@ -145,7 +157,10 @@ class Sightline(Path):
         )
 
     def _far(self, instant, hi, lo):
-        """A function of light times (N,), or None for none: vectors from barycentric positions."""
+        """A function of light times (N,), or None for none: vectors from barycentric positions.
+
+        And the largest number that enters these differences, m.
+        """
         own = self.viewer._position(instant, hi, lo)
 
         def vectors_at(light):
@@ -153,19 +168,22 @@ class Sightline(Path):
                 return self._guess(instant, hi, lo, self.target) - own
             return self.target._position(instant, *_earlier(hi, lo, light)) - own
 
-        return vectors_at
+        return vectors_at, np.max(np.abs(own), initial=0.0)
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
+        known: list[FloatArray] = []
 
         def vectors_at(light):
             if light is None:
                 return self._guess(instant, hi, lo, self.geometric)
             seen = self.geometric._position(instant, *_earlier(hi, lo, light))
-            middle = _earlier(hi, lo, 0.5 * light)
-            return seen - light * self.viewer._state(instant, *middle)[1]
+            if not known or np.max(np.abs(light - known[0]) * light, initial=0.0) > _SAME:
+                middle = _earlier(hi, lo, 0.5 * light)
+                known[:] = light, self.viewer._state(instant, *middle)[1]
+            return seen - light * known[1]
 
-        return vectors_at
+        return vectors_at, 0.0
 
     def _guess(self, instant, hi, lo, path):
         """Positions at the epochs of reception, the first guess of the fixed point.
@@ -178,9 +196,6 @@ class Sightline(Path):
             if beyond.any():
                 hi, lo = np.where(beyond, last[0], hi), np.where(beyond, last[1], lo)
         return path._position(instant, hi, lo)
-
-    def _rounding(self, seen):
-        return _ROUNDINGS * _EPS * (self._size + np.max(np.abs(seen), initial=0.0))
 
 
 def _earlier(hi, lo, light):

@@ -10,8 +10,10 @@ import numpy as np
 from attitude import paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
+from attitude.memory import new_array
 from attitude.paths.path import Path, spelled
 from attitude.paths.uniform import Direction
+from attitude.scene.light_time import Sightline
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 _BLOCK = 1 << 16
 # Fewer epochs are evaluated faster than fitted; of a slow path fewer than these.
 _FEWEST, _FEWEST_OF_SLOW = 2000, 300
-# States that a fit may evaluate, per epoch; a state costs about two positions.
+# Positions that a fit may evaluate, per epoch.
 _SHARE = 0.25
 # Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
 _LARGEST_TURN, _AIMED_TURN = 4e-10, 1e-10
@@ -59,6 +61,12 @@ class LineOfSight(Immutable):
         frozen(self.unit)
         if self.distance is not None:
             frozen(self.distance)
+
+    def some(self, part: slice) -> LineOfSight:
+        """The line of sight at some of the epochs."""
+        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, part]
+        distance = None if self.distance is None else self.distance[part]
+        return LineOfSight(unit, distance, self.source, self.error)
 
 
 def fixed(place: Place) -> LineOfSight:
@@ -112,14 +120,17 @@ def seen(
         line = _compressed(path, instant, hi, lo, some, tolerance, sign)
         if line is not None:
             return line
-    return _evaluated(path, instant, hi, lo, path, sign)
+    return _evaluated(path, instant, hi, lo, sign)
 
 
 def _compressed(path, instant, hi, lo, some, tolerance, sign):
     """The LineOfSight by a compression of the path, or None if that costs more than it saves."""
     if not some[1].size:
         return None
-    nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
+    if isinstance(path, Sightline):
+        nearest = path.nearest
+    else:
+        nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
     first, last = ((float(some[1][k]), float(some[2][k])) for k in (0, 1))
     if not sum(last) > sum(first):
         return None
@@ -133,31 +144,38 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
             # Too many states, or not smooth enough.  Any other error recurs when the path itself
             # is evaluated.
             return None
-        line = _evaluated(small, instant, hi, lo, path, sign, small.error)
+        unit, distance = new_array(3, hi.size), new_array(hi.size)
+        small.directions(instant, hi, lo, sign, unit, distance)
+        line = _line(path, instant, hi, unit, distance, small.error)
         nearest = np.nanmin(line.distance)
         if small.error <= _LARGEST_TURN * nearest:
             return line
     return None
 
 
-def _evaluated(path, instant, hi, lo, original, sign, error=None):
-    """The LineOfSight of a path; messages and the source name the original of a compressed path."""
+def _evaluated(path, instant, hi, lo, sign):
+    """The LineOfSight of a path, evaluated at every epoch."""
     from attitude.scene import loops
 
-    unit, distance = np.empty((3, hi.size)), np.empty(hi.size)
+    unit, distance = new_array(3, hi.size), new_array(hi.size)
     for begin in range(0, hi.size, _BLOCK):
         part = slice(begin, begin + _BLOCK)
         low = lo if lo.size == 1 and hi.size > 1 else lo[part]
         vectors = np.ascontiguousarray(np.moveaxis(path.position(instant, hi[part], low), -1, 0))
         loops.normalised(read_only(vectors), sign, begin, unit, distance)
-    at = np.flatnonzero(distance == 0.0)
-    if at.size:
+    return _line(path, instant, hi, unit, distance)
+
+
+def _line(path, instant, hi, unit, distance, error=None):
+    """The LineOfSight of a path, which is named in messages; refused where a distance is zero."""
+    if distance.size and np.nanmin(distance, initial=np.inf) == 0.0:
+        at = int(np.argmax(distance == 0.0))
         raise AttitudeError(
-            f"{original.name} and {_named(original.center)} are in one place at "
-            f"{spelled(instant.after(float(hi[at[0]])))}, where the direction from one to the "
+            f"{path.name} and {_named(path.center)} are in one place at "
+            f"{spelled(instant.after(float(hi[at])))}, where the direction from one to the "
             "other is undefined; give two different ones."
         )
-    return LineOfSight(unit, distance, original.source, error)
+    return LineOfSight(unit, distance, path.source, error)
 
 
 def _named(center):
@@ -165,25 +183,27 @@ def _named(center):
 
 
 class Metered(Path):
-    """A path that raises an AttitudeError after a number of states, to bound the cost of a fit.
+    """A path that raises an AttitudeError after a number of positions, to bound the cost of a fit.
+
+    Velocities are zero: a line of sight needs none, and the `speed_error` of its fit is not used.
 
     Parameters
     ----------
     path : Path
     budget : int
-        Number of states that may be evaluated.
+        Number of positions that may be evaluated.
     """
 
     def __init__(self, path: Path, budget: int) -> None:
         self.path, self.left = path, budget
         self.name, self.center, self.source = path.name, path.center, path.source
-        self.span, self.roughness = path.span, path.roughness
+        self.span, self.roughness, self.is_slow = path.span, path.roughness, path.is_slow
 
     def _state(self, instant, hi, lo):
         self.left -= hi.size
         if self.left < 0:
             raise AttitudeError(
-                f"the compression of {self.name} needs more states than direct evaluation; "
+                f"the compression of {self.name} needs more positions than direct evaluation; "
                 "evaluate the path itself."
             )
-        return self.path._state(instant, hi, lo)
+        return self.path._position(instant, hi, lo), np.zeros((3, hi.size))

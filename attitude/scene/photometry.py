@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.scene.lazy import quantity
-from attitude.scene.pointing import Pointing
+from attitude.scene.lazy import kept, quantity
+from attitude.scene.sky import Sky
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
 
 
-class Brightness(Pointing):
+class Brightness(Sky):
     """Base of `View`: adds the brightness of the scene's shape under its scattering law."""
 
     @quantity("m2 / sr")
@@ -71,7 +71,22 @@ class Brightness(Pointing):
 
     @quantity("mag")
     def magnitude(self) -> FloatArray:
-        """Apparent magnitude, in the shadow that other bodies cast; inf where nothing is seen."""
+        """Apparent magnitude, in the shadow that other bodies cast; inf where nothing is seen.
+
+        From a ground site NaN by day and below the horizon, unless site_limits=False.
+        """
+        return self.as_observed(self.magnitude_everywhere)
+
+    def as_observed(self, magnitude: FloatArray) -> FloatArray:
+        """Magnitudes (S), NaN where a ground site with limits does not observe."""
+        scene = self.scene
+        if not (scene.site_limits and scene.observer.has_horizon):
+            return magnitude
+        return np.where(self.is_observable, magnitude, np.nan)[()]
+
+    @kept
+    def magnitude_everywhere(self) -> FloatArray:
+        """`magnitude` (S), whether or not a ground site observes the body."""
         from attitude.light_curve import magnitudes
 
         for line, name in ((self.sun_line, "sun"), (self.observer_line, "observer")):

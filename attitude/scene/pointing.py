@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.immutable import read_only
+from attitude.immutable import frozen, read_only
+from attitude.memory import new_array
 from attitude.scene import angles
 from attitude.scene.geometry import Geometry
 from attitude.scene.lazy import kept, quantity
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from attitude.history import AttitudeHistory
     from attitude.motion import Motion
 
+_INVERSE = np.array([[-1.0], [1.0], [1.0], [1.0]])
 _XYZ = ("x", "y", "z")
 _AXES = ("least", "middle", "greatest")
 _PLACE = ("longitude", "latitude")
@@ -31,7 +33,7 @@ class Pointing(Geometry):
         """The AttitudeHistory (S) of the body at the epochs of emission."""
         hi, lo = self.emission
         low = None if lo is None else lo.reshape(self.shape)
-        return self._motion().at(hi.reshape(self.shape), low=low)
+        return self._motion().at_seconds(hi.reshape(self.shape), low)
 
     def _motion(self) -> Motion:
         if self.scene.motion is None:
@@ -49,15 +51,22 @@ class Pointing(Geometry):
         """ICRF vectors (3, N) or (3, 1) as (3, N) in body axes."""
         from attitude.solution import vectors
 
-        out = np.empty((3, self.seconds.size))
+        out = new_array(3, self.seconds.size)
         vectors.to_body(self._wxyz(), read_only(np.ascontiguousarray(unit)), out)
         return out
 
     def _in_icrf(self, vector: FloatArray) -> FloatArray:
         """A body vector (3,) as (3, N) in ICRF."""
-        from attitude import quaternion
+        from attitude.solution import vectors
 
-        return self._flat(quaternion.rotate(self.attitude.wxyz, vector))
+        wxyz, column = self._wxyz(), read_only(vector.reshape(3, 1).copy())
+        out = new_array(3, self.seconds.size)
+        for part in angles.parts(out.shape[1]):
+            # with -w the inverse rotation
+            inverse, found = wxyz[:, part] * _INVERSE, np.empty((3, out[0, part].size))
+            vectors.to_body(frozen(inverse), column, found)
+            out[:, part] = found
+        return out
 
     @quantity("", _XYZ)
     def observer_direction(self) -> FloatArray:
@@ -107,10 +116,7 @@ class Pointing(Geometry):
         return self._angle_to_momentum(self.sun_line.unit)
 
     def _angle_to_momentum(self, unit: FloatArray) -> FloatArray:
-        momentum = self.momentum_direction_icrf
-        count = max(unit.shape[1], momentum.shape[1])
-        pair = (np.broadcast_to(each, (3, count)) for each in (unit, momentum))
-        return self._numbers(angles.between(*pair))
+        return self._numbers(angles.between_units(unit, self.momentum_direction_icrf))
 
     @quantity("rad", _AXES)
     def observer_axis_angles(self) -> FloatArray:
@@ -133,12 +139,10 @@ class Pointing(Geometry):
     def _axis_angles(self, direction: FloatArray) -> FloatArray:
         body = self._body("a principal axis")
         order = np.argsort(body.moments, kind="stable")
-        flat = self._flat(direction)
-        rows = [
-            angles.between(np.broadcast_to(body.principal_axes[:, [k]], flat.shape), flat)
-            for k in order
-        ]
-        return self._rows(np.stack(rows))
+        flat, found = self._flat(direction), new_array(3, self.seconds.size)
+        for row, k in zip(found, order, strict=True):
+            row[:] = angles.between_units(body.principal_axes[:, [k]], flat)
+        return self._rows(found)
 
     def _body(self, what: str) -> Body:
         return self._motion().constant_body(what)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import epochs, pairs, paths, validation
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
-from attitude.motion import motion_of
-from attitude.paths.bodies import body_name, naif_index
-from attitude.paths.composed import NamedBody
-from attitude.paths.place import Place
+from attitude.memory import new_array
 from attitude.scattering import law as known_law
-from attitude.scene import shadow
+from attitude.scene import given, scalars, shadow
 from attitude.scene.light_time import Steps
 from attitude.scene.view import View
 
@@ -30,6 +27,7 @@ if TYPE_CHECKING:
     from attitude.paths import Direction, Ephemeris, Path
     from attitude.paths.ephemeris_source import EphemerisLike
     from attitude.scattering import Law
+    from attitude.scene.scalars import OfView
     from attitude.shape import Ellipsoid, Mesh
 
 
@@ -51,6 +49,11 @@ class Scene(Immutable):
         Of `attitude.shape`, in m; brightness and magnitudes need it.
     law : str or Law
         Scattering law of the surface; see `attitude.scattering`.
+    night : float, Quantity or text
+        Elevation of the Sun, rad, below which the sky of a ground site is dark (``view.sky_dark``).
+    site_limits : bool
+        Whether magnitudes from a ground site are NaN by day (as `night` says) and while the body is
+        below the horizon.  False: magnitudes at all epochs.
     light_time : bool
         Whether positions are corrected for light time.  False evaluates all of them at the epochs
         given.
@@ -84,7 +87,9 @@ class Scene(Immutable):
     ephemeris : Ephemeris or None
         None: the source that `paths.ephemeris` takes by default.
     law : Law
-    shape, light_time, aberration, shadows, threads, sun_magnitude, phase_function
+    night : float
+        rad.
+    shape, site_limits, light_time, aberration, shadows, threads, sun_magnitude, phase_function
         As given.
     shadow_of : dict
         Radii in m by the names of the bodies.
@@ -120,6 +125,8 @@ class Scene(Immutable):
     ephemeris: Ephemeris | None
     shape: Ellipsoid | Mesh | None
     law: Law
+    night: float
+    site_limits: bool
     light_time: bool
     aberration: bool
     shadow_of: dict[str, float]
@@ -131,13 +138,15 @@ class Scene(Immutable):
 
     def __init__(
         self,
-        motion: HasAttitudes | None,
+        motion: HasAttitudes | str | None,
         center: Path | str | int | None = None,
         observer: Path | Direction | str | int | Reals = "earth",
         sun: Path | Direction | str | int | Reals = "sun",
         *,
         shape: Ellipsoid | Mesh | None = None,
         law: str | Law = "lommel-seeliger",
+        night: Real = "-6 deg",
+        site_limits: bool = True,
         light_time: bool = True,
         aberration: bool = False,
         ephemeris: EphemerisLike = None,
@@ -157,18 +166,21 @@ class Scene(Immutable):
         self._set("law", known_law(law))
         source = None if ephemeris is None else paths.ephemeris(ephemeris)
         self._set("ephemeris", source)
-        self._set("center", None if center is None else _place(center, "center", source))
-        self._set("observer", _place(observer, "observer", source, is_direction_allowed=True))
-        self._set("sun", _place(sun, "sun", source, is_direction_allowed=True))
+        self._set("center", None if center is None else given.place(center, "center", source))
+        self._set("observer", given.place(observer, "observer", source, is_direction_allowed=True))
+        self._set("sun", given.place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
-        self._set("shape", _known_shape(shape))
+        self._set("shape", given.known_shape(shape))
+        given.check_surface(self.shape, self.law)
+        self._set("night", validation.number(night, "night", unit="rad"))
+        self._set("site_limits", validation.flag(site_limits, "site_limits"))
         self._set("light_time", validation.flag(light_time, "light_time"))
         self._set("aberration", validation.flag(aberration, "aberration"))
         if tolerance is not None:
             tolerance = validation.positive(tolerance, "tolerance", unit="m")
         self._set("tolerance", tolerance)
         self._set("shadow_of", self._occulters(shadow_of))
-        self._set("shadows", _known_shadows(shadows))
+        self._set("shadows", given.known_shadows(shadows))
         self._set("threads", validation.count(threads, "threads"))
         if sun_magnitude is not None:
             sun_magnitude = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
@@ -209,7 +221,7 @@ class Scene(Immutable):
         """
         start = self.epoch
         if start is None:
-            _refuse_plain(times)
+            given.refuse_plain(times)
             start = epochs.Instant(0.0)
         hi, lo = epochs.seconds_since(start, times, low, "times")
         return self.since(start, hi, lo)
@@ -224,7 +236,8 @@ class Scene(Immutable):
             )
         seconds, low = epochs.plain_seconds(seconds, low)
         # Copies, since the arrays of a view are read-only.
-        hi = np.array(seconds)
+        hi = new_array(*seconds.shape)
+        hi[...] = seconds
         lo = None if low is None else np.array(low)
         if np.isinf(hi).any():
             raise AttitudeError(
@@ -238,6 +251,40 @@ class Scene(Immutable):
             hi, lo = pairs.add(past_j2000, -own.seconds, -own.low)
             start = own
         return View(self, start, hi, lo)
+
+    def quantity(
+        self,
+        name: str | Callable[[View], ArrayLike],
+        *,
+        unit: str = "",
+        rate: Real | None = None,
+        step: Real | None = None,
+    ) -> OfView:
+        """A number of the view at every epoch; a comparison makes it a condition of events.
+
+        ``(scene.quantity("elevation") > "10 deg") & events.glint(scene, n)``.
+
+        Parameters
+        ----------
+        name : str or function
+            A quantity of `View.columns`, with the part of its last axis after a dot, as in
+            "sub_solar.latitude"; or a function of a View (N,) that returns (N,) numbers.  One that
+            is true or false, such as "sky_dark", is a condition itself.
+        unit : str
+            Of the values of a function, for thresholds with units.
+        rate : float or Quantity, optional
+            Upper bound of the derivative, units per second: no change is missed.
+        step : float or Quantity, optional
+            s; spacing of samples.  Without it, from the rotation and the orbits on which the value
+            depends; changes of values with kinks (brightness, lit_fraction, functions) that are
+            reversed between two samples are missed.
+
+        Raises
+        ------
+        AttitudeError
+            For an unknown quantity, a missing or unknown part, and bounds that are not positive.
+        """
+        return scalars.quantity(self, name, unit=unit, rate=rate, step=step)
 
     @property
     def epoch(self) -> epochs.Instant | None:
@@ -264,12 +311,12 @@ class Scene(Immutable):
                     f"center, or give {name} as a direction: paths.direction((x, y, z))."
                 )
 
-    def _occulters(self, given: Any) -> dict[str, float]:
-        if given is None:
+    def _occulters(self, bodies: Any) -> dict[str, float]:
+        if bodies is None:
             about = None if self.center is None else self.center.center
             named = isinstance(about, str) and shadow.radius_of(about) is not None
-            given = (about,) if named else ()
-        found = shadow.occulters(given)
+            bodies = (about,) if named else ()
+        found = shadow.occulters(bodies)
         if found and self.center is None:
             raise AttitudeError(
                 "shadow_of is given, but center is None, so that no shadow can be found; give "
@@ -283,63 +330,3 @@ class Scene(Immutable):
         return (
             f"<Scene: {motion} at {center}, seen from {self.observer.name}, lit by {self.sun.name}>"
         )
-
-
-def _refuse_plain(times):
-    first = times
-    while isinstance(first, (list, tuple)) and first:
-        first = first[0]
-    kind = getattr(getattr(first, "dtype", None), "kind", "")
-    is_number = isinstance(first, (int, float)) or kind in ("f", "i", "u")
-    is_duration = isinstance(first, datetime.timedelta) or kind == "m"
-    if is_number or is_duration or type(first).__name__ == "TimeDelta":
-        raise AttitudeError(
-            "times are plain seconds, but a scene without a motion has no epoch to count them "
-            "from; give dates: ISO text in UTC, astropy or skyfield Times, datetimes."
-        )
-
-
-def _place(
-    value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
-) -> Place:
-    """The path or direction given, or the path of a body given by its name or number."""
-    if isinstance(value, Place):
-        if is_direction_allowed or not value.is_direction:
-            return value
-        raise AttitudeError(
-            f"{name} is {value!r}, infinitely far away; give a path or a body, or None where Sun "
-            "and observer are directions."
-        )
-    if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
-        return paths.direction(value, name=name)
-    if isinstance(value, str) or naif_index(value) is not None:
-        return NamedBody(body_name(value, name), ephemeris)
-    raise AttitudeError(
-        f"{name} is {type(value).__name__}; give the name of a body, a path of attitude.paths"
-        + (", or a direction (x, y, z) in ICRF." if is_direction_allowed else ".")
-    )
-
-
-def _known_shape(shape):
-    if shape is None:
-        return None
-    from attitude.shape import Ellipsoid, Mesh
-
-    if not isinstance(shape, (Ellipsoid, Mesh)):
-        raise AttitudeError(
-            f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape."
-        )
-    return shape
-
-
-def _known_shadows(shadows):
-    """True, False or a Visibility, which is loaded only if one is given."""
-    if isinstance(shadows, (bool, np.bool_)):
-        return bool(shadows)
-    from attitude.light_curve import Visibility
-
-    if not isinstance(shadows, Visibility):
-        raise AttitudeError(
-            f"shadows is {validation.shown(shadows)}; give True, False or a Visibility."
-        )
-    return shadows

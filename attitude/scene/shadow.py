@@ -157,6 +157,8 @@ def _limb_and_distance(
     to_occulter: FloatArray, radius: float, sun: FloatArray, flattening: float
 ) -> tuple[FloatArray, FloatArray]:
     """Angular radius of the occulter and angle from its centre to the Sun, in stretched space."""
+    from attitude.scene.angles import between
+
     stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
     middle = to_occulter * stretch
     distance = np.sqrt(np.sum(middle * middle, axis=0))
@@ -165,8 +167,6 @@ def _limb_and_distance(
             f"the body lies {np.nanmin(distance):.6g} m from the centre of an occulter of radius "
             f"{radius:.6g} m, below its surface; give another center, or other bodies as shadow_of."
         )
-    from attitude.scene.angles import between
-
     return _angular_radius(radius, distance), between(middle, sun * stretch)
 
 

@@ -12,10 +12,9 @@ from attitude.scene.errors import Errors
 from attitude.scene.lazy import LazyProperty
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
-
     from attitude.annotations import FloatArray
     from attitude.epochs import Instant
+    from attitude.flat_table import FlatTable
     from attitude.scene.scene import Scene
 
 
@@ -67,7 +66,7 @@ class View(Errors):
             if isinstance(value, LazyProperty) and value.is_column
         }
 
-    def table(self, *names: str) -> QTable:
+    def table(self, *names: str) -> FlatTable:
         """Some quantities as an astropy QTable, after a column of the times (TDB) of reception.
 
         Raises
@@ -75,8 +74,9 @@ class View(Errors):
         AttitudeError
             For a name that is not in `columns`, and for times that are not one-dimensional.
         """
-        from astropy.table import QTable
         from astropy.units import Unit
+
+        from attitude.flat_table import FlatTable
 
         known = self.columns()
         for name in names:
@@ -92,9 +92,12 @@ class View(Errors):
         for name in names:
             value = np.array(getattr(self, name))
             columns[name] = value * Unit(known[name].unit) if known[name].unit else value
-        table = QTable(columns, meta={"scene": repr(self.scene), **self.sources})
+        table = FlatTable(columns, meta={"scene": repr(self.scene), **self.sources})
         for name in names:
             table[name].info.description = known[name].about
+            if known[name].parts:
+                flat = tuple(f"{name}_{part}" for part in known[name].parts)
+                FlatTable.flat_names[name] = flat
         return table
 
     @property

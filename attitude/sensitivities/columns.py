@@ -7,6 +7,7 @@ axes), its angular velocity at the epoch (3, rad/s, body axes) and its principal
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,13 +17,15 @@ from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
 from attitude.solution import codes
-from attitude.solution.tangent_record import BLOCK, ROWS, TANGENTS
+from attitude.solution.tangent_record import BLOCK, COLUMNS, ROWS, TANGENTS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from attitude.annotations import FloatArray
+    from attitude.annotations import FloatArray, IntArray
 
+# Parameters of a motion.
+PARAMETERS = COLUMNS
 # Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
 _MOST_GROWTH = 280.0
 
@@ -70,6 +73,8 @@ def evaluate(
     t_low: FloatArray | None,
     attitude: FloatArray,
     omega: FloatArray | None = None,
+    *,
+    edges: IntArray | None = None,
 ) -> None:
     """Fill the derivatives of B motions at given epochs.
 
@@ -84,6 +89,9 @@ def evaluate(
         of each of the first P parameters.
     omega : (B, 3, P, T) array or None
         Filled: that of the angular velocity, rad/s over the body axes.
+    edges : (B + 1,) array, optional
+        With t (1, R) and outputs (1, 3, P, R): the epochs of motion b stand from edges[b] to
+        edges[b + 1].  Without it every motion is evaluated at all epochs.
 
     Raises
     ------
@@ -91,8 +99,8 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases, or that a
         rotation about an unstable axis amplifies errors beyond the range of doubles.
     """
-    short = _short_of(constants, tangents, t)
-    _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega))
+    short = _short_of(constants, tangents, t, edges)
+    _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
 
 
 def covariances(
@@ -120,20 +128,22 @@ def covariances(
     AttitudeError
         As `evaluate`.
     """
-    short = _short_of(constants, tangents, t)
+    short = _short_of(constants, tangents, t, None)
     if len(short):
         short["series"] = np.moveaxis(factors, 1, 2)[:, None] @ short["series"]
-    _in_blocks(constants, _mixed(tangents, factors), short, t, t_low, 2, (out,))
+    _in_blocks(constants, _mixed(tangents, factors), short, t, t_low, 2, (out,), None)
 
 
-def _short_of(constants, tangents, t):
+def _short_of(constants, tangents, t, edges):
     """The series of the motions for epochs near that of the state, or none if none is near."""
     if np.all(constants["form"] == codes.UNIFORM):
         return np.empty(0, _short().SHORT)
     reach = np.empty(len(constants))
     _short().reaches(evaluation.writable(constants), reach)
+    far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
+    rows = t if edges is None else t[:, edges[0] : edges[-1]]
     with np.errstate(invalid="ignore"):
-        near = (np.abs(t) <= reach[:, None]) & (t != 0.0)
+        near = (np.abs(rows) <= far) & (rows != 0.0)
     if not np.any(near):
         return np.empty(0, _short().SHORT)
     short = np.zeros(len(constants), _short().SHORT)
@@ -152,31 +162,54 @@ def _mixed(tangents, factors):
     return mixed
 
 
-def _in_blocks(constants, tangents, short, t, t_low, kind, outputs):
+def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
-    _refuse_overflow(tangents, t)
+    _refuse_overflow(tangents, t, runs)
     given = evaluation.writable(constants), evaluation.writable(tangents)
     times = read_only(t), None if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
-    count = t.shape[1]
-    size = max(evaluation.EPOCHS // (4 * max(len(constants), 1)), 1)
     forms = set(constants["form"].tolist())
-    for first in range(0, count, size):
-        end = min(first + size, count)
+    for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
             loop = _compiled(form == codes.UNIFORM)[kind][form]
-            body = loop(*given, short, *times, block, *outputs, first, end)
+            body = loop(*given, short, *times, block, *outputs, edges)
             if body >= 0:
-                k = body if len(t) > 1 else 0
-                low = None if t_low is None else t_low[k, first:end]
-                evaluation.refuse_epoch(constants[body], t[k, first:end], low)
+                few = body if len(t) > 1 else 0, slice(*edges[body].tolist())
+                evaluation.refuse_epoch(
+                    constants[body], t[few], None if t_low is None else t_low[few]
+                )
 
 
-def _refuse_overflow(tangents, t):
-    growth = 4.0 * np.pi * tangents["wobble"][:, 0] * tangents["grows"]
+def _parts(runs, bodies, count):
+    """Edges (B, 2) of the epochs of each body, for each call of a loop."""
+    if runs is not None:
+        yield np.stack([runs[:-1], runs[1:]], axis=1)
+        return
+    size = max(evaluation.EPOCHS // (4 * max(bodies, 1)), 1)
+    for first in range(0, count, size):
+        yield np.full((bodies, 2), (first, min(first + size, count)), dtype=np.int64)
+
+
+def reaches(tangents: NDArray[Any]) -> FloatArray:
+    """The largest |t| (B,), s, to which derivatives of motions stay in the range of doubles."""
+    growth = _growth(tangents)
+    with np.errstate(divide="ignore"):
+        return np.where(growth > 0.0, _MOST_GROWTH / growth, np.inf)
+
+
+def _growth(tangents):
+    """The rates (B,), 1/s, at which rotations about an unstable axis multiply errors by e."""
+    return 4.0 * np.pi * tangents["wobble"][:, 0] * tangents["grows"]
+
+
+def _refuse_overflow(tangents, t, runs):
+    growth = _growth(tangents)
     if not np.any(growth > 0.0):
         return
-    far = np.nanmax(np.abs(t), axis=1, initial=0.0)
+    if runs is None:
+        far = np.nanmax(np.abs(t), axis=1, initial=0.0)
+    else:
+        far = [np.nanmax(np.abs(t[0, a:b]), initial=0.0) for a, b in pairwise(runs.tolist())]
     if np.any(growth * far > _MOST_GROWTH):
         rate = float(np.max(growth))
         raise AttitudeError(

@@ -9,6 +9,7 @@ convexity     the test of convexity
 integrals     mass, centre of mass and inertia: `MassProperties`
 ellipsoid     `Ellipsoid`, in closed form and as a mesh
 geodesic      even triangulations of the unit sphere
+planes        `flat_sides`: facets of one normal and one material
 solids        `box`, `cylinder`, `box_wing`
 files         `read`: OBJ, DAMIT, STL, PLY
 """
@@ -17,6 +18,17 @@ from attitude.shape.ellipsoid import Ellipsoid
 from attitude.shape.files import read
 from attitude.shape.integrals import MassProperties
 from attitude.shape.mesh import Mesh
+from attitude.shape.planes import FlatSide, flat_sides
 from attitude.shape.solids import box, box_wing, cylinder
 
-__all__ = ["Ellipsoid", "MassProperties", "Mesh", "box", "box_wing", "cylinder", "read"]
+__all__ = [
+    "Ellipsoid",
+    "FlatSide",
+    "MassProperties",
+    "Mesh",
+    "box",
+    "box_wing",
+    "cylinder",
+    "flat_sides",
+    "read",
+]

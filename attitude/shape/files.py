@@ -261,10 +261,10 @@ def _metres(unit: str) -> float:
 
     try:
         return float(units.Unit(unit).to("m"))
-    except (ValueError, TypeError, units.UnitConversionError) as err:
+    except (ValueError, TypeError, units.UnitConversionError):
         raise AttitudeError(
             f'unit is {unit!r}; give a length that astropy knows, such as "m" or "km".'
-        ) from err
+        ) from None
 
 
 def _trimesh() -> Any:

@@ -6,13 +6,14 @@ Given
     short      (B,) of solution.short_times, or (0,) if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
     t_low      None, or a second double of the seconds, in the same shape
-    first, end the epochs t[:, first:end] are evaluated
+    edges      (B, 2) the epochs of body b from edges[b, 0] to edges[b, 1] are evaluated
     block      (ROWS BLOCK,) working memory
 Filled
-    attitude   (B, 3, P, T) rotation vectors of the changes with P parameters, inertial axes
-    omega      (B, 3, P, T) changes of the angular velocity, rad/s over the body axes, or None
-    out        (B, D, D, T) sums of the products of the columns: of the changes of attitude (D = 3),
-               and of the angular velocity too (D = 6)
+    attitude   (1 or B, 3, P, T) rotation vectors of the changes with P parameters, inertial axes;
+               with a leading axis of 1 the epochs of all bodies stand in one row
+    omega      (1 or B, 3, P, T) changes of the angular velocity, rad/s over the body axes, or None
+    out        (1 or B, D, D, T) sums of the products of the columns: of the changes of attitude
+               (D = 3), and of the angular velocity too (D = 6)
 Returned
     -1, or the first body with an epoch beyond its reach
 """
@@ -46,11 +47,13 @@ from attitude.solution.uniform_tangents import (
 
 
 @entry_point
-def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
+def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(attitude) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -67,21 +70,23 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
                 attitude_column(d, j, stop - start, block)
                 if near:
                     near_column(d, short[b], j, stop - start, block)
-                copy_column(block, b, j, start, stop, attitude)
+                copy_column(block, o, j, start, stop, attitude)
                 if omega is not None:
                     rate_column(d, j, stop - start, block)
                     if near:
                         near_rate_column(short[b], j, stop - start, block)
-                    copy_column(block, b, j, start, stop, omega)
+                    copy_column(block, o, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
+def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(attitude) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -98,21 +103,23 @@ def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, fir
                 attitude_column(d, j, stop - start, block)
                 if near:
                     near_column(d, short[b], j, stop - start, block)
-                copy_column(block, b, j, start, stop, attitude)
+                copy_column(block, o, j, start, stop, attitude)
                 if omega is not None:
                     rate_column(d, j, stop - start, block)
                     if near:
                         near_rate_column(short[b], j, stop - start, block)
-                    copy_column(block, b, j, start, stop, omega)
+                    copy_column(block, o, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def uniform(constants, tangents, short, t, t_low, block, attitude, omega, first, end):
+def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
     columns = attitude.shape[2]
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(attitude) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.UNIFORM:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -124,19 +131,21 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, first,
             uniform_block(c, d, times, low, block)
             for j in range(columns):
                 uniform_column(d, j, stop - start, block)
-                copy_column(block, b, j, start, stop, attitude)
+                copy_column(block, o, j, start, stop, attitude)
                 if omega is not None:
                     uniform_rate_column(d, j, stop - start, block)
-                    copy_column(block, b, j, start, stop, omega)
+                    copy_column(block, o, j, start, stop, omega)
     return -1
 
 
 @entry_point
-def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, first, end):
+def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(out) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -162,16 +171,18 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, f
                     if near:
                         near_rate_column(short[b], j, n, block)
                     add_products_of_rates(n, block)
-            copy_sums(block, b, start, stop, out)
+            copy_sums(block, o, start, stop, out)
     return -1
 
 
 @entry_point
-def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, first, end):
+def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(out) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -197,16 +208,18 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, firs
                     if near:
                         near_rate_column(short[b], j, n, block)
                     add_products_of_rates(n, block)
-            copy_sums(block, b, start, stop, out)
+            copy_sums(block, o, start, stop, out)
     return -1
 
 
 @entry_point
-def uniform_covariance(constants, tangents, short, t, t_low, block, out, first, end):
+def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the uniform form; see the module docstring."""
     rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+        o = b if len(out) > 1 else 0
+        first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.UNIFORM:
             continue
         lows = None if t_low is None else t_low[k, first:end]
@@ -225,5 +238,5 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, first, 
                     keep_turn(n, block)
                     uniform_rate_column(d, j, n, block)
                     add_products_of_rates(n, block)
-            copy_sums(block, b, start, stop, out)
+            copy_sums(block, o, start, stop, out)
     return -1

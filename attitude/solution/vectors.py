@@ -17,6 +17,9 @@ from attitude.compilation.decorators import sized_entry_point, subroutine
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
 
+# Angles that are computed together: temporary arrays stay in the second-level cache.
+_BLOCK = 1 << 14
+
 
 @subroutine
 def quaternion_of(r, wxyz):
@@ -45,30 +48,39 @@ def quaternion_of(r, wxyz):
     wxyz[0], wxyz[1], wxyz[2], wxyz[3] = w / size, x / size, y / size, z / size
 
 
-@sized_entry_point
-def to_body(wxyz, vectors, out):
+def to_body(wxyz: FloatArray, vectors: FloatArray, out: FloatArray) -> None:
     """Fill components over the body axes (3, N) of inertial vectors (3, 1 or N): out = q* v q."""
+    # Two loops, of which a scene mostly compiles one.
     if vectors.shape[1] == 1:
-        a, b, c = vectors[0, 0], vectors[1, 0], vectors[2, 0]
-        for k in range(wxyz.shape[1]):
-            w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
-            # v - 2 w (u x v) + 2 u x (u x v), u being the vector part of q
-            d = 2.0 * (y * c - z * b)
-            e = 2.0 * (z * a - x * c)
-            f = 2.0 * (x * b - y * a)
-            out[0, k] = a - w * d + (y * f - z * e)
-            out[1, k] = b - w * e + (z * d - x * f)
-            out[2, k] = c - w * f + (x * e - y * d)
+        _one_to_body(wxyz, vectors[0, 0], vectors[1, 0], vectors[2, 0], out)
     else:
-        for k in range(wxyz.shape[1]):
-            w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
-            a, b, c = vectors[0, k], vectors[1, k], vectors[2, k]
-            d = 2.0 * (y * c - z * b)
-            e = 2.0 * (z * a - x * c)
-            f = 2.0 * (x * b - y * a)
-            out[0, k] = a - w * d + (y * f - z * e)
-            out[1, k] = b - w * e + (z * d - x * f)
-            out[2, k] = c - w * f + (x * e - y * d)
+        _each_to_body(wxyz, vectors, out)
+
+
+@sized_entry_point
+def _one_to_body(wxyz, a, b, c, out):
+    for k in range(wxyz.shape[1]):
+        w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
+        # v - 2 w (u x v) + 2 u x (u x v), u being the vector part of q
+        d = 2.0 * (y * c - z * b)
+        e = 2.0 * (z * a - x * c)
+        f = 2.0 * (x * b - y * a)
+        out[0, k] = a - w * d + (y * f - z * e)
+        out[1, k] = b - w * e + (z * d - x * f)
+        out[2, k] = c - w * f + (x * e - y * d)
+
+
+@sized_entry_point
+def _each_to_body(wxyz, vectors, out):
+    for k in range(wxyz.shape[1]):
+        w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
+        a, b, c = vectors[0, k], vectors[1, k], vectors[2, k]
+        d = 2.0 * (y * c - z * b)
+        e = 2.0 * (z * a - x * c)
+        f = 2.0 * (x * b - y * a)
+        out[0, k] = a - w * d + (y * f - z * e)
+        out[1, k] = b - w * e + (z * d - x * f)
+        out[2, k] = c - w * f + (x * e - y * d)
 
 
 def separation(
@@ -83,21 +95,37 @@ def separation(
 
     2 atan2(|a - b|, |a + b|): exact at 0 and pi, where an arc cosine loses half of its digits.
     """
-    near, far = np.empty((2, max(ax.size, bx.size)))
-    _halves(ax, ay, az, bx, by, bz, near, far)
-    np.arctan2(near, far, out=near)
-    near *= 2.0
-    return near
+    if ax.size == 1:
+        ax, ay, az, bx, by, bz = bx, by, bz, ax, ay, az
+    angle, far = np.empty(ax.size), np.empty(min(ax.size, _BLOCK))
+    for begin in range(0, angle.size, _BLOCK):
+        near = angle[begin : begin + _BLOCK]
+        part = slice(begin, begin + near.size)
+        first = ax[part], ay[part], az[part]
+        if bx.size == 1:
+            _from_one(*first, bx[0], by[0], bz[0], near, far)
+        else:
+            _from_each(*first, bx[part], by[part], bz[part], near, far)
+        np.arctan2(near, far[: near.size], out=near)
+        near *= 2.0
+    return angle
 
 
 @sized_entry_point
-def _halves(ax, ay, az, bx, by, bz, near, far):
-    """Fill |a - b| and |a + b|."""
-    step_a = 0 if ax.size == 1 else 1
-    step_b = 0 if bx.size == 1 else 1
+def _from_one(ax, ay, az, bx, by, bz, near, far):
+    """Fill |a - b| and |a + b| for one vector b."""
     for k in range(near.size):
-        i, j = k * step_a, k * step_b
-        x, y, z = ax[i] - bx[j], ay[i] - by[j], az[i] - bz[j]
+        x, y, z = ax[k] - bx, ay[k] - by, az[k] - bz
         near[k] = math.sqrt(x * x + y * y + z * z)
-        x, y, z = ax[i] + bx[j], ay[i] + by[j], az[i] + bz[j]
+        x, y, z = ax[k] + bx, ay[k] + by, az[k] + bz
+        far[k] = math.sqrt(x * x + y * y + z * z)
+
+
+@sized_entry_point
+def _from_each(ax, ay, az, bx, by, bz, near, far):
+    """Fill |a - b| and |a + b|."""
+    for k in range(near.size):
+        x, y, z = ax[k] - bx[k], ay[k] - by[k], az[k] - bz[k]
+        near[k] = math.sqrt(x * x + y * y + z * z)
+        x, y, z = ax[k] + bx[k], ay[k] + by[k], az[k] + bz[k]
         far[k] = math.sqrt(x * x + y * y + z * z)

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import validation
+from attitude import epochs, validation
+from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.immutable import Immutable, frozen
+from attitude.spectrum import samples
 from attitude.spectrum.frequencies import Line, known_orders, line_numbers
 
 if TYPE_CHECKING:
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import FloatArray, IntArray, Real, Reals
+    from attitude.annotations import Epochs, FloatArray, IntArray, Real, Reals
+    from attitude.spectrum.samples import HasSamples, Samples
 
 # Singular values below this part of the greatest belong to lines that the span does not resolve.
 _RANK = 1e-8
@@ -51,6 +54,8 @@ class SeriesFit(Immutable):
         Data minus model, in the order of the data.
     rms : float
         sqrt(sum w r^2 / (N - parameters)), in the unit of the data (of the errors, if given).
+    epoch : Instant or None
+        From which seconds count, where epochs were given as dates or Time objects.
     rank : int
         Of the equations: below `parameters` the span does not resolve some lines, and the
         solution of least norm is given.
@@ -69,13 +74,15 @@ class SeriesFit(Immutable):
     rms: float
     rank: int
     parameters: int
+    epoch: Instant | None = None
 
-    def __call__(self, t: Reals, curve: ArrayLike = 0) -> FloatArray:
-        """The model at seconds t, with the constant term of a curve (a number, or one per t).
+    def __call__(self, t: Epochs, curve: ArrayLike = 0) -> FloatArray:
+        """The model at epochs t, with the constant term of a curve (a number, or one per t).
 
-        Of t's shape, in the unit of the data.
+        Of t's shape, in the unit of the data.  Plain seconds count from `epoch`.
         """
-        seconds = validation.real(t, "t", unit="s")
+        from_epoch, low = epochs.seconds_since(self.epoch or Instant(0.0), t)
+        seconds = np.asarray(from_epoch + (0.0 if low is None else low))
         curves = np.asarray(curve)
         if not (
             curves.dtype.kind in "iu"
@@ -115,10 +122,10 @@ class SeriesFit(Immutable):
 
 
 def fit(
-    t: Reals,
-    values: Reals,
-    P_psi: Real,
-    P_phi: Real,
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
     *,
     order: int | Sequence[int] = 2,
     errors: Reals | None = None,
@@ -128,16 +135,17 @@ def fit(
 
     Parameters
     ----------
-    t : (N,) array_like
-        s (or a Quantity), in any order.
+    t : (N,) epochs, or HasSamples
+        Time objects, dates, time Quantities or plain seconds, in any order; or a `Photometry` or
+        `LightCurve`, without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
     values : (N,) array_like
-        Magnitudes or intensities.
-    P_psi, P_phi : float or Quantity
+        Magnitudes or intensities; Quantities in any unit.
+    P_psi, P_phi : float, Quantity or text
         s; in either convention.
     order : int or pair (order of psi, order of phi)
         2 m (m + 1) lines for an order m.
     errors : (N,) array_like, optional
-        One standard deviation of each value.
+        One standard deviation of each value, in the unit of the values.
     curve : (N,) array_like of int, optional
         Number of the curve to which each value belongs, from 0: each has its own constant term.
 
@@ -161,10 +169,9 @@ def fit(
     >>> (line.i, line.j), round(amplitude, 9)
     ((1, -1), 2.0)
     """
-    data = _Data(t, values, errors, curve)
+    data = _Data(samples.of(t, values, errors, curve))
     orders = known_orders(order)
-    psi = 1.0 / validation.positive(P_psi, "P_psi", unit="s")
-    phi = 1.0 / validation.positive(P_phi, "P_phi", unit="s")
+    psi, phi = _frequencies(P_psi, P_phi)
     numbers = np.array(line_numbers(orders))
     data.refuse_few(numbers)
     solution, residuals, rank = data.solved(psi, phi, numbers)
@@ -184,6 +191,7 @@ def fit(
         float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
         rank,
         curves + 2 * count,
+        data.epoch,
     )
 
 
@@ -200,10 +208,10 @@ def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
 
 
 def search(
-    t: Reals,
-    values: Reals,
-    P_psi: Real,
-    P_phi: Real,
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
     *,
     within: Reals = 0.01,
     order: int | Sequence[int] = 2,
@@ -235,16 +243,11 @@ def search(
     """
     from scipy.optimize import least_squares
 
-    data = _Data(t, values, errors, curve)
+    data = _Data(samples.of(t, values, errors, curve))
     orders = known_orders(order)
     numbers = np.array(line_numbers(orders))
     data.refuse_few(numbers)
-    centre = np.array(
-        [
-            1.0 / validation.positive(P_psi, "P_psi", unit="s"),
-            1.0 / validation.positive(P_phi, "P_phi", unit="s"),
-        ]
-    )
+    centre = np.array(_frequencies(P_psi, P_phi))
     spread = validation.real(within, "within") * np.ones(2)
     if spread.shape != (2,) or not np.all((spread >= 0.0) & (spread < 1.0)):
         raise AttitudeError(f"within is {within!r}; give parts of the periods, from 0 to below 1.")
@@ -284,37 +287,24 @@ def search(
     return fit(t, values, 1.0 / psi, 1.0 / phi, order=order, errors=errors, curve=curve)
 
 
-class _Data:
-    """Values, weights and numbers of curves, checked."""
+def _frequencies(P_psi: Real | None, P_phi: Real | None) -> tuple[float, float]:
+    """1 / P_psi and 1 / P_phi, Hz."""
+    if P_psi is None or P_phi is None:
+        missing = "P_psi" if P_psi is None else "P_phi"
+        raise AttitudeError(f"{missing} is missing; give P_psi= and P_phi=, in s or with units.")
+    return (
+        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
+        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
+    )
 
-    def __init__(
-        self, t: Reals, values: Reals, errors: Reals | None, curve: ArrayLike | None
-    ) -> None:
-        self.t = validation.real(t, "t", unit="s")
-        if self.t.ndim != 1 or not self.t.size:
-            raise AttitudeError(f"t has shape {self.t.shape}; give a row of epochs, (N,).")
-        shape = self.t.shape
-        self.values = validation.real(values, "values", shape=shape)
-        self.weights = np.ones(shape)
-        if errors is not None:
-            given = validation.real(errors, "errors", shape=shape)
-            if not np.all(given > 0.0):
-                bad = given[~(given > 0.0)][0]
-                raise AttitudeError(
-                    f"errors holds {bad}; give errors above zero, or leave such values out."
-                )
-            self.weights = 1.0 / given
-        self.curve = np.zeros(shape, int) if curve is None else np.asarray(curve)
-        if self.curve.shape != shape or self.curve.dtype.kind not in "iu":
-            raise AttitudeError(
-                f"curve is {validation.shown(curve)}; give whole numbers from 0, of shape {shape}."
-            )
-        self.curves = int(self.curve.max()) + 1
-        if set(np.unique(self.curve)) != set(range(self.curves)):
-            raise AttitudeError(
-                f"curve does not hold every number from 0 to its greatest, {self.curves - 1}; "
-                "number the curves without gaps."
-            )
+
+class _Data:
+    """The samples of a light curve, for fits at any frequencies."""
+
+    def __init__(self, found: Samples) -> None:
+        self.t, self.values, self.curve = found.t, found.values, found.curve
+        self.weights, self.curves = found.weights, found.curves
+        self.epoch = found.epoch
         self.start = float(0.5 * (self.t.min() + self.t.max()))
 
     def refuse_few(self, numbers: IntArray) -> None:

@@ -135,6 +135,11 @@ class TorquedRotation(Differentiable):
 
     smooth = True
 
+    _value = (
+        *("body", "spin", "torques", "scheme"),
+        *("step", "tolerance", "step_tolerance", "_span_given"),
+    )
+
     def __init__(
         self,
         body: Body,
@@ -176,7 +181,7 @@ class TorquedRotation(Differentiable):
         self._set("_span_given", span)
         self._set("_horizons", self._planned(span))
         self._forget()
-        _living.add(self)
+        _living[id(self)] = self
 
     def _checked_step(self, step: Real) -> float:
         length = validation.positive(step, "step", unit="s")
@@ -320,8 +325,8 @@ class TorquedRotation(Differentiable):
         return self._system.over_body_axes(out)
 
 
-# All motions of the process.
-_living: weakref.WeakSet[TorquedRotation] = weakref.WeakSet()
+# All motions of the process by their identity: equal motions have locks of their own.
+_living: weakref.WeakValueDictionary[int, TorquedRotation] = weakref.WeakValueDictionary()
 
 
 def _after_fork() -> None:
@@ -329,7 +334,7 @@ def _after_fork() -> None:
 
     States that such a thread was changing are discarded.
     """
-    for motion in list(_living):
+    for motion in list(_living.values()):
         if motion._lock.locked():
             motion._forget()
 

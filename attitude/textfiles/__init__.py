@@ -5,6 +5,5 @@ kvn            the KEYWORD = value notation of CCSDS messages
 xml            XML without document types and entities
 records        JSON values and rows of CSV
 toml           TOML; errors for its syntax and for unknown keys
-quantities     numbers followed by a unit
 atomic_write   files that appear whole or not at all
 """

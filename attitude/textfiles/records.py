@@ -45,3 +45,34 @@ def of_csv(text: str, name: str) -> list[dict[str, Any]]:
         raise AttitudeError(
             f"{name}, line {rows.reader.line_num}: it is not valid CSV ({err})."
         ) from err
+
+
+def of_separated(text: str, name: str) -> list[tuple[int, list[str]]]:
+    """The rows of a table in text, each with the number of its line; remarks (#) are left out.
+
+    Entries are separated by the character out of comma, semicolon, tab and bar that the first row
+    has most often, or by blanks if it has none.  `name` is the name of the file in error messages.
+
+    Raises
+    ------
+    AttitudeError
+        If a quoted entry does not end.
+    """
+    kept = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not kept:
+        return []
+    mark = max(",;\t|", key=kept[0][1].count)
+    if mark not in kept[0][1]:
+        return [(number, line.split()) for number, line in kept]
+    found = []
+    for number, line in kept:
+        try:
+            entries = next(csv.reader([line], delimiter=mark))
+        except (csv.Error, StopIteration) as err:
+            raise AttitudeError(f"{name}, line {number}: it is not valid CSV ({err}).") from err
+        found.append((number, [each.strip() for each in entries]))
+    return found

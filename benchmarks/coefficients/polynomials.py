@@ -9,12 +9,13 @@ from benchmarks.coefficients.minimax import PolynomialFit, power_series
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
 _PHASES, _STEP = "solution/phases.py", "solution/step.py"
+_ELEMENTARY = "compilation/elementary.py"
 _CLOSED_FORM = "light_curve/closed_form.py"
 _DIMMING = "inversion/ellipsoid_magnitudes.py"
 
 
 def tables():
-    return [*_least_maximum(), *_interpolating(), *_series()]
+    return [*_least_maximum(), *_of_lanes(), *_interpolating(), *_series()]
 
 
 def _least_maximum():
@@ -65,6 +66,47 @@ def _least_maximum():
             Claim(1.5e-17, "2**-f on |f| <= 1/2, in the same way; largest error 1.5e-17."),
         ),
     ]
+
+
+def _of_lanes():
+    power = PolynomialFit(
+        power_series(lambda n: (-mp.ln2) ** (n + 1) / mp.factorial(n + 1)),
+        lambda f: 1, 6, "-1/16", "1/16",
+    )  # fmt: skip
+    angle = PolynomialFit(_angle_over_tangent, lambda z: 1, 17, "0", "1")
+    logarithm = PolynomialFit(
+        power_series(lambda n: 2 / mp.ln2 / (2 * n + 3)), lambda u: 1, 8, "0", "1/25"
+    )
+    return [
+        _fitted(
+            _ELEMENTARY,
+            [f"_POWER_{n}" for n in range(1, 7)],
+            "E of degree 5 in 2^-f = 1 + f E(f), |f| <= 1/16: least maximum of the error of E",
+            power,
+            Claim(2.9e-14, "least maximum of the error of E, 2.9e-14."),
+        ),
+        _fitted(
+            _ELEMENTARY,
+            [f"_ANGLE_{n}" for n in range(17)],
+            "A of degree 16 in (2/pi) atan x = x A(z), 0 <= z = x^2 <= 1: least maximum of the "
+            "absolute error of A",
+            angle,
+            Claim(3.7e-15, "least maximum of the error, 3.7e-15."),
+        ),
+        _fitted(
+            _ELEMENTARY,
+            [f"_LOG_{n}" for n in range(1, 9)],
+            "L of degree 7 in log2((1 + s)/(1 - s)) = s (2/ln 2 + u L(u)), u = s^2 <= 1/25: least "
+            "maximum of the error of L",
+            logarithm,
+            Claim(5.1e-17, "L, 5.1e-17."),
+        ),
+    ]
+
+
+def _angle_over_tangent(z):
+    """(2/pi) atan(x)/x of z = x^2."""
+    return 2 / mp.pi * (mp.atan(mp.sqrt(z)) / mp.sqrt(z) if z > 0 else 1)
 
 
 def _fitted(file, names, definition, fit, claim):

@@ -24,13 +24,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import pairs
+from attitude.axes import axes
 from attitude.errors import AttitudeError
 from attitude.formats import sources
 from attitude.formats.acm import written
 from attitude.formats.acm.attitudes import TimeTags
 from attitude.formats.acm.blocks import read_kvn, read_xml
 from attitude.formats.acm.interpreted import interpreted
-from attitude.formats.ccsds import axes
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, known_tolerance
 from attitude.textfiles import kvn

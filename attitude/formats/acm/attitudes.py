@@ -14,12 +14,13 @@ import numpy as np
 from attitude import pairs, quaternion
 from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
+from attitude.axes import axes
 from attitude.epochs import time_scales
 from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats.acm.keywords import ATTITUDES, COVARIANCES, RATES
 from attitude.formats.acm.message import AttitudeCovariance
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import refuse_length, to_icrf

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from attitude import quaternion
 from attitude.arcs.changes import Impulse
+from attitude.axes import axes
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import axes
 from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:

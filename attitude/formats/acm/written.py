@@ -16,8 +16,8 @@ from attitude.formats.rows import columns_of
 from attitude.textfiles.xml import escaped
 
 if TYPE_CHECKING:
+    from attitude.axes.axes import Axes
     from attitude.body import Body
-    from attitude.formats.ccsds.axes import Axes
     from attitude.formats.sources import Records
     from attitude.history import AttitudeHistory
     from attitude.motion import Motion

@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
+from attitude.axes import axes
 from attitude.errors import AttitudeError
 from attitude.formats.aem import lenient, one_object
-from attitude.formats.ccsds import attitude_types, axes, old_rates
+from attitude.formats.ccsds import attitude_types, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import TOLERANCE, Rows, known_tolerance
 from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
+    from attitude.axes.axes import Axes
     from attitude.epochs import Instant
     from attitude.formats.ccsds.attitude_types import Convention
-    from attitude.formats.ccsds.axes import Axes
     from attitude.paths.path import Path
     from attitude.textfiles.lines import Fault
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude.attitude_table import interpolation
+from attitude.axes import axes
 from attitude.errors import AttitudeError
 from attitude.formats import recipes
 from attitude.formats.aem.message import META
-from attitude.formats.ccsds import attitude_types, axes
+from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.rows import columns_of
 from attitude.textfiles import kvn

@@ -17,14 +17,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import quaternion
+from attitude.axes import axes
 from attitude.body import Body
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.formats.apm import written
 from attitude.formats.apm.blocks import read_kvn, read_xml
 from attitude.formats.apm.state import Interpreted
-from attitude.formats.ccsds import axes, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.ccsds import old_rates
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.formats.rows import TOLERANCE, known_tolerance
 from attitude.formats.sources import refuse_breaks

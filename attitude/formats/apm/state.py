@@ -9,12 +9,13 @@ import numpy as np
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.attitude_table.table import refuse_speed
+from attitude.axes import axes
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.formats.apm.inertia import known_products, tensor
 from attitude.formats.apm.keywords import META
 from attitude.formats.apm.message import Block, needs, number, one_of
-from attitude.formats.ccsds import attitude_types, axes, old_rates
+from attitude.formats.ccsds import attitude_types, old_rates
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import to_icrf

@@ -2,5 +2,4 @@
 
 epochs           time codes A and B
 attitude_types   the columns of each attitude type; versions and header of messages
-axes             reference axes by name
 """

@@ -9,14 +9,14 @@ import numpy as np
 
 from attitude import quaternion
 from attitude.attitude_table import interpolation
+from attitude.axes import axes, axis_names
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import axes, axis_names
 from attitude.formats.stk import dates
 from attitude.formats.stk.sections import REFUSED, SECTIONS, USUAL, Decoder
 from attitude.textfiles.lines import is_number
 
 if TYPE_CHECKING:
-    from attitude.formats.ccsds.axes import Axes
+    from attitude.axes.axes import Axes
     from attitude.formats.stk.sections import Section
     from attitude.textfiles.lines import Lines
 

@@ -18,15 +18,15 @@ import numpy as np
 
 from attitude import quaternion
 from attitude import representations as forms
+from attitude.axes import orbit_axes
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import orbit_axes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude.annotations import FloatArray
+    from attitude.axes.axes import Axes
     from attitude.epochs import Instant
-    from attitude.formats.ccsds.axes import Axes
     from attitude.paths.path import Path
 
 

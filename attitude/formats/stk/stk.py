@@ -25,12 +25,12 @@ import numpy as np
 from attitude import pairs, quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
+from attitude.axes import orbit_axes
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import sampling, sources
 from attitude.formats.ccsds import epochs as ccsds_epochs
-from attitude.formats.ccsds import orbit_axes
 from attitude.formats.ccsds.attitude_types import Convention
 from attitude.formats.rows import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.formats.stk import dates

@@ -1,23 +1,22 @@
-"""Numbers followed by a unit, as text in files and on the command line.
+"""Numbers followed by a unit, as text: one grammar for arguments, files and the command line.
+
+`validation.real` reads every text with it.
 
 >>> numbers_and_unit("14.51, 33.529, -98.709 deg/day", "rate")
 (['14.51', '33.529', '-98.709'], 'deg/day')
->>> in_unit("6, 1.5 rpm", "rate", "deg/s").round(12)
-array([36.,  9.])
+>>> str(unit_of("rpm", "rate"))
+'cycle / min'
 """
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from attitude import validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    import numpy as np
     from astropy.units import UnitBase
-    from numpy.typing import NDArray
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _BETWEEN = r"(?:\s*,\s*|\s+)"
@@ -53,11 +52,22 @@ def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
-            f"{name} is {text!r}; write numbers followed by one unit, like "
-            '"14.51 deg/day" or "14.51, 33.529, -98.709 deg/day".'
+            f"{name} is {_cut(repr(text))}, which is not a number with a unit that astropy knows; "
+            'write it like "14.5 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = found.groups()
     return re.split(_BETWEEN, numbers), (unit or "").strip()
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is one or several numbers followed by a word, such as "3 d"."""
+    found = _NUMBERS.fullmatch(text)
+    unit = found and found.group(2)
+    return unit is not None and re.search(r"(?<![A-Za-z*^-])[0-9]", unit) is None
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def unit_of(text: str, name: str) -> UnitBase:
@@ -80,31 +90,4 @@ def unit_of(text: str, name: str) -> UnitBase:
         raise AttitudeError(
             f"{name} is in {text!r}, which is not a unit that astropy knows"
             + (f" (did you mean {guess.group(1)}?)." if guess else ".")
-        ) from err
-
-
-def in_unit(text: str, name: str, unit: str | None) -> NDArray[np.float64]:
-    """The numbers of a text in a unit: an array () or (N,).
-
-    Parameters
-    ----------
-    text : str
-        Numbers without a unit are in `unit`.
-    name : str
-        Name of the value in the error message.
-    unit : str or None
-        None for pure numbers.
-
-    Raises
-    ------
-    AttitudeError
-        If the text cannot be read, or its unit does not convert to `unit`.
-    """
-    numbers, given = numbers_and_unit(text, name)
-    values: Any = [float(number) for number in numbers]
-    values = values if len(values) > 1 else values[0]
-    if given:
-        from astropy.units import Quantity
-
-        values = Quantity(values, unit_of(given, name))
-    return validation.real(values, name, unit=unit)
+        ) from None

@@ -12,9 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import epochs, quaternion
-from attitude.errors import AttitudeError
-from attitude.motion import motion_of
-from attitude.scene.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,11 +21,8 @@ if TYPE_CHECKING:
 
     from attitude.annotations import Epochs, FloatArray
     from attitude.history import AttitudeHistory
-    from attitude.motion import HasAttitudes, Motion
-    from attitude.scene.view import View
+    from attitude.motion import Motion
 
-    # What a search takes: a Motion, any other object with ``.at(t)``, or a Scene.
-    AnyMotion: TypeAlias = HasAttitudes | Scene
     # Seconds from an epoch in two doubles.
     Pair: TypeAlias = tuple[float, float]
 
@@ -54,20 +48,27 @@ class Source:
 
     Attributes
     ----------
-    motion : Motion
+    motion : Motion or None
+        None for a scene without a motion.
     epoch : Instant
-        The epoch of the motion, from which seconds count.
+        From which seconds count: that of the motion, J2000 without a motion.
     scene : Scene or None
         None for a motion alone.
     """
 
-    motion: Motion
+    motion: Motion | None
     epoch: epochs.Instant
-    scene: Scene | None = None
+    scene: Any = None  # a Scene, which is a module above this one
 
     def at(self, hi: FloatArray, lo: FloatArray, step: float | None = None) -> Moment:
         """The block of epochs hi + lo (N,), TDB seconds since the epoch; see `Moment`."""
         return Moment(self, hi, lo, step)
+
+    @property
+    def turning(self) -> Motion:
+        """The motion, for what needs one; a scene without a motion has been refused before."""
+        assert self.motion is not None
+        return self.motion
 
 
 class OfMotion(Source):
@@ -81,26 +82,16 @@ class OfMotion(Source):
 class OfReception(Source):
     """A scene that is searched; its epochs are those of reception of light."""
 
-    def __init__(self, scene: Scene) -> None:
-        if scene.motion is None:
-            raise AttitudeError(
-                "the scene has no motion, and events are those of a rotation; give a scene with a "
-                "motion."
-            )
-        self.scene, self.motion, self.epoch = scene, scene.motion, scene.motion.epoch
+    def __init__(self, scene: Any) -> None:
+        self.scene, self.motion = scene, scene.motion
+        self.epoch = epochs.Instant(0.0) if scene.epoch is None else scene.epoch
 
 
-def source_of(given: AnyMotion) -> Source:
-    """The Source of a motion, of any other object with ``.at(t)``, or of a Scene.
-
-    Raises
-    ------
-    AttitudeError
-        For other objects, and for a Scene without a motion.
-    """
-    if isinstance(given, Scene):
-        return OfReception(given)
-    return OfMotion(motion_of(given))
+def same_source(one: Source, other: Source) -> bool:
+    """Whether two sources are of one scene object, or of equal motions."""
+    if one.scene is not None or other.scene is not None:
+        return one.scene is other.scene
+    return one.motion == other.motion
 
 
 def values_at(
@@ -134,17 +125,17 @@ class Moment:
         self._inertial: dict[SearchDirection, FloatArray] = {}
 
     @cached_property
-    def view(self) -> View:
+    def view(self) -> Any:
         """The View (N,) of the scene; only for the source of a scene."""
         assert self.source.scene is not None
-        return self.source.scene.at(self.hi, self.lo)
+        return self.source.scene.since(self.source.epoch, self.hi, self.lo)
 
     @cached_property
     def history(self) -> AttitudeHistory:
         """The attitudes (N,), those at emission in a scene."""
         if self.source.scene is not None:
             return self.view.attitude
-        return self.source.motion.at(self.hi, self.lo)
+        return self.source.turning.at(self.hi, self.lo)
 
     def body(self, direction: SearchDirection) -> FloatArray:
         """Unit vectors (N, 3) of a direction in body axes."""

@@ -26,9 +26,9 @@ import numpy as np
 
 from attitude import epochs, frames, pairs, quaternion
 from attitude import representations as forms
+from attitude.axes import axis_names, earth_axes, orbit_axes
+from attitude.axes.axis_names import OF_ORBIT, WRITTEN
 from attitude.errors import AttitudeError
-from attitude.formats.ccsds import axis_names, earth_axes, orbit_axes
-from attitude.formats.ccsds.axis_names import OF_ORBIT, WRITTEN
 from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:

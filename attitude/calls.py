@@ -1,0 +1,46 @@
+"""Calls with arguments that do not exist: a sentence that shows the right call."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+def check_call(
+    name: str,
+    given: Sequence[Any],
+    named: Mapping[str, Any],
+    *,
+    allowed: Sequence[str],
+    hints: Mapping[str, str],
+    example: str,
+) -> None:
+    """AttitudeError for too many arguments, and for names that the call does not have.
+
+    Parameters
+    ----------
+    name : str
+        Of the function or class.
+    given, named
+        The arguments of the call.
+    allowed : sequence of str
+        All arguments in order.
+    hints : mapping of str to str
+        What to give instead of a name that others use.
+    example : str
+        A right call.
+    """
+    if len(given) <= len(allowed) and named.keys() <= set(allowed):
+        return
+    if len(given) > len(allowed):
+        raise AttitudeError(
+            f"{name} is called with {len(given)} arguments; it takes {', '.join(allowed)}, as in "
+            f"{example}."
+        )
+    wrong = next(each for each in named if each not in allowed)
+    advice = hints.get(wrong, f"it takes {', '.join(allowed)}")
+    raise AttitudeError(f"{name} has no argument {wrong}; {advice}, as in {example}.")

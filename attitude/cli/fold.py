@@ -1,0 +1,72 @@
+"""``attitude fold FILE --period P``: a light curve folded with one period or two."""
+
+from __future__ import annotations
+
+import argparse
+
+from attitude.cli import output, periods
+
+HELP: str = "fold photometry with one period or two: points, series and residuals"
+EPILOG: str = """\
+examples:
+  attitude fold curve.csv --period "5.37 h" --figure folded.png
+  attitude fold curve.csv --period "5.37, 7.4 d" --order 2 --refine --output folded.csv
+
+FILE and the reduction are those of "attitude periods".
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    periods.add_data(parser)
+    parser.add_argument(
+        "--period", metavar="P", required=True, help='period, or two: "5.37 h", "5.37, 7.4 d"'
+    )
+    parser.add_argument("--order", type=int, help="harmonics of the series (4; of two periods 2)")
+    parser.add_argument("--epoch", metavar="DATE", help="of phase zero (the first point)")
+    parser.add_argument(
+        "--refine", action="store_true", help="take the periods of least squares near these"
+    )
+    parser.add_argument("--output", metavar="FILE", help="points as x.csv or x.ecsv")
+    periods.add_figure(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print the periods, amplitude and rms; write table and figure.
+
+    Raises
+    ------
+    AttitudeError
+        For a file or options that are not valid.
+    """
+    import numpy as np
+
+    from attitude import photometry, validation
+
+    if arguments.figure is not None:
+        output.kind_of(arguments.figure, output.PICTURES, "--figure")
+    kind = output.kind_of(arguments.output)
+    data = periods.data_of(arguments)
+    given = np.atleast_1d(validation.real(arguments.period, "--period", unit="s"))
+    order = arguments.order or (4 if given.size == 1 else 2)
+    found = photometry.fold(
+        data, given, order=order, epoch=arguments.epoch, refine=arguments.refine
+    )
+    print(repr(data)[1:-1])
+    phase = np.linspace(0.0, 1.0, 1000)
+    for k, period in enumerate(found.periods):
+        error = found.series.errors[k] * period**2
+        size = float(np.ptp(found.curve(phase, k)))
+        print(
+            f"period {period / 3600.0:.8g} h = {period / 86400.0:.7g} d +- {error / 3600.0:.2g} h, "
+            f"peak to peak {size:.3g}"
+        )
+    print(f"rms of the residuals {found.rms:.4g}, order {order}")
+    if arguments.output is not None:
+        found.table().write(
+            arguments.output, format="ascii.csv" if kind == "csv" else "ascii.ecsv", overwrite=True
+        )
+        print(arguments.output)
+    if arguments.figure is not None:
+        found.plot(arguments.figure)
+        print(arguments.figure)

@@ -1,0 +1,172 @@
+"""``attitude periods FILE``: one period or two from photometry, ranked, with aliases."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING, Any
+
+from attitude.cli import orbit, output
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.photometry import Periodogram, Photometry, TwoPeriods
+
+HELP: str = "find the periods of a body from photometry: one period, or two of a tumbler"
+EPILOG: str = """\
+examples:
+  attitude periods curve.csv --min "2 h" --max "40 h" --figure periods.png
+  attitude periods curve.csv --min "2 h" --max "40 h" --two --figure two.png
+
+FILE is a CSV or ECSV with named columns (jd, utc or bjd; mag or flux; error; filter; site;
+session), ALCDEF, ADES (PSV or XML), MPC records of 80 columns or DAMIT light curves. With --orbit,
+or vectors in the file, magnitudes are reduced to 1 au and dates to the time at which light left the
+body first; --g takes the phase function off too.
+"""
+# Rows of the tables printed.
+_ROWS = 10
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_data(parser)
+    parser.add_argument("--min", metavar="P", help='shortest period, such as "2 h"')
+    parser.add_argument("--max", metavar="P", help='longest period, such as "40 h" (the span)')
+    parser.add_argument("--order", type=int, default=2, help="harmonics of the series (2)")
+    parser.add_argument(
+        "--method", default="fourier", help="fourier (series) or pdm (phase dispersion)"
+    )
+    parser.add_argument(
+        "--two", action="store_true", help="two periods: Fourier series in two frequencies"
+    )
+    parser.add_argument("--count", type=int, default=_ROWS, help=f"rows printed ({_ROWS})")
+    parser.add_argument(
+        "--bootstrap", type=int, metavar="N", help="errors of the best periods from N draws too"
+    )
+    add_figure(parser)
+
+
+def add_data(parser: argparse.ArgumentParser) -> None:
+    """Add FILE and the options of its reduction, which `data_of` reads."""
+    parser.add_argument("file", metavar="FILE", help="photometry")
+    parser.add_argument("--filter", metavar="NAME", help="use the points with this filter")
+    parser.add_argument(
+        "--zero-points",
+        default="free",
+        help="of sessions: free (default), or shared, where filters keep their own",
+    )
+    orbit.add_arguments(parser)
+    parser.add_argument(
+        "--site", metavar="NAME", help='the observer with --orbit: a body, or "568" (a code)'
+    )
+    parser.add_argument("--g", type=float, help="slope of the phase function (H, G) to take off")
+
+
+def add_figure(parser: argparse.ArgumentParser) -> None:
+    """Add --figure."""
+    kinds = ", ".join(output.PICTURES)
+    parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print the periods with their errors and aliases; write the figure.
+
+    Raises
+    ------
+    AttitudeError
+        For a file or options that are not valid.
+    """
+    if arguments.figure is not None:
+        output.kind_of(arguments.figure, output.PICTURES, "--figure")
+    data = data_of(arguments)
+    print(repr(data)[1:-1])
+    for note in data.notes:
+        print(f"note: {note}")
+    found = _two(data, arguments) if arguments.two else _one(data, arguments)
+    if arguments.figure is not None:
+        found.plot(arguments.figure)
+        print(arguments.figure)
+
+
+def data_of(arguments: argparse.Namespace) -> Photometry:
+    """The photometry of the options that `add_data` adds, reduced where its geometry is known."""
+    from attitude import paths, photometry, validation
+
+    data = photometry.read(arguments.file)
+    if arguments.filter is not None:
+        data = data.select(filter=arguments.filter)
+    validation.one_of(arguments.zero_points, "--zero-points", ("free", "shared"))
+    if arguments.zero_points == "shared":
+        data = data.shared()
+    path = orbit.path_of(arguments)
+    site: Any = arguments.site
+    if site is not None:
+        if path is None:
+            raise AttitudeError("--site needs the orbit of the body; give --orbit.")
+        if len(site) == 3 and site[1:].isdigit():
+            site = paths.observatory(site)
+    if path is not None or data.sun is not None:
+        return data.reduced(path, site=site, g=arguments.g)
+    if arguments.g is not None:
+        raise AttitudeError("--g needs the geometry; give --orbit, or vectors in the file.")
+    return data
+
+
+def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
+    from attitude import photometry
+
+    found = photometry.periodogram(
+        data,
+        min_period=arguments.min,
+        max_period=arguments.max,
+        order=arguments.order,
+        method=arguments.method,
+        count=arguments.count,
+    )
+    print(f"power that 1 of 100 light curves reaches by chance: {found.false_alarm:.3f}")
+    print(f"{'':4}{'period, h':>14}{'+-':>10}{'period, d':>13}{'power':>8}  relation")
+    for rank, peak in enumerate(found.peaks, 1):
+        hours, error = peak.period / 3600.0, peak.error / 3600.0
+        print(
+            f"{rank:3d} {hours:14.7g}{error:10.2g}{hours / 24.0:13.6g}{peak.power:8.3f}"
+            f"  {peak.relation}".rstrip()
+        )
+    if arguments.bootstrap is not None:
+        error = found.bootstrap(draws=arguments.bootstrap) / 3600.0
+        print(f"error of the best period by bootstrap: {error:.2g} h")
+    return found
+
+
+def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
+    from attitude import photometry
+
+    progress = _print_progress if sys.stderr.isatty() else None
+    found = photometry.two_periods(
+        data,
+        min_period=arguments.min,
+        max_period=arguments.max,
+        order=arguments.order,
+        count=max(arguments.count, _ROWS),
+        progress=progress,
+    )
+    if progress is not None:
+        print(file=sys.stderr)
+    print(f"{found.tried} pairs; by chance 1 of 100 leaves {found.false_alarm:.3f} of chi-squared")
+    print(f"{'':4}{'first, h':>12}{'+-':>9}{'second, h':>13}{'+-':>9}{'left':>8}  relation")
+    for rank, pair in enumerate(found.pairs[: arguments.count], 1):
+        (first, second), (a, b) = pair.periods, pair.errors
+        print(
+            f"{rank:3d} {first / 3600.0:12.7g}{a / 3600.0:9.2g}{second / 3600.0:13.7g}"
+            f"{b / 3600.0:9.2g}{pair.left:8.3f}  {pair.relation}".rstrip()
+        )
+    if arguments.bootstrap is not None:
+        errors = [each / 3600.0 for each in found.bootstrap(draws=arguments.bootstrap)]
+        print(f"errors of the best pair by bootstrap: {errors[0]:.2g} h, {errors[1]:.2g} h")
+    print("candidates for the rotation:")
+    for rank, candidate in enumerate(found.candidates(arguments.count), 1):
+        print(f"{rank:3d} {candidate}")
+    return found
+
+
+def _print_progress(done: int, tried: int) -> None:
+    print(f"\rattitude: {100 * done // max(tried, 1):3d} % of the pairs", end="", file=sys.stderr)

@@ -1,0 +1,357 @@
+"""`periodogram`: one period, by Fourier series of any order or by phase dispersion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude import validation
+from attitude.errors import AttitudeError
+from attitude.immutable import Immutable, frozen
+from attitude.photometry import folding, windows
+from attitude.photometry.dispersion_loops import dispersions
+from attitude.photometry.folding import Folded
+from attitude.photometry.windows import Window
+from attitude.spectrum import refinement, samples
+
+if TYPE_CHECKING:
+    from astropy.table import QTable
+    from numpy.typing import ArrayLike
+
+    from attitude.annotations import Epochs, FilePath, FloatArray, Real, Reals
+    from attitude.spectrum.samples import HasSamples, Samples
+
+_DAY = 86400.0
+# Grid frequencies per 1/(order span), and frequencies at most.
+_OVERSAMPLING, _MOST = 5.0, 5_000_000
+# Shortest period by default, in median distances of successive epochs of a night; permutations.
+_NYQUIST = 2.0
+_PERMUTATIONS = 12
+_EULER = 0.5772
+
+
+class Peak(NamedTuple):
+    """A peak of a periodogram.
+
+    period, error : float, s; the error is of one standard deviation, by curvature.  power : float,
+    the share of the variance that the series of this period explains.  relation : str, how the
+    period follows from a better one ("alias of #1 (+1 /d)", "2 x #1"), or "".
+    """
+
+    period: float
+    error: float
+    power: float
+    relation: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Periodogram(Immutable):
+    """Power against frequency, and its peaks.
+
+    Attributes
+    ----------
+    frequency : (K,) array
+        Hz.
+    power : (K,) array
+        The share of the variance explained; of phase dispersion 1 - theta.
+    peaks : tuple of Peak
+        The best first.
+    false_alarm : float
+        Power that 1 of 100 light curves reaches whose values are exchanged at random among the
+        epochs.
+    window : Window
+        The spectral window of the epochs.
+    samples : Samples
+    order : int
+    method : str
+    """
+
+    frequency: FloatArray
+    power: FloatArray
+    peaks: tuple[Peak, ...]
+    false_alarm: float
+    window: Window
+    samples: Samples
+    order: int
+    method: str
+
+    @property
+    def period(self) -> float:
+        """The best period, s."""
+        return self.peaks[0].period
+
+    @property
+    def error(self) -> float:
+        """Its standard error by curvature, s."""
+        return self.peaks[0].error
+
+    def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
+        """The light curve folded with the period of a peak; see `photometry.fold`."""
+        return folding.fold(
+            samples.GivenSamples(self.samples),
+            self.peaks[rank].period,
+            order=order or max(self.order, 2),
+        )
+
+    def bootstrap(self, rank: int = 0, *, draws: int = 200, seed: int = 0) -> float:
+        """The standard error of the period of a peak, s, from points drawn anew.
+
+        Parameters
+        ----------
+        rank, draws, seed : int
+        """
+        found = _refined(self.samples, 1.0 / self.peaks[rank].period, self.order)
+        f = refinement.bootstrap(self.samples, found, validation.count(draws, "draws", 2), seed)
+        return float(np.std(f[:, 0], ddof=1) * self.peaks[rank].period ** 2)
+
+    def table(self) -> QTable:
+        """A row for each peak."""
+        from astropy import units
+        from astropy.table import QTable
+
+        return QTable(
+            {
+                "period": np.array([each.period for each in self.peaks]) / 3600.0 * units.h,
+                "error": np.array([each.error for each in self.peaks]) / 3600.0 * units.h,
+                "frequency": _DAY / np.array([each.period for each in self.peaks]) / units.d,
+                "power": [each.power for each in self.peaks],
+                "significant": [each.power > self.false_alarm for each in self.peaks],
+                "relation": [each.relation for each in self.peaks],
+            }
+        )
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure: power, peaks with their aliases, spectral window; saved if a path is given."""
+        from attitude.photometry import figures
+
+        return figures.of_periodogram(self, path)
+
+    def __repr__(self) -> str:
+        best = self.peaks[0]
+        return (
+            f"<Periodogram of order {self.order}: {best.period / 3600.0:.7g} h +- "
+            f"{best.error / 3600.0:.2g} h, power {best.power:.3f}, {len(self.peaks)} peaks>"
+        )
+
+
+def periodogram(
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    errors: Reals | None = None,
+    *,
+    min_period: Real | None = None,
+    max_period: Real | None = None,
+    order: int = 2,
+    method: str = "fourier",
+    bins: int = 10,
+    curve: ArrayLike | None = None,
+    engine: str = "auto",
+    count: int = 10,
+    seed: int = 0,
+) -> Periodogram:
+    """The periods of a light curve with one frequency.
+
+    Parameters
+    ----------
+    t : Photometry, LightCurve, or (N,) epochs
+        Photometry has its values, errors, and a zero point for each session and filter
+        (`Photometry.shared` joins the sessions).
+    values, errors, curve
+        As of `spectrum.fit`.
+    min_period, max_period : float, Quantity or text, optional
+        s, or such as "2 h"; by default from twice the median distance of epochs to the span.
+    order : int
+        Harmonics of the series; a light curve with two maxima a turn needs 2.
+    method : "fourier" or "pdm"
+        Fourier series by least squares, or phase dispersion minimisation (Stellingwerf 1978).
+    bins : int
+        Of phase, for "pdm", each covered twice.
+    engine : "auto", "astropy" or "nifty-ls"
+        What computes the series: astropy's LombScargle, by itself or with nifty-ls, if installed.
+    count : int
+        Of peaks.
+    seed : int
+        Of the permutations.
+
+    Returns
+    -------
+    Periodogram
+
+    Raises
+    ------
+    AttitudeError
+        For periods out of order, more than 5e6 frequencies, and fewer values than unknowns.
+
+    Notes
+    -----
+    The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
+    (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
+    scan the mean of each session is taken off, which weakens periods longer than a session.
+
+    >>> t = np.sort(np.random.default_rng(1).uniform(0.0, 40.0, 200))      # days
+    >>> found = periodogram(t * 86400.0, np.sin(2 * np.pi * t / 0.31), min_period="2 h", order=1)
+    >>> round(found.period / 86400.0, 6)
+    0.31
+    """
+    data = samples.tempered(samples.of(t, values, errors, curve))
+    number = validation.count(order, "order")
+    validation.one_of(method, "method", ("fourier", "pdm"))
+    if len(data.t) < data.curves + 2 * number + 2:
+        raise AttitudeError(
+            f"{len(data.t)} values are given for {data.curves} zero points and {number} harmonics; "
+            "give more values, or a lower order."
+        )
+    frequency = _grid(data, min_period, max_period, number)
+    if method == "fourier":
+        power = _fourier(data, frequency, number, data.detrended, engine)
+        chance = _chance(data, frequency, number, engine, seed)
+    else:
+        power = _dispersion(data, frequency, validation.count(bins, "bins", 3), data.detrended)
+        chance = _chance_of_dispersion(data, frequency, bins, seed)
+    window = windows.window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
+    peaks = _peaks(data, frequency, power, number, window, validation.count(count, "count"))
+    peaks = _with_power(peaks, frequency, power)
+    return Periodogram(
+        frozen(frequency), frozen(power), peaks, chance, window, data, number, method
+    )
+
+
+def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> FloatArray:
+    span = data.span
+    if not span > 0.0:
+        raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
+    if least is None:
+        steps = np.diff(np.sort(data.t))
+        steps = steps[steps > 0.0]
+        low = min(_NYQUIST * float(np.median(steps)) * order, 0.25 * span)
+    else:
+        low = validation.positive(least, "min_period", unit="s")
+    high = span if most is None else validation.positive(most, "max_period", unit="s")
+    if not low < high:
+        raise AttitudeError(
+            f"min_period is {low:.6g} s and max_period {high:.6g} s; give a shorter min_period."
+        )
+    step = 1.0 / (_OVERSAMPLING * span * order)
+    count = int((1.0 / low - 1.0 / high) / step) + 2
+    if count > _MOST:
+        raise AttitudeError(
+            f"between the periods lie {count} frequencies, and at most {_MOST} are searched; give "
+            "a longer min_period, or a shorter span."
+        )
+    return 1.0 / high + step * np.arange(count, dtype=np.float64)
+
+
+def _fourier(
+    data: Samples, frequency: FloatArray, order: int, y: FloatArray, engine: str
+) -> FloatArray:
+    """The share of the variance explained, by astropy's LombScargle."""
+    from astropy.timeseries import LombScargle
+
+    method = "fastchi2" if len(frequency) > 200 else "chi2"
+    if _has_nifty(engine):
+        method = "fastnifty_chi2"
+    errors = None if data.errors is None else data.errors
+    found = LombScargle(data.t - data.t.min(), y, errors, nterms=order).power(
+        frequency, method=method, assume_regular_frequency=True
+    )
+    return np.clip(np.asarray(found, dtype=np.float64), 0.0, 1.0)
+
+
+def _has_nifty(engine: str) -> bool:
+    """Whether nifty-ls computes; AttitudeError if it is wanted and not installed."""
+    validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
+    if engine == "astropy":
+        return False
+    try:
+        import nifty_ls  # noqa: F401  it registers itself with astropy
+    except ImportError:
+        if engine == "nifty-ls":
+            raise AttitudeError(
+                'nifty-ls is not installed; install it, or give engine="astropy".'
+            ) from None
+        return False
+    return True
+
+
+def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) -> FloatArray:
+    theta = np.empty_like(frequency)
+    start = np.ascontiguousarray(data.t - data.t.min())
+    dispersions(start, np.ascontiguousarray(y), data.weights**2, frequency, bins, 2, theta)
+    return 1.0 - theta
+
+
+def _chance(data: Samples, frequency: FloatArray, order: int, engine: str, seed: int) -> float:
+    generator = np.random.default_rng(seed)
+    y = data.detrended
+    largest = [
+        _fourier(data, frequency, order, y[generator.permutation(len(y))], engine).max()
+        for _ in range(_PERMUTATIONS)
+    ]
+    return _one_of_hundred(largest)
+
+
+def _chance_of_dispersion(data: Samples, frequency: FloatArray, bins: int, seed: int) -> float:
+    generator = np.random.default_rng(seed)
+    y = data.detrended
+    largest = [
+        _dispersion(data, frequency, bins, y[generator.permutation(len(y))]).max()
+        for _ in range(_PERMUTATIONS)
+    ]
+    return _one_of_hundred(largest)
+
+
+def _one_of_hundred(largest: list[float]) -> float:
+    """The power of Gumbel's distribution of the largest that 1 of 100 exceeds."""
+    scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
+    place = float(np.mean(largest)) - _EULER * scale
+    return float(min(1.0, place - scale * np.log(-np.log(0.99))))
+
+
+def _refined(data: Samples, frequency: float, order: int) -> refinement.RefinedSeries:
+    numbers = np.arange(1, order + 1)[:, None]
+    return refinement.refined(data, np.array([frequency]), numbers)
+
+
+def _peaks(
+    data: Samples,
+    frequency: FloatArray,
+    power: FloatArray,
+    order: int,
+    window: Window,
+    count: int,
+) -> tuple[Peak, ...]:
+    """The best peaks, refined, in the order of the share of variance that they explain."""
+    near = 0.7 / (data.span * order)
+    found: list[tuple[float, float, float]] = []
+    taken: list[float] = []
+    total = float(np.sum((data.weights * data.detrended) ** 2))
+    for k in np.argsort(-power, kind="stable"):
+        if len(taken) >= 2 * count:
+            break
+        if all(abs(frequency[k] - other) > near for other in taken):
+            taken.append(float(frequency[k]))
+            best = _refined(data, float(frequency[k]), order)
+            f = abs(float(best.frequencies[0]))
+            if all(abs(f - other[0]) > 0.5 * near for other in found) and f > 0.0:
+                found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
+    found.sort(key=lambda each: -each[2])
+    peaks: list[Peak] = []
+    for f, error, share in found[:count]:
+        words = windows.relation(
+            f, [1.0 / each.period for each in peaks], window.lines, 1.0 / data.span
+        )
+        peaks.append(Peak(1.0 / f, error / f**2, share, words))
+    return tuple(peaks)
+
+
+def _with_power(
+    peaks: tuple[Peak, ...], frequency: FloatArray, power: FloatArray
+) -> tuple[Peak, ...]:
+    """The peaks with the power of the grid, to which `false_alarm` belongs."""
+    at = [int(np.argmin(np.abs(frequency - 1.0 / each.period))) for each in peaks]
+    return tuple(
+        each._replace(power=float(power[max(k - 2, 0) : k + 3].max()))
+        for each, k in zip(peaks, at, strict=True)
+    )

@@ -1,0 +1,172 @@
+"""Figures of docs/photometry.md.
+
+    python benchmarks/photometry.py speed      # two_periods: 1000 points in 40 nights
+    python benchmarks/photometry.py tumblers 12
+    python benchmarks/photometry.py toutatis
+    python benchmarks/photometry.py lines 40   # mean powers of lines, for photometry.candidates
+    python benchmarks/photometry.py figures    # docs/figures/toutatis_periods.png ...
+
+Processor time of one core: start with OPENBLAS_NUM_THREADS=1.
+"""
+
+import sys
+import time
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, shape, spectrum
+
+HOUR, DAY = 3600.0, 86400.0
+CURVE = ROOT / "data" / "light_curve" / "toutatis-1992-photometry.csv"
+NIGHTS, POINTS, SPAN, NOISE = 40, 1000, 60, 0.02
+
+
+def tumbler(seed, mode):
+    """A tumbling ellipsoid, and 1000 magnitudes of it in 40 nights of 60 days at one site."""
+    generator = np.random.default_rng(seed)
+    while True:
+        axes = np.sort(generator.uniform(0.35, 1.0, 3))[::-1]
+        period = 10.0 ** generator.uniform(np.log10(4.0), np.log10(20.0)) * HOUR
+        rate, attitude = generator.normal(size=3), generator.normal(size=4)
+        spin = Spin(
+            epoch="2026-01-01",
+            wxyz=attitude / np.linalg.norm(attitude),
+            angular_velocity=2.0 * np.pi / period * rate / np.linalg.norm(rate),
+        )
+        motion = FreeRotation(Body.from_ellipsoid(axes), spin)
+        both = motion.period_psi, motion.period_phi
+        found = {1: "SAM", -1: "LAM"}.get(motion.regime.circulates)
+        if found == mode and min(both) > 2.2 * HOUR and max(both) < 38.0 * HOUR:
+            break
+    nights = np.sort(generator.choice(SPAN, NIGHTS, replace=False))
+    hours = generator.uniform(0.1, 0.4, (NIGHTS, POINTS // NIGHTS))
+    t = np.sort((nights[:, None] + hours).reshape(-1)) * DAY
+    scene = Scene(motion, None, (0.8, 0.5, -0.2), (1.0, 0.2, 0.1), shape=shape.Ellipsoid(axes))
+    magnitude = -2.5 * np.log10(np.asarray(scene.at(t).brightness))
+    return motion, t, magnitude + NOISE * generator.normal(size=t.size)
+
+
+def _nanoseconds():
+    """Processor time of propagate for an epoch, ns: a measure of the machine."""
+    arguments = (10, 20, 26), (1, 0, 0, 0), (1, 15, 1), np.linspace(0, 60, 200_000)
+    propagate(*arguments)
+    best = np.inf
+    for _ in range(5):
+        start = time.thread_time()
+        propagate(*arguments)
+        best = min(best, time.thread_time() - start)
+    return best / 200_000 * 1e9
+
+
+def _found(t, y):
+    start = time.process_time()
+    limits = {"min_period": "2 h", "max_period": "40 h"}
+    found = photometry.two_periods(t, y, np.full(t.size, NOISE), **limits)
+    return found, time.process_time() - start
+
+
+def speed():
+    print(f"propagate: {_nanoseconds():.1f} ns an epoch")
+    _, t, y = tumbler(0, "LAM")
+    _found(t, y)
+    best = min(_found(t, y)[1] for _ in range(3))
+    found, _ = _found(t, y)
+    print(f"two_periods: {t.size} points, {found.tried} pairs of 2 to 40 h: {best:.1f} s")
+
+
+def tumblers(count):
+    """How often both periods are lines of the best pair, and the rank of the true candidate."""
+    lattice, ranks = 0, []
+    for seed in range(count):
+        motion, t, y = tumbler(seed, ("LAM", "SAM")[seed % 2])
+        found, seconds = _found(t, y)
+        true = np.array([1.0 / motion.regime.P_phi("L"), 1.0 / motion.period_psi])
+        near = 0.3 / np.ptp(t)
+        lines = [each[0].frequency for each in found.lines() if each[1] > 0.03]
+        whole = [abs(i * true[0] + j * true[1]) for i in range(-6, 7) for j in range(-6, 7)]
+        good = all(min(abs(line - each) for each in whole) < 2 * near for line in lines)
+        lattice += good
+        candidates = found.candidates(50)
+        rank = next(
+            (
+                k
+                for k, each in enumerate(candidates, 1)
+                if abs(1.0 / each.P_psi - true[1]) < near
+                and abs(1.0 / each.P_phi_long - true[0]) < near
+            ),
+            0,
+        )
+        ranks.append(rank)
+        print(
+            f"{seed}: lines {'right' if good else 'WRONG'}, rank {rank}, {seconds:.1f} s",
+            flush=True,
+        )
+    print(f"{lattice} of {count} with the right lines; ranks of the true periods {ranks}")
+
+
+def toutatis():
+    data = photometry.read(CURVE).reduced(g=0.15).shared()
+    one = photometry.periodogram(data, min_period="1 d", max_period="40 d")
+    print(one)
+    start = time.process_time()
+    two = photometry.two_periods(data, min_period="1 d", max_period="40 d")
+    print(two, f"{time.process_time() - start:.1f} s")
+    for each in two.candidates(5):
+        print(each)
+
+
+def lines(count):
+    """Mean powers of the lines of random ellipsoids in either mode, convention L."""
+    generator = np.random.default_rng(3)
+    total = {mode: defaultdict(float) for mode in ("LAM", "SAM")}
+    seen = dict.fromkeys(total, 0)
+    while min(seen.values()) < count:
+        axes = np.sort(generator.uniform(0.35, 1.0, 3))[::-1]
+        rate, attitude = generator.normal(size=3), generator.normal(size=4)
+        spin = Spin(
+            epoch="2026-01-01",
+            wxyz=attitude / np.linalg.norm(attitude),
+            angular_velocity=2.0 * np.pi * rate / np.linalg.norm(rate),
+        )
+        motion = FreeRotation(Body.from_ellipsoid(axes), spin)
+        mode = {1: "SAM", -1: "LAM"}.get(motion.regime.circulates)
+        both = motion.period_psi, motion.regime.P_phi("L")
+        if mode is None or seen[mode] >= count or both[0] > 40.0 or both[1] > 20.0:
+            continue
+        sun, aside = generator.normal(size=(2, 3))
+        observer = sun / np.linalg.norm(sun) + generator.uniform(0.1, 1.2) * aside
+        t = np.sort(generator.uniform(0.0, 400.0, 500))
+        scene = Scene(motion, None, observer, sun, shape=shape.Ellipsoid(axes))
+        y = -2.5 * np.log10(np.maximum(np.asarray(scene.at(t).brightness), 1e-6))
+        fitted = spectrum.fit(t, y, *both, order=(5, 4))
+        power = fitted.amplitudes**2 / np.sum(fitted.amplitudes**2)
+        for number, share in zip(fitted.numbers, power, strict=True):
+            total[mode][tuple(map(int, number))] += share / count
+        seen[mode] += 1
+    for mode, each in total.items():
+        best = sorted(each.items(), key=lambda item: -item[1])[:12]
+        print(mode, {key: round(float(value), 3) for key, value in best})
+
+
+def figures():
+    data = photometry.read(CURVE).reduced(g=0.15).shared()
+    limits = {"min_period": "1 d", "max_period": "40 d"}
+    out = ROOT / "docs" / "figures"
+    photometry.periodogram(data, **limits).plot(out / "toutatis_periodogram.png")
+    photometry.two_periods(data, **limits).plot(out / "toutatis_two_periods.png")
+
+
+if __name__ == "__main__":
+    name, *rest = sys.argv[1:] or ["speed"]
+    {
+        "speed": speed,
+        "tumblers": tumblers,
+        "toutatis": toutatis,
+        "lines": lines,
+        "figures": figures,
+    }[name](*map(int, rest))

@@ -1,0 +1,252 @@
+"""Photometry in files: every format to one table, and a sentence for each row that is wrong."""
+
+import warnings
+
+import numpy as np
+import pytest
+from astropy import units
+from astropy.table import QTable
+from astropy.time import Time
+
+from attitude import AttitudeError, inversion, photometry
+from attitude.errors import AttitudeWarning
+
+CSV = """\
+# a remark
+JD (UTC); mag [mag]; merr; Filter; stn; night
+2455817.735937; 7.328; 0.004; R; 568; a
+2455817.736235; 7.317; 0.004; R; 568; a
+2455818.5; 7.5; ; V; 703; b
+"""
+ALCDEF = """\
+STARTMETADATA
+OBJECTNUMBER=1
+OBJECTNAME=Example
+SESSIONDATE=2011-09-13
+OBSLONGITUDE=-116.38361
+OBSLATITUDE=+34.29111
+FILTER=R
+DIFFERMAGS=FALSE
+LTCAPP=NONE
+REDUCEDMAGS=NONE
+DELIMITER=PIPE
+ENDMETADATA
+DATA=2455817.735937|7.328|0.004
+DATA=2455817.736235|7.317|0.004|1.2
+DATA=2455817.736529
+STARTMETADATA
+OBJECTNAME=Example
+SESSIONDATE=2011-09-16
+OBSLONGITUDE=-116.38361
+OBSLATITUDE=+34.29111
+FILTER=C
+EXPJD=START
+EXPOSURE=86.4
+LTCAPP=NONE
+REDUCEDMAGS=NONE
+DELIMITER=PIPE
+ENDMETADATA
+DATA=2455820.791028|7.189|0.008
+"""
+PSV = """\
+# version=2017
+# observatory
+! mpcCode J95
+permID |provID     |mode|stn |obsTime                |ra       |dec      |mag  |rmsMag|band|photCat
+       |2023 XX5   | CCD|J95 |2023-07-06T00:17:43.77Z|273.13141|+40.61177|20.2 |0.14  |   G|Gaia2
+       |2023 XX5   | CCD|J95 |2023-07-06T00:39:17.00Z|273.15447|+40.59873|     |      |    |
+       |2023 XX5   | CCD|J95 |2023-13-06T00:39:17.00Z|273.15447|+40.59873|20.3 |      |   G|
+"""
+XML = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<ades version="2022"><obsBlock><obsContext/><obsData>
+<optical><permID>1</permID><stn>T12</stn><obsTime>2023-06-15T13:44:30.18Z</obsTime>
+<mag>22.458</mag><rmsMag>0.1</rmsMag><band>G</band></optical>
+<optical><stn>T12</stn><obsTime>2023-06-15T13:51:56.52Z</obsTime></optical>
+</obsData></obsBlock></ades>
+"""
+MPC = """\
+COD J38
+OBS A. Observer
+00085         C2023 03 05.99841 09 14 47.01 +01 24 38.9          12.4 GV     J38
+00085         C2023 03 06.00131 09 14 46.89 +01 24 40.0          12.5 GV     J38
+00085         C2023 03 06.00421 09 14 46.77 +01 24 41.4                      J38
+"""
+DAMIT = """\
+2
+2 1
+2433827.771536 9.977964e-01 2.5 0.5 0.25 1.6 0.4 0.3
+2433827.778296 1.008107e+00 2.5 0.5 0.25 1.6 0.4 0.3
+1 0
+2433828.5  0.5  -1 0 0   0 -2 0
+"""
+
+
+def read(tmp_path, text, name="a.txt", **given):
+    path = tmp_path / name
+    path.write_text(text)
+    return photometry.read(path, **given)
+
+
+def test_named_columns(tmp_path):
+    found = read(tmp_path, CSV)
+    assert found.filters == ("R", "V") and found.sites == ("568", "703")
+    assert found.sessions == ("a", "b")
+    np.testing.assert_array_equal(found.value, [7.328, 7.317, 7.5])
+    np.testing.assert_array_equal(found.sigma, [0.004, 0.004, np.nan])
+    expected = Time([2455817.0, 2455817.0], [0.735937, 0.736235], format="jd", scale="utc")
+    assert np.all(np.abs((found.times[:2] - expected).to_value("s")) < 1e-6)
+    assert len(found.select(filter="R")) == 2 and len(found[2:]) == 1
+    with pytest.raises(AttitudeError, match="filter is 'I'; it must be one of 'R', 'V'"):
+        found.select(filter="I")
+
+
+@pytest.mark.parametrize(
+    ("header", "first", "scale", "offset", "time_of"),
+    [
+        ("bjd_tdb,flux,flux_err", "2455817.7", "tdb", 0.0, "barycenter"),
+        ("BJD,flux", "2455817.7", "tdb", 0.0, "barycenter"),
+        ("hjd,mag", "2455817.7", "utc", 0.0, "heliocenter"),
+        ("mjd,mag", "55817.2", "utc", 2400000.5, "reception"),
+        ("JD-2450000,mag", "5817.7", "utc", 2450000.0, "reception"),
+        ("jd_tdb,mag", "2455817.7", "tdb", 0.0, "reception"),
+        ("time,mag", "2455817.7", "utc", 0.0, "reception"),
+    ],
+)
+def test_dates(tmp_path, header, first, scale, offset, time_of):
+    values = ",1.5" * header.count(",")
+    found = read(tmp_path, f"{header}\n{first}{values}\n")
+    assert found.time_of == time_of and found.is_flux == ("flux" in header)
+    expected = Time(float(first), offset, format="jd", scale=scale)
+    assert abs((found.times[0] - expected).to_value("s")) < 1e-4
+
+
+def test_bad_rows_are_named(tmp_path):
+    text = (
+        "utc,mag,err\n2026-01-01,15.0,0.1\n2026-01-02,bright,0.1\n2026-02-30,15,0.1\n"
+        "2026-01-03,15.1\n2026-01-04,>16.5,0.1\n2026-01-05,99.99,\n2026-01-06,15,-1\n"
+        "2026/1/7 3:00:00,15.5,0.2\n2026-01-08,,\n"
+    )
+    with pytest.warns(AttitudeWarning, match="6 rows cannot be used: line 3: the magnitude is"):
+        found = read(tmp_path, text)
+    assert len(found) == 2
+    assert [each.line for each in found.bad] == [3, 4, 5, 6, 7, 8]
+    reasons = " ".join(each.reason for each in found.bad)
+    for words in (
+        "'bright', which is no number",
+        "does not exist",
+        "2 entries",
+        "is a limit",
+        "stands for a missing value",
+        "not above zero",
+    ):
+        assert words in reasons
+    assert found.notes == ("1 of 8 rows have no magnitude.",)
+    with pytest.raises(AttitudeError, match=r"line 3.*correct or delete them"):
+        read(tmp_path, text, bad="refuse")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(read(tmp_path, text, bad="ignore")) == 2
+
+
+def test_columns_by_name(tmp_path):
+    text = "T,Vcal,x\n2455817.7,15.0,1\n2455817.8,15.1,2\n"
+    with pytest.raises(AttitudeError, match="no column of epochs"):
+        read(tmp_path, text)
+    found = read(tmp_path, text, columns={"jd": "T", "magnitude": "Vcal"})
+    np.testing.assert_array_equal(found.value, [15.0, 15.1])
+    with pytest.raises(AttitudeError, match="no column 'Rcal'"):
+        read(tmp_path, text, columns={"jd": "T", "magnitude": "Rcal"})
+
+
+def test_ecsv(tmp_path):
+    times = Time(["2026-01-01", "2026-01-02"], scale="utc")
+    table = QTable({"time": times, "mag": [15.0, 15.1] * units.mag, "err": [20, 30] * units.mmag})
+    table.write(tmp_path / "a.ecsv", format="ascii.ecsv")
+    found = photometry.read(tmp_path / "a.ecsv")
+    np.testing.assert_allclose(found.sigma, [0.02, 0.03])
+    assert np.all(np.abs((found.times - times).to_value("s")) < 1e-6)
+    (tmp_path / "b.ecsv").write_text("# %ECSV 1.0\n# ---\nbroken")
+    with pytest.raises(AttitudeError, match="cannot be read as ECSV") as raised:
+        photometry.read(tmp_path / "b.ecsv")
+    assert raised.value.__cause__ is None
+
+
+def test_alcdef(tmp_path):
+    with pytest.warns(AttitudeWarning, match="line 15: it has 1 entries"):
+        found = read(tmp_path, ALCDEF)
+    assert len(found) == 3 and found.name == "Example" and found.filters == ("C", "R")
+    assert found.sessions == ("1 2011-09-13", "2 2011-09-16")
+    assert found.sites == ("-116.38361, +34.29111 deg",)
+    # the exposure of 86.4 s begins at the date: its middle is 0.0005 d later
+    middle = Time(2455820.0, 0.791528, format="jd", scale="utc")
+    assert abs((found.times[2] - middle).to_value("s")) < 1e-3
+    mixed = ALCDEF.replace("REDUCEDMAGS=NONE", "REDUCEDMAGS=POINT", 1)
+    with pytest.raises(AttitudeError, match="some blocks have REDUCEDMAGS"):
+        read(tmp_path, mixed, bad="ignore")
+    reduced = ALCDEF.replace("REDUCEDMAGS=NONE", "REDUCEDMAGS=POINT").replace(
+        "LTCAPP=NONE", "LTCAPP=POINT"
+    )
+    found = read(tmp_path, reduced, bad="ignore")
+    assert found.unit_distances and found.time_of == "emission"
+
+
+def test_ades(tmp_path):
+    with pytest.warns(AttitudeWarning, match="line 7: the date"):
+        found = read(tmp_path, PSV)
+    assert len(found) == 1 and found.sites == ("J95",) and found.filters == ("G",)
+    assert "no magnitude" in found.notes[0]
+    assert abs((found.times[0] - Time("2023-07-06T00:17:43.77")).to_value("s")) < 1e-6
+    found = read(tmp_path, XML)
+    assert found.value.tolist() == [22.458] and found.sigma.tolist() == [0.1]
+    entity = XML.replace("<ades", '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><ades', 1)
+    with pytest.raises(AttitudeError, match="document type declaration"):
+        read(tmp_path, entity)
+
+
+def test_mpc(tmp_path):
+    found = read(tmp_path, MPC)
+    assert found.value.tolist() == [12.4, 12.5] and found.sites == ("J38",)
+    expected = Time("2023-03-05T23:57:42.624", scale="utc")
+    assert abs((found.times[0] - expected).to_value("s")) < 1e-3
+
+
+def test_damit(tmp_path):
+    found = read(tmp_path, DAMIT)
+    assert found.is_flux and found.time_of == "emission" and found.unit_distances
+    assert found.sessions == ("1", "2") and found.sun.shape == (3, 3)
+    assert found.magnitude[2] == pytest.approx(-2.5 * np.log10(0.5))
+    assert "relative" in found.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "holds no rows"),
+        ("utc,mag\n", "no rows"),
+        ("utc,colour\n2026-01-01,3\n", "no column of magnitudes or flux"),
+        ("mag\n3\n", "no column of epochs"),
+        ("jd,mag\nx,3\n", "no row can be used; line 2: the date is 'x', which is no number"),
+        ("jd,mag\n12345,3\n", "12345 is no Julian date"),
+        ("time,mag\n12,3\n", "neither a date nor a Julian date"),
+        ("<ades></ades>", "holds no <optical>"),
+        ("<a><b></a>", "not well-formed"),
+    ],
+)
+def test_files_that_cannot_be_read(tmp_path, text, words):
+    with pytest.raises(AttitudeError, match=words):
+        read(tmp_path, text)
+
+
+def test_the_inversion_shares_the_reader(tmp_path):
+    rows = [f"{2460000.5 + k / 7},{15 + 0.1 * (k % 3)},0.02,1,0.1,0,0.5,0.2,0" for k in range(30)]
+    path = tmp_path / "c.csv"
+    path.write_text(
+        "jd,mag,err,sun_x,sun_y,sun_z,observer_x,observer_y,observer_z\n" + "\n".join(rows)
+    )
+    curve, found = inversion.LightCurve.read(path), photometry.read(path)
+    np.testing.assert_array_equal(curve.magnitude, found.value)
+    np.testing.assert_array_equal(curve.sun, found.sun)
+    path.write_text(path.read_text().replace("jd,", "bjd,"))
+    with pytest.raises(AttitudeError, match="light at the barycenter"):
+        inversion.LightCurve.read(path)
