@@ -13,6 +13,7 @@ from attitude.inversion import (
     jackknife,
     known_shape,
     moments_of_elements,
+    population,
     problem,
     refinement,
     ties,
@@ -169,3 +170,21 @@ def test_axial_penalty_holds_the_greatest_moment():
     r, by, strain = convex.penalties(shape, areas, slopes, None, 8, convex.Tie())
     assert strain > 100.0
     assert by.shape == (len(r), 8 + convex.SIZE)
+
+
+def test_second_moments_of_a_density_with_wide_tails():
+    """Student's density of 7 degrees of freedom with curvature 1: variance (7 + 3)/(7 - 2)."""
+
+    def density(point):
+        return -5.0 * np.log1p(0.1 * float(point @ point))
+
+    found = population.second_moments(density, 3, np.random.default_rng(0))
+    assert np.diag(found) == pytest.approx(np.full(3, 2.0), rel=0.2)
+    normal = population.second_moments(
+        lambda point: -0.5 * float(point @ point), 3, np.random.default_rng(1)
+    )
+    assert np.diag(normal) == pytest.approx(np.ones(3), rel=0.1)
+
+
+def test_nothing_found_is_an_empty_sequence():
+    assert list(inversion.SpinStates([], "not solved", "No solution was found.", ())) == []

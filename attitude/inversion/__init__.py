@@ -13,7 +13,8 @@ convex, iteration      magnitudes and priors of a convex body; the iteration of 
 refinement, robust     orientation, elements and areas together; Student's errors
 facets, facet_sums     convex bodies by areas of facets, their moments and their brightness
 minkowski              the closed mesh of areas and normals
-jackknife              covariances that contain the error of the model
+jackknife              covariances that contain the error of the model; `population`, and those of
+                       densities that are not normal; `density_of_motion`
 pass_search            states of a body of known shape; `known_states`, their ranking
 states                 motion and covariance from the parameters of a search
 predictions, figures   magnitudes and figures of a solution

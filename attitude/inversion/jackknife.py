@@ -45,7 +45,7 @@ class Modelled(Protocol):
 
 
 class GroupErrors(NamedTuple):
-    """Covariances (K, K) of the parameters of the motion: of the curvature, and with model error.
+    """Covariances (K, K) of the parameters of the motion: of the density, and with model error.
 
     widening (K, K) turns samples of the former into those of the latter.
     """
@@ -61,6 +61,7 @@ def errors(
     groupings: Sequence[IntArray],
     count: int,
     refitted: Callable[[BoolArray], FloatArray | None],
+    formal: FloatArray | None = None,
 ) -> GroupErrors:
     """The covariances of the first `count` parameters.
 
@@ -74,9 +75,12 @@ def errors(
     count : int
     refitted : callable
         The change (count,) of the parameters in a fit of some points (N,) alone, or None.
+    formal : (count, count) array, optional
+        In place of that of the curvature.
     """
     normal, problem = found.refined.normal, found.problem
-    formal = refinement.inverse(normal)[:count, :count]
+    if formal is None:
+        formal = refinement.inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
     r = (problem.y - here.magnitude) * problem.root
     r = r - problem.u.T @ (problem.u @ r)

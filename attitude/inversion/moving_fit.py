@@ -46,7 +46,7 @@ class MovingModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class MovingFound:
     """A state near its least cost; attributes as of `refinement.Refined`."""
 
     state: MovingState
@@ -99,12 +99,12 @@ class MovingFit:
         jacobian = np.concatenate([of_motion, lit.by_shape])
         return MovingModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
 
-    def near(self, problem: CurveProblem, state: MovingState) -> Found:
+    def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
         """The cost near a state."""
         here = self.model(problem, state)
         priors = self._priors(state, here)
         made = refinement.linearised(problem, here.magnitude, here.jacobian, priors, self.fixed)
-        return Found(state, *made, here.areas, here.magnitude)
+        return MovingFound(state, *made, here.areas, here.magnitude)
 
     def _priors(
         self, state: MovingState, here: MovingModel
@@ -118,7 +118,7 @@ class MovingFit:
         given = state.shape, here.areas, here.slopes
         return convex.penalties(*given, moments, point.size, self.tie)
 
-    def moved(self, best: Found, step: FloatArray) -> MovingState | None:
+    def moved(self, best: MovingFound, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""
         count = best.state.point.size
         shape = step[count:]
@@ -139,10 +139,10 @@ class MovingFit:
         start: MovingState,
         iterations: int = _ITERATIONS,
         gain: float = 1e-3,
-    ) -> Found:
+    ) -> MovingFound:
         """The state of least cost near a start."""
 
-        def at(state: MovingState) -> Found:
+        def at(state: MovingState) -> MovingFound:
             try:
                 return self.near(problem, state)
             except AttitudeError:
@@ -164,13 +164,13 @@ class MovingFit:
             whole = problem.with_model_error(robust.model_error(problem, residual))
             best = self.minimum(whole, best.state)
 
-        def fit(own: CurveProblem, state: MovingState) -> Found:
+        def fit(own: CurveProblem, state: MovingState) -> MovingFound:
             return self.minimum(own, state, _LAST, 1e-5)
 
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return robust.student(whole, best.state, fit, free)
 
-    def _in_stages(self, problem: CurveProblem, start: MovingState) -> Found:
+    def _in_stages(self, problem: CurveProblem, start: MovingState) -> MovingFound:
         """The least cost from fits of points near the epoch of the start, then of more."""
         seconds = moving.seconds_of(start.point, self.epoch, problem.t * problem.span)
         away = np.abs(seconds)
@@ -200,8 +200,8 @@ def of(
     return MovingFit(epoch, known, least, tie, fixed)
 
 
-def _impossible(state: MovingState, size: int, count: int) -> Found:
+def _impossible(state: MovingState, size: int, count: int) -> MovingFound:
     """What a state without magnitudes is: of infinite cost."""
     normal, gradient = np.eye(size), np.zeros(size)
     nothing = np.zeros(0), np.full(count, math.nan)
-    return Found(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)
+    return MovingFound(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)

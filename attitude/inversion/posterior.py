@@ -1,14 +1,12 @@
 """Samples of the motion from its posterior density, by emcee, from all competing solutions.
 
-The eight parameters of the motion are sampled; areas follow each sample by one Gauss-Newton step,
-which is exact where magnitudes are linear in them.  Solutions that compete are sampled one by one,
-and weighted by their evidence and the volume of their errors.  The density is that of independent
-errors; its samples are widened as the covariance is by the jackknife, see `jackknife`.
+The eight parameters of the motion are sampled (`density_of_motion`).  Solutions that compete are
+sampled one by one, and weighted by their evidence and the volume of their errors.  The density is
+that of independent errors; its samples are widened as the covariance is, see `jackknife`.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +14,7 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import many_starts, refinement, states
+from attitude.inversion import density_of_motion, states
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath, FloatArray, IntArray
@@ -78,7 +76,7 @@ class Posterior:
         for which in generator.choice(len(self.weights), number, p=self.weights):
             row = generator.choice(np.flatnonzero(self.solution == which))
             origin = self.origins[which]
-            state = _moved(origin.state, self.offsets[row])
+            state = density_of_motion.moved(origin.state, self.offsets[row])
             found.append(states.motion(state, origin.curve.span, origin.curve.epoch, None))
         return found
 
@@ -136,9 +134,11 @@ def sampled(
     parts, numbers, logs, accepted = [], [], [], []
     for number, each in enumerate(solutions):
         factor: FloatArray = np.asarray(
-            np.linalg.cholesky(_conditioned(each._covariances[1].formal)), dtype=np.float64
+            np.linalg.cholesky(density_of_motion.conditioned(each._covariances[1].formal)),
+            dtype=np.float64,
         )
-        sampler = emcee.EnsembleSampler(walkers, 8, _log_density(each, factor))
+        density = density_of_motion.log_density(each.weighted, each.tie, factor)
+        sampler = emcee.EnsembleSampler(walkers, 8, density)
         sampler.random_state = np.random.RandomState(seed + number).get_state()
         sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
@@ -155,31 +155,3 @@ def sampled(
         float(np.mean(accepted)),
         tuple(solutions),
     )
-
-
-def _conditioned(covariance: FloatArray) -> FloatArray:
-    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
-    return found
-
-
-def _moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
-    step = np.zeros(refinement.SIZE)
-    step[:8] = offsets
-    moved = state.copy()
-    many_starts.moved(state, step, moved)
-    return moved
-
-
-def _log_density(solution: Solution, factor: FloatArray) -> Any:
-    """The logarithm of the density of scaled offsets (8,)."""
-    problem, state = solution.weighted.problem, solution.state
-    tie = solution.tie
-
-    def density(scaled: FloatArray) -> float:
-        trial = _moved(state, factor @ scaled)
-        inside = -0.3 < trial[4] < 0.95 and -8.0 < trial[3] < -0.01
-        if not inside or not states.is_admissible(trial):
-            return -math.inf
-        return -0.5 * refinement.profiled_cost(problem, trial, tie)
-
-    return density

@@ -25,6 +25,8 @@ from attitude.inversion.facets import sphere
 from attitude.scattering import LommelSeeligerLambert
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from astropy.table import QTable
 
     from attitude.annotations import Epochs, FilePath, FloatArray
@@ -281,6 +283,9 @@ class SpinStates(Sequence[Any]):
         if isinstance(index, int) and not self._solutions:
             raise AttitudeError(f"there is no solution: {self.criterion}")
         return self._solutions[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._solutions)
 
     def __len__(self) -> int:
         return len(self._solutions)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
+# Standard deviations of chi-squared over N, above 1, of a curve that is not constant.
+_CONSTANT = 6.0
 # Frequencies searched at most, turns per span; more need a shorter curve.
 _MOST_TURNS = 1500.0
 # Of the epochs, the share that lies within the same third of the day for one site.
@@ -204,7 +207,8 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
 def is_constant(problem: CurveProblem) -> bool:
     """Whether the linear terms alone explain the magnitudes."""
     residual = problem.detrended
-    return bool(np.mean((residual / problem.sigma) ** 2) < 1.5)
+    most = min(1.5, 1.0 + _CONSTANT * math.sqrt(2.0 / len(problem)))
+    return bool(np.mean((residual / problem.sigma) ** 2) < most)
 
 
 def _shifts(curve: LightCurve) -> tuple[float, ...]:

@@ -11,7 +11,14 @@ from attitude import quaternion
 from attitude import representations as forms
 from attitude.body import Body
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import facets, jackknife, many_starts, moments_of_elements, refinement
+from attitude.inversion import (
+    density_of_motion,
+    facets,
+    jackknife,
+    many_starts,
+    moments_of_elements,
+    refinement,
+)
 from attitude.inversion import normal_form_series as series
 from attitude.inversion.search import is_axial
 from attitude.spin import Spin
@@ -103,7 +110,8 @@ def covariance(
         return _difference(again.state, state)
 
     here = refinement.model(problem, state)
-    made = jackknife.errors(found, here, groups, 8, refitted)
+    formal = None if is_axial(state) else density_of_motion.covariance(found, tie)
+    made = jackknife.errors(found, here, groups, 8, refitted, formal)
     slopes = _slopes(state)
     total = slopes @ made.covariance @ slopes.T
     return 0.5 * (total + total.T), made
