@@ -15,7 +15,6 @@ from attitude.events.sources import source_of
 from attitude.events.timetable import Timetable, TimetableColumn
 from attitude.events.tops import highest
 from attitude.events.windows import span_of, windows_of
-from attitude.scattering import Material, Materials
 from attitude.scene.scene import Scene
 from attitude.shape import Mesh, flat_sides
 
@@ -119,16 +118,14 @@ def _sides(
             "glints are those of the flat sides of a mesh; give a Scene with shape=, a Mesh such "
             "as attitude.shape.box_wing(...)."
         )
-    law = scene.law
-    if not isinstance(law, (Material, Materials)):
-        raise AttitudeError(
-            f"the law of the scene is {type(law).__name__}, which has no lobe; give law=, a "
-            "scattering.Material or Materials with a specular part."
-        )
     found = []
-    known = flat_sides(scene.shape)
-    for side in known:
-        material = law if isinstance(law, Material) else law[side.material]
+    for side in flat_sides(scene.shape):
+        material = scene.law.of_material(side.material)
+        if material is None:
+            raise AttitudeError(
+                f"the law of the scene is {type(scene.law).__name__}, which has no lobe; give "
+                "law=, a scattering.Material or Materials with a specular part."
+            )
         if material.specular > 0.0:
             found.append((side, material.lobe_half_width(fraction)))
     if names is not None:

@@ -78,6 +78,11 @@ class Refinement:
         self.rank, self.relation = 0, "best"
         self._body = body
 
+    @property
+    def moments(self) -> FloatArray:
+        """(3,) principal moments at the epoch, ascending, in the unit of the body."""
+        return np.sort(self._body.moments)
+
     @cached_property
     def covariance(self) -> FloatArray:
         """(P, P): turn (rad, ICRF), rates (rad/s), ln of two ratios of moments, the changes.

@@ -89,6 +89,12 @@ class Solution:
         """The free rotation, with the covariance of its state; moments are relative."""
         return states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
 
+    @property
+    def moments(self) -> FloatArray:
+        """(3,) relative principal moments, ascending."""
+        found: FloatArray = np.sort(states.physical(self.state).moments)
+        return found
+
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
         problem = self._problem
@@ -297,7 +303,7 @@ class SpinStates(Sequence[Any]):
 
         rows = self._solutions
         first = rows[0].evidence if rows else 0.0
-        moments = np.array([np.sort(each.motion.body.moments) for each in rows]).reshape(-1, 3)
+        moments = np.array([each.moments for each in rows]).reshape(-1, 3)
         poles = np.array([each.pole for each in rows]).reshape(-1, 2)
         return QTable(
             {

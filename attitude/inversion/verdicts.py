@@ -54,6 +54,11 @@ def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]
         turns = min(turns, abs(float(state[1])))
     if not accepted or turns < _LEAST_TURNS:
         return OPEN, words + "."
+    if search.is_axial(state):
+        tumbling = [each for each in found[1:] if not search.is_axial(each.refined.state)]
+        close = sum(each.evidence - best.evidence < COMPETING for each in tumbling)
+        if close:
+            return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie within {COMPETING_POLES:g}."
     return SOLVED, f"{words}; no other pole lies within {COMPETING_POLES:g}."

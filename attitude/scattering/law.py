@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude.annotations import FloatArray, IntArray, Reals
+    from attitude.scattering.materials import Material
     from attitude.scattering.parameters import Parameter
 
 _by_name: dict[str, type[Law]] = {}
@@ -126,6 +127,10 @@ class Law:
     def phase(self, alpha: ArrayLike) -> FloatArray:
         """The factor f(alpha) of a law with `weights`, for alpha (...) in rad; 1 by default."""
         return np.ones_like(validation.real(alpha, "alpha", unit="rad"))
+
+    def of_material(self, name: str) -> Material | None:
+        """The `Material` of facets of a name; None if the law has no lobe."""
+        return None
 
     def row(self) -> FloatArray:
         """The fields in order as the compiled functions read them, (W,).

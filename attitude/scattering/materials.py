@@ -75,6 +75,10 @@ class Material(Law):
                 "surface would return more light than it gets; lower one of them."
             )
 
+    def of_material(self, name: str) -> Material:
+        """The material itself, which facets of all names have."""
+        return self
+
     def lobe_half_width(self, fraction: float = 0.1) -> float:
         """The angle from the mirror direction at which the lobe falls to a fraction of its peak.
 
@@ -148,6 +152,10 @@ class Materials(Law):
                 "rename the facets."
             )
         return self._by_name[name]
+
+    def of_material(self, name: str) -> Material:
+        """The material of a name; AttitudeError if it is unknown."""
+        return self[name]
 
     def __repr__(self) -> str:
         return f"Materials({self._by_name!r})"

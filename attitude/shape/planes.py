@@ -56,7 +56,7 @@ def flat_sides(mesh: Mesh) -> tuple[FlatSide, ...]:
 
     >>> from attitude.shape import box
     >>> [side.name for side in flat_sides(box((3, 2, 1)))][:2]
-    ['surface +z', 'surface -z']
+    ['surface -z', 'surface +z']
     """
     if not isinstance(mesh, Mesh):
         raise AttitudeError(f"mesh is {shown(mesh)}; give a Mesh, which has flat sides.")
