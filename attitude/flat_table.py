@@ -1,6 +1,6 @@
 """Tables of astropy whose columns of vectors are written to CSV as a column for each component.
 
-Importing this module imports astropy; tables are made where they are asked for.
+Importing this module imports astropy, so modules import it inside the functions that make tables.
 """
 
 from __future__ import annotations
