@@ -53,10 +53,16 @@ def _take(memory, steps, first, end, to, work):
     """Vectors of the rows from `first` to `end`, as unit vectors, into three rows of `work`."""
     row, part = steps
     if row == 3 and part == 1:
-        # LLVM vectorises the loop only with steps that are constant.
+        # LLVM vectorises a loop only with steps that are constant.
         near = memory[3 * first : 3 * end]
         for k in range(end - first):
             _put(near[3 * k], near[3 * k + 1], near[3 * k + 2], to, k, work)
+    elif row == 1:
+        one = memory[first:end]
+        two = memory[part + first : part + end]
+        three = memory[2 * part + first : 2 * part + end]
+        for k in range(end - first):
+            _put(one[k], two[k], three[k], to, k, work)
     else:
         for k in range(end - first):
             i = (first + k) * row
