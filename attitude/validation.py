@@ -119,6 +119,16 @@ def count(value: object, name: str, least: int = 1) -> int:
     raise AttitudeError(f"{name} is {shown(value)}; give a whole number, at least {least}.")
 
 
+def generator(seed: int | np.random.Generator, name: str = "seed") -> np.random.Generator:
+    """A numpy Generator of a seed, or the one that is given."""
+    try:
+        return np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise AttitudeError(
+            f"{name} is {shown(seed)}; give a whole number, at least 0, or a numpy Generator."
+        ) from None
+
+
 def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:

@@ -156,6 +156,7 @@ def test_bad_input(ensemble):
     shapes = [Ellipsoid((3, 2, 1))] * 10
     for changes, sentence in (
         ({"shape": [*shapes[:7], None, *shapes[:2]]}, "member 7 of 10: its shape is missing"),
+        ({"shape": None}, "shape is missing; give an Ellipsoid"),
         ({"shape": shapes[:3]}, "3 shapes are given for 10 members"),
         ({"shape": np.ones((9, 3))}, r"give semi-axes \(3,\) or \(10, 3\)"),
         ({"shape": np.diag([1.0, 1, 1, -1, 1, 1, 1, 1, 1, 1])[:, :3]}, "member 0 of 10: its semi"),

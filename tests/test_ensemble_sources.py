@@ -164,6 +164,18 @@ def test_tables_of_astropy_and_mappings():
         Ensemble.from_table(3)
 
 
+@pytest.mark.parametrize("ending", ["ecsv", "fits"])
+@pytest.mark.parametrize("tensors", [False, True])
+def test_no_members_are_written_and_read(ending, tensors, tmp_path):
+    one = {"wxyz": (1, 0, 0, 0), "angular_velocity": (1, 2, 3), "epoch": EPOCH}
+    given = {"tensors": [np.diag([1.0, 2.0, 2.5])]} if tensors else {"moments": [(1, 2, 2.5)]}
+    none = Ensemble(**one, **given)[:0]
+    none.write(tmp_path / f"none.{ending}")
+    again = Ensemble.from_table(tmp_path / f"none.{ending}")
+    assert len(none.table()) == len(again) == 0
+    assert again.at([0.0, 1.0]).wxyz.shape == (0, 2, 4)
+
+
 def test_csv(tmp_path):
     path = tmp_path / "states.csv"
     path.write_text(
@@ -254,3 +266,13 @@ def test_distributions():
     ):  # fmt: skip
         with pytest.raises(AttitudeError, match=sentence):
             Ensemble.sample(MOTION, **{"count": 5, **options})
+
+
+@pytest.mark.parametrize("seed", [-1, "a", 1.5])
+def test_seeds_that_are_none(seed):
+    sentence = "seed is .*; give a whole number, at least 0, or a numpy Generator"
+    with pytest.raises(AttitudeError, match=sentence):
+        Ensemble.sample(MOTION, 2, seed, covariance={"angular_velocity": 1e-3})
+    spin = SPIN.with_covariance({"angular_velocity": 1e-3})
+    with pytest.raises(AttitudeError, match=sentence):
+        FreeRotation(MOTION.body, spin).sample(2, seed)

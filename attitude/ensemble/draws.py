@@ -50,7 +50,7 @@ def drawn(
     distributions: Mapping[str, Any] | None,
 ) -> Drawn:
     """States drawn about a motion; arguments as of `Ensemble.sample`."""
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     if distributions is None:
         draw = _of_covariance(motion, covariance, generator)
     else:

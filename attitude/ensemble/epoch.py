@@ -157,7 +157,9 @@ def _plain(
     start: FloatArray, t: Any, low: ArrayLike | None
 ) -> tuple[FloatArray, FloatArray | None]:
     """Seconds as given, or since the one epoch of all members."""
-    return epochs.seconds_since(epochs.Instant(*start[:, 0]), t, low)
+    # Without members any epoch will do.
+    first = epochs.Instant(*start[:, 0]) if start.shape[1] else epochs.Instant(0.0)
+    return epochs.seconds_since(first, t, low)
 
 
 def _dates(

@@ -202,6 +202,10 @@ def known_shapes(
     AttitudeError
         For other objects, a shape that is missing, and semi-axes that are not above zero.
     """
+    if shape is None:
+        raise AttitudeError(
+            "shape is missing; give an Ellipsoid or a Mesh, or one for each member."
+        )
     if isinstance(shape, (Ellipsoid, Mesh)):
         shapes = [shape]
     elif isinstance(shape, (list, tuple)) and any(

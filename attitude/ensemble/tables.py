@@ -16,6 +16,7 @@ The meta data ``frame`` and ``relative`` are those of the ensemble.  Files writt
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -127,7 +128,9 @@ def _numbers(
             if getattr(getattr(given, "dtype", None), "kind", "") == "O":
                 given = np.stack([np.asarray(each) for each in given])
             array = validation.real(given, name, unit=unit, finite=False)
-            return array.reshape(len(array), -1) if array.ndim == 3 else array
+            if array.ndim == 3:
+                array = array.reshape(len(array), math.prod(array.shape[1:]))
+            return array
         if not set(parts) <= set(columns):
             return None
         each = [validation.real(columns[k], k, unit=unit, finite=False) for k in parts]
@@ -142,7 +145,7 @@ def of_arrays(arrays: Mapping[str, FloatArray]) -> dict[str, Any]:
     """Columns (N,) of the arrays wxyz, low, angular_velocity, moments or tensor of N members."""
     columns: dict[str, Any] = {}
     for name, array in arrays.items():
-        flat = array.reshape(len(array), -1)
+        flat = array.reshape(len(array), math.prod(array.shape[1:]))
         columns.update({part: flat[:, k] for k, part in enumerate(_PARTS[name][0])})
     return columns
 

@@ -177,7 +177,7 @@ class Differentiable(Motion):
         points = [column for column in columns if np.any(column)]
         return [self.changed(sign * point) for point in points for sign in (1.0, -1.0)]
 
-    def sample(self, count: int, seed: int = 0) -> list[Self]:
+    def sample(self, count: int, seed: int | np.random.Generator = 0) -> list[Self]:
         """Motions drawn from the normal distribution of the covariance of the spin.
 
         Parameters
@@ -197,7 +197,7 @@ class Differentiable(Motion):
         """
         number = validation.count(count, "count")
         factor = covariances.factor(self._errors())
-        generator = np.random.default_rng(seed)
+        generator = validation.generator(seed)
         found: list[Self] = []
         most = 10 * number + 100
         for _ in range(most):

@@ -128,9 +128,13 @@ class Path(Place):
         shape, lo = hi.shape, _NO_LOW
         if low is not None:
             lo = np.asarray(low, dtype=np.float64)
-            shape = np.broadcast_shapes(shape, lo.shape)
-            lo = np.ascontiguousarray(np.broadcast_to(lo, shape)).reshape(-1)
-        hi = np.ascontiguousarray(np.broadcast_to(hi, shape)).reshape(-1)
+            if lo.shape != shape:
+                shape = np.broadcast_shapes(shape, lo.shape)
+                lo = np.broadcast_to(lo, shape)
+            lo = np.ascontiguousarray(lo).reshape(-1)
+        if hi.shape != shape:
+            hi = np.broadcast_to(hi, shape)
+        hi = np.ascontiguousarray(hi).reshape(-1)
         if not hi.size:
             return (np.zeros((*shape, 3)),) * (2 if method == self._state else 1)
         # The sum is finite exactly where every term of it is.

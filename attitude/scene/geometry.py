@@ -177,6 +177,8 @@ class Geometry(Immutable):
 
     def _numbers(self, array: FloatArray) -> FloatArray:
         """A flat array (N,) or (1,) as S."""
+        if array.size == self.seconds.size:
+            return read_only(array).reshape(self.shape)
         return np.broadcast_to(array, (self.seconds.size,)).reshape(self.shape)
 
     def _flags(self, array: BoolArray) -> BoolArray:

@@ -199,7 +199,7 @@ class Sightline(Path):
 
 
 def _earlier(hi, lo, light):
-    return pairs.add((hi, np.broadcast_to(lo, hi.shape)), -light)
+    return pairs.add((hi, lo), -light)
 
 
 def _length(vectors):
