@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Violation of the triangle inequality, relative to the largest moment, that measured moments may
 # have; as in the compiled solution.
-_TRIANGLE = 1e-14
+TRIANGLE: float = 1e-14
 # Largest moment of which sums and differences are finite.
 _LARGEST = 0.25 * float(np.finfo(float).max)
 _ORIGIN = frozen(np.zeros(3))
@@ -326,7 +326,7 @@ def _check(moments: FloatArray, name: str) -> None:
             "one of them can be zero."
         )
     excess = largest - (((x + y) + z) - largest)
-    if excess > _TRIANGLE * largest:
+    if excess > TRIANGLE * largest:
         raise AttitudeError(
             f"{name} are {_listed(moments)}; no body has a moment of inertia that exceeds the sum "
             f"of the other two (here by {excess:.3g}). Check the numbers and their units."

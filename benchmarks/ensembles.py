@@ -28,7 +28,8 @@ RNG = np.random.default_rng(17)
 
 
 def main():
-    print(f"{os.cpu_count()} processors, numpy {np.__version__}")
+    load = os.getloadavg()[0]
+    print(f"{os.cpu_count()} processors, numpy {np.__version__}, load {load:.1f}")
     x = np.linspace(0.0, 1e4, 10**6)
     out = np.empty_like(x)
     sine = best(lambda: np.sin(x, out=out)) * 1e3
@@ -187,25 +188,28 @@ def wall(work, *given):
 
 def main_belt(count=5 * 10**6, number=220, block=1 << 15):
     """All members of the main belt that Rubin sees: states and light in blocks of members."""
-    axes, spent, total = np.array([(1.0, 0.7, 0.5)]), 0.0, 0.0
+    axes, spent, busy, total = np.array([(1.0, 0.7, 0.5)]), 0.0, 0.0, 0.0
+    numbers = np.zeros(block * number)
     member, t, sun, observer = visits(block, number)
     ensemble(100).brightness(t[:9], member[:9], sun[:9], observer[:9], shape=axes)
     for first in range(0, count, block):
         size = min(block, count - first)
         given, few = states(size, first), slice(0, size * number)
-        start = time.perf_counter()
+        start, clock = time.perf_counter(), time.process_time()
         made = Ensemble(
             moments=given[0], wxyz=given[1], angular_velocity=given[2], epoch=EPOCH, relative=True
         )
         found = made.reduced_magnitude(
-            t[few], member[few], sun[few], observer[few], shape=axes, threads=2
+            t[few], member[few], sun[few], observer[few], shape=axes, threads=2, out=numbers[few]
         )
-        total += float(found.reshape(size, number).mean())
-        spent += time.perf_counter() - start
+        total += float(found.mean())
+        spent, busy = spent + time.perf_counter() - start, busy + time.process_time() - clock
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(
         f"{count} members x {number} visits, two threads: {spent:.1f} s (60 allowed) besides "
-        f"making the input, at most {peak:.2f} GiB (2 allowed)"
+        f"making the input, half of the processor time {busy / 2:.1f} s, at most {peak:.2f} GiB "
+        f"(2 allowed), mean magnitude {total / -(-count // block):.4f}; "
+        f"load {os.getloadavg()[0]:.1f}"
     )
 
 

@@ -72,8 +72,7 @@ class Evaluated(Collection):
             For epochs that cannot be read or lie more than 5e16 turns away, shapes that do not fit,
             members out of range.
         """
-        given = None if member is None else self._members_of(member)
-        found = self._epochs(t, low, given)
+        found = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
         return self._history(found, outs, threads)
@@ -118,7 +117,7 @@ class Evaluated(Collection):
         -----
         The bits and the accuracy of `FreeRotation.sensitivity_at`.
         """
-        found = self._epochs(t, low, None if member is None else self._members_of(member))
+        found = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
         memory = [found.memory(*each, 3, columns.PARAMETERS) for each in outs]
@@ -161,7 +160,7 @@ class Evaluated(Collection):
         AttitudeError
             As `at`.
         """
-        found = self._epochs(t, low, None if member is None else self._members_of(member))
+        found = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity")
         outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
         parts = found.parts(validation.count(rows, "rows"))
@@ -194,12 +193,13 @@ class Evaluated(Collection):
             raise AttitudeError("t is one epoch; give (T,) or (N, T).")
         return found
 
-    def _epochs(self, t: Any, low: Any, member: IntArray | None) -> MemberGrid | MemberRows:
+    def _epochs(self, t: Any, low: Any, member: ArrayLike | None) -> MemberGrid | MemberRows:
         """The epochs of all members, or of the rows of given ones."""
         if member is None:
             return MemberGrid(len(self), *instants.shared(self._start, t, low, len(self)))
-        seconds, lows, who = instants.of_rows(self._start, t, low, member)
-        return MemberRows(len(self), who, seconds, lows)
+        known, in_runs = self._members_of(member)
+        seconds, lows, who = instants.of_rows(self._start, t, low, known)
+        return MemberRows(len(self), who, seconds, lows, in_runs)
 
     def _fill_rows(
         self,
@@ -220,23 +220,26 @@ class Evaluated(Collection):
             runs = evaluate.Runs(self._members, self.label, raises)
             evaluate.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
 
-    def _members_of(self, member: ArrayLike) -> IntArray:
-        """Numbers of members, of the shape given; AttitudeError for those out of range."""
+    def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
+
+        AttitudeError for those out of range.
+        """
         try:
             array = np.asarray(member)
         except ValueError as err:
             raise AttitudeError("member is ragged; give one number or name for each row.") from err
         if array.dtype.kind == "U" or (array.dtype == object and array.size):
             names = [self.number(each) for each in array.ravel().tolist()]
-            return np.array(names, dtype=np.int64).reshape(array.shape)
+            array = np.array(names, dtype=np.int64).reshape(array.shape)
         if array.size == 0:
-            return np.zeros(array.shape, dtype=np.int64)
+            return np.zeros(array.shape, dtype=np.int64), True
         if array.dtype.kind not in "iu":
             raise AttitudeError(
                 f"member is {validation.shown(member)}; give whole numbers or names of members."
             )
         found: IntArray = np.asarray(array, dtype=np.int64, order="C")
-        least, greatest = evaluate.survey(found.reshape(-1))[:2]
+        least, greatest, in_runs = evaluate.survey(found.reshape(-1))
         if least < 0 or greatest >= len(self):
             flat = found.reshape(-1)
             row = int(np.argmax((flat < 0) | (flat >= len(self))))
@@ -244,7 +247,7 @@ class Evaluated(Collection):
                 f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
                 f"members, 0 to {len(self) - 1}."
             )
-        return found
+        return found, in_runs
 
 
 def _shifted(label: Callable[[int], str], first: int, k: int) -> str:

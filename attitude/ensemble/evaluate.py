@@ -221,19 +221,17 @@ class Runs:
         return who[:count], starts[: count + 1]
 
 
-def survey(member: IntArray) -> tuple[int, int, int, bool]:
-    """Least and greatest of R >= 1 numbers, how many runs of equals, and whether they ascend."""
+def survey(member: IntArray) -> tuple[int, int, bool]:
+    """Least and greatest of R >= 1 numbers, and whether equal ones stand in long runs already."""
     parts = _surveyed(member)
     found = np.array([compiled().surveyed(each) for each in parts])
     ascends = not found[:, 3].any() and all(a[-1] <= b[0] for a, b in pairwise(parts))
-    return int(found[:, 0].min()), int(found[:, 1].max()), int(found[:, 2].sum()), ascends
+    in_runs = ascends or len(member) >= _LONG_RUN * int(found[:, 2].sum())
+    return int(found[:, 0].min()), int(found[:, 1].max()), in_runs
 
 
-def order_of(member: IntArray, count: int) -> IntArray | None:
-    """The order in which rows (R,) stand by member, or None if they stand in long runs already."""
-    _, _, runs, ascends = survey(member)
-    if ascends or len(member) >= _LONG_RUN * runs:
-        return None
+def order_of(member: IntArray, count: int) -> IntArray:
+    """The order in which rows (R,) stand by member."""
     places = np.zeros(count + 1, dtype=np.int64)
     for part in _surveyed(member):
         compiled().counted(part, places[1:])

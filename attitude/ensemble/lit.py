@@ -33,6 +33,7 @@ class Lit(Evaluated):
         low: ArrayLike | None = None,
         threads: int = 1,
         out: FloatArray | None = None,
+        _magnitudes: tuple[float, bool] | None = None,
     ) -> FloatArray:
         """Intensity towards the observer over the Sun's irradiance, straight from the states.
 
@@ -61,29 +62,7 @@ class Lit(Evaluated):
         AttitudeError
             As `at` and `light_curve.brightness`; for a shape that is missing.
         """
-        return self._shone(
-            t, member, sun, observer, shape=shape, law=law, shadows=shadows, low=low,
-            threads=threads, out=out,
-        )  # fmt: skip
-
-    def _shone(
-        self,
-        t: Epochs,
-        member: ArrayLike | None,
-        sun: Reals | None,
-        observer: Reals | None,
-        *,
-        shape: Any,
-        law: str | Law = "lommel-seeliger",
-        shadows: bool | Visibility = True,
-        low: ArrayLike | None = None,
-        threads: int = 1,
-        out: FloatArray | None = None,
-        band: float | None = None,
-        apparent: bool = False,
-    ) -> FloatArray:
-        """Brightness or, with `band`, magnitudes."""
-        found = self._epochs(t, low, None if member is None else self._members_of(member))
+        found = self._epochs(t, low, member)
         to_sun = light.known_vectors(sun, "sun", found.shape)
         to_observer = light.known_vectors(observer, "observer", found.shape)
         shapes = light.known_shapes(shape, len(self), self.label)
@@ -91,7 +70,8 @@ class Lit(Evaluated):
         source = light.Light(self._members, self.label, shapes, law, shadows, raises)
         result = light.output(out, found.shape)
         flat = result.reshape(-1)
-        source.fill(found, to_sun, to_observer, flat, threads, band, apparent)
+        # Of the methods below: the Sun at 1 au, and whether at the lengths of the vectors.
+        source.fill(found, to_sun, to_observer, flat, threads, *(_magnitudes or (None, False)))
         return result
 
     def reduced_magnitude(
@@ -110,7 +90,7 @@ class Lit(Evaluated):
         Johnson V.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
-        return self._shone(t, member, sun, observer, band=band, **options)
+        return self.brightness(t, member, sun, observer, _magnitudes=(band, False), **options)
 
     def magnitude(
         self,
@@ -127,4 +107,4 @@ class Lit(Evaluated):
         Arguments as of `reduced_magnitude`.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
-        return self._shone(t, member, sun, observer, band=band, apparent=True, **options)
+        return self.brightness(t, member, sun, observer, _magnitudes=(band, True), **options)

@@ -138,12 +138,19 @@ class MemberRows:
     member : (S) array of int
     seconds, low : (S) arrays
         Seconds + low since the epoch of the member; low may be None.
+    in_runs : bool, optional
+        Whether rows of one member stand together, in long runs (`evaluate.survey`), if known.
     """
 
     def __init__(
-        self, count: int, member: IntArray, seconds: FloatArray, low: FloatArray | None
+        self,
+        count: int,
+        member: IntArray,
+        seconds: FloatArray,
+        low: FloatArray | None,
+        in_runs: bool | None = None,
     ) -> None:
-        self.count, self.member = count, member
+        self.count, self.member, self._in_runs = count, member, in_runs
         self.seconds = read_only(seconds)
         self.low = None if low is None else read_only(low)
         self.shape: tuple[int, ...] = seconds.shape
@@ -172,7 +179,11 @@ class MemberRows:
     @cached_property
     def order(self) -> IntArray | None:
         """The order (R,) in which rows stand by member; None if they stand in long runs already."""
-        return evaluate.order_of(self.flat()[0], self.count) if self.seconds.size else None
+        if not self.seconds.size:
+            return None
+        member = self.flat()[0]
+        in_runs = evaluate.survey(member)[2] if self._in_runs is None else self._in_runs
+        return None if in_runs else evaluate.order_of(member, self.count)
 
     def parts(self, most: int) -> Iterator[tuple[slice, MemberRows]]:
         """Rows of at most `most` attitudes, each after their place among the rows (R,)."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import validation
-from attitude.body import Body
+from attitude.body import TRIANGLE, Body
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.published import conventions, dynamic_inertia, states
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 _BLOCK = 8192
 # Names of the numbers with their units, one for each member.
 _NUMBERS = {"P_psi": "s", "P_phi": "s", "P": "s", "phi0": "rad", "psi0": "rad"}
-# Violation of the triangle inequality that measured moments may have, as in `Body`.
-_TRIANGLE = 1e-14
 _UNKNOWN = -1
 
 
@@ -199,7 +197,7 @@ def _possible(rows, moments, relaxed):
     for name in ("P_psi", "P_phi"):
         found &= (rows[name] > 0.0) & (rows[name] < math.inf)
     with np.errstate(invalid="ignore"):
-        found &= (a > 0.0) & (c < math.inf) & (c - a - b <= _TRIANGLE * c)
+        found &= (a > 0.0) & (c < math.inf) & (c - a - b <= TRIANGLE * c)
     return found
 
 
