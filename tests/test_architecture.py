@@ -56,11 +56,13 @@ ORDERS = {
             "ieee",
             "instructions",
             "simd",
+            "streaming",
         ),
         *(
             "wide",
             "error_free",
             "simd_lowering",
+            "streaming_lowering",
             "wide_lowering",
             "pointers",
             "lowering",

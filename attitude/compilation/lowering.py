@@ -14,7 +14,13 @@ from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
 from numba.extending import lower_builtin, overload, type_callable
 
-from attitude.compilation import error_free, instructions, pointers, simd_lowering
+from attitude.compilation import (
+    error_free,
+    instructions,
+    pointers,
+    simd_lowering,
+    streaming_lowering,  # noqa: F401  registers its instructions
+)
 from attitude.compilation.disk_cache import is_stamped, kept_on_disk
 from attitude.compilation.error_free import is_instruction
 from attitude.compilation.wide_lowering import register_wide
