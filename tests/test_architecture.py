@@ -76,8 +76,8 @@ ORDERS = {
         *("chain", "chain_members", "march_layout", "torqued_step", "march", "march_members"),
         *("adaptive", "regimes", "place_of_d"),
         *("vectors", "labelled_axes", "diagonal", "principal", "second_kind", "derivatives"),
-        *("tangent_record", "tangent_series", "tangents", "columns", "uniform_tangents"),
-        *("tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
+        *("tangent_record", "tangent_series", "tangents", "columns", "triangular"),
+        *("uniform_tangents", "tangent_setup", "short_times", "sensitivity", "rows", "warm_up"),
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "json_text", "atomic_write"),
 }

@@ -16,6 +16,7 @@ from attitude.solution.tangent_record import (
     BASIS,
     BLOCK,
     FOUND,
+    NEAR_SUMS,
     OMEGA,
     ONES,
     PASSAGE,
@@ -278,6 +279,23 @@ def add_products_of_rates(n, block):
 
 
 @force_inlined
+def keep_near_sums(n, block):
+    """Keep the sums of the changes of attitude while solution.triangular finds those far away."""
+    for k in range(6):
+        for i in range(n):
+            block[NEAR_SUMS + k * BLOCK + i] = block[SUMS + k * BLOCK + i]
+
+
+@force_inlined
+def use_near_sums(n, reach, block):
+    """Replace the sums of solution.triangular at the epochs within reach of the series."""
+    for i in range(n):
+        if 0.0 < abs(block[SECONDS + i]) <= reach:
+            for k in range(6):
+                block[SUMS + k * BLOCK + i] = block[NEAR_SUMS + k * BLOCK + i]
+
+
+@force_inlined
 def copy_sums(block, row, start, stop, out):
     """Copy the sums, a lower triangle, to epochs of symmetric matrices (B, D, D, T)."""
     number = 0
@@ -291,4 +309,20 @@ def copy_sums(block, row, start, stop, out):
                 below[i] = sums[i]
             for i in range(len(above)):
                 above[i] = sums[i]
+            number += 1
+
+
+@force_inlined
+def stream_sums(block, row, spans, out):
+    """As `copy_sums`, past the caches; the sums start at the epochs again of a block."""
+    first, start, stop, _ = spans
+    head = max(start - LINE, first)
+    number = 0
+    for k in range(out.shape[1]):
+        for j in range(k + 1):
+            place = SUMS + number * BLOCK
+            sums = block[place : place + stop - head]
+            _stream_row(sums, out[row, k, j], head, spans)
+            if j < k:
+                _stream_row(sums, out[row, j, k], head, spans)
             number += 1

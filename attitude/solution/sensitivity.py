@@ -30,6 +30,7 @@ from attitude.solution.columns import (
     epochs_again,
     fill_still_rows,
     found_rows,
+    keep_near_sums,
     keep_turn,
     rate_column,
     rows_of,
@@ -37,6 +38,8 @@ from attitude.solution.columns import (
     still_column,
     still_rows,
     stream_rows,
+    stream_sums,
+    use_near_sums,
 )
 from attitude.solution.kernel import any_beyond, reach
 from attitude.solution.short_times import any_near, near_column, near_rate_column
@@ -49,6 +52,7 @@ from attitude.solution.tangents import (
     trigonometric_block,
     trigonometric_rates_block,
 )
+from attitude.solution.triangular import hyperbolic_sums, trigonometric_sums
 from attitude.solution.uniform_tangents import (
     uniform_block,
     uniform_column,
@@ -202,16 +206,29 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(out, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or rates:
-                trigonometric_attitudes_block(c, stop - start, block)
+                trigonometric_attitudes_block(c, stop - head, block)
             if rates:
-                trigonometric_rates_block(c, stop - start, block)
-            _sum(d, short, b, near, block, (start, stop), out)
+                trigonometric_rates_block(c, stop - head, block)
+            if near or rates:
+                _sum(d, short, b, near, block, stop - head, rates)
+                keep_near_sums(stop - head, block)
+            trigonometric_sums(d, stop - head, block)
+            if near:
+                use_near_sums(stop - head, short[b].reach, block)
+            o = b if len(out) > 1 else 0
+            if again:
+                stream_sums(block, o, (first, start, stop, end), out)
+            else:
+                copy_sums(block, o, start, stop, out)
+    finish_stores()
     return -1
 
 
@@ -227,24 +244,35 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(out, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or rates:
-                hyperbolic_attitudes_block(c, stop - start, block)
+                hyperbolic_attitudes_block(c, stop - head, block)
             if rates:
-                hyperbolic_rates_block(c, stop - start, block)
-            _sum(d, short, b, near, block, (start, stop), out)
+                hyperbolic_rates_block(c, stop - head, block)
+            if near or rates:
+                _sum(d, short, b, near, block, stop - head, rates)
+                keep_near_sums(stop - head, block)
+            hyperbolic_sums(c, d, stop - head, block)
+            if near:
+                use_near_sums(stop - head, short[b].reach, block)
+            o = b if len(out) > 1 else 0
+            if again:
+                stream_sums(block, o, (first, start, stop, end), out)
+            else:
+                copy_sums(block, o, start, stop, out)
+    finish_stores()
     return -1
 
 
 @force_inlined
-def _sum(d, short, b, near, block, span, out):
-    """Store the sums of products of a block of a motion that tumbles, for the epochs of a span."""
-    start, stop = span
-    n, rates = stop - start, out.shape[1] == 6
+def _sum(d, short, b, near, block, n, rates):
+    """Sum the products of the columns of a block of a motion that tumbles, for n epochs."""
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
     for j in range(COLUMNS):
@@ -258,7 +286,6 @@ def _sum(d, short, b, near, block, span, out):
             if near:
                 near_rate_column(short[b], j, block, x, y, z)
             add_products_of_rates(n, block)
-    copy_sums(block, b if len(out) > 1 else 0, start, stop, out)
 
 
 @entry_point

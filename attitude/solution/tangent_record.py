@@ -17,8 +17,8 @@ import numpy as np
 BLOCK = 248
 SECONDS, BASIS, Y, PASSED = (BLOCK * row for row in (0, 1, 10, 11))
 WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (12, 16, 19, 23))
-TURNED, SUMS, ZEROS, ONES = (BLOCK * row for row in (26, 29, 50, 51))
-ROWS = 52
+TURNED, SUMS, ZEROS, ONES, NEAR_SUMS = (BLOCK * row for row in (26, 29, 50, 51, 52))
+ROWS = 58
 
 # Parameters: initial attitude (3), angular velocity (3), principal moments (3).  A change of the
 # initial attitude over inertial axes stays as it is, and changes no angular velocity.
