@@ -62,6 +62,7 @@ ORDERS = {
             "error_free",
             "simd_lowering",
             "wide_lowering",
+            "numba_speed",
             "pointers",
             "lowering",
             "decorators",
