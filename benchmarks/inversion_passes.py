@@ -122,7 +122,11 @@ def judged(found: object, given: Pass) -> float:
 
 def main(arguments: list[str]) -> None:
     """Solve cases and print each and the sums."""
-    count, seed = int(arguments[0]), int(arguments[1])
+    print(run(int(arguments[0]), int(arguments[1])))
+
+
+def run(count: int, seed: int) -> str:
+    """Solve cases and print each; the sums."""
     right, claims, spent = 0, 0, []
     for k in range(count):
         given = case(seed + k)
@@ -144,7 +148,7 @@ def main(arguments: list[str]) -> None:
             f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
-    print(
+    return (
         f"{count} passes: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
         f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
     )
