@@ -27,6 +27,8 @@ from benchmarks.record import ROOT
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 CHILD = "--in-this-process"
+# Seconds after which --quick starts no further script and ends the one that runs.
+QUICK = 570.0
 
 
 def main():
@@ -48,7 +50,11 @@ def main():
     begin, failed = time.perf_counter(), []
     made, ratios = {}, {}
     for name in given.scripts or makers:
-        found = of_script(name, given.quick)
+        left = QUICK - (time.perf_counter() - begin) if given.quick else None
+        if left is not None and left < 1.0:
+            print(f"{name:20} left: {', '.join(makers[name])}, ten minutes are over")
+            continue
+        found = of_script(name, given.quick, left)
         if found is None:
             failed.append(name)
             continue
@@ -76,12 +82,17 @@ def main():
     return 1 if failed else 0
 
 
-def of_script(name, quick):
-    """What a script makes, in a process of its own; None if it failed."""
+def of_script(name, quick, seconds=None):
+    """What a script makes, in a process of its own; None if it failed, or took too long."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "made.json"
         command = [sys.executable, __file__, CHILD, name, str(file), *["--quick"] * quick]
-        done = subprocess.run(command, cwd=ROOT, env={**os.environ, **ONE_THREAD})
+        try:
+            done = subprocess.run(
+                command, cwd=ROOT, env={**os.environ, **ONE_THREAD}, timeout=seconds
+            )
+        except subprocess.TimeoutExpired:
+            return None
         return None if done.returncode else json.loads(file.read_text(encoding="utf-8"))
 
 

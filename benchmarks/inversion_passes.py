@@ -11,14 +11,17 @@ from __future__ import annotations
 import math
 import sys
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from inversion_cases import _integrated, _matrices
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from attitude import Body, inversion, light_curve
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
+from benchmarks.inversion_cases import _integrated, _matrices
 
 EARTH, GM = 6378.0e3, 3.986e14
 AU = 1.495978707e11
