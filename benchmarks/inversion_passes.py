@@ -11,14 +11,17 @@ from __future__ import annotations
 import math
 import sys
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from inversion_cases import _integrated, _matrices
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from attitude import Body, inversion, light_curve
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
+from benchmarks.inversion_cases import _integrated, _matrices
 
 EARTH, GM = 6378.0e3, 3.986e14
 AU = 1.495978707e11
@@ -122,7 +125,11 @@ def judged(found: object, given: Pass) -> float:
 
 def main(arguments: list[str]) -> None:
     """Solve cases and print each and the sums."""
-    count, seed = int(arguments[0]), int(arguments[1])
+    print(run(int(arguments[0]), int(arguments[1])))
+
+
+def run(count: int, seed: int) -> str:
+    """Solve cases and print each; the sums."""
     right, claims, spent = 0, 0, []
     for k in range(count):
         given = case(seed + k)
@@ -144,7 +151,7 @@ def main(arguments: list[str]) -> None:
             f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
-    print(
+    return (
         f"{count} passes: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
         f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
     )

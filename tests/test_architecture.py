@@ -64,6 +64,7 @@ ORDERS = {
             "simd_lowering",
             "streaming_lowering",
             "wide_lowering",
+            "numba_speed",
             "pointers",
             "lowering",
             "decorators",
