@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from attitude.inversion import ellipsoid_search, problem, refinement, robust, verdicts
+from attitude.inversion.spin_states import is_constant
 
 COUNT = 100
 
@@ -45,6 +46,24 @@ def test_other_poles_leave_the_periods():
     assert verdicts.verdict(found, _problem(0.02))[0] == verdicts.PERIODS
     found[1].evidence = 50.0
     assert verdicts.verdict(found, _problem(0.02))[0] == verdicts.SOLVED
+
+
+def test_a_search_that_was_cut_off_claims_nothing():
+    verdict, words = verdicts.verdict([_solution(7.0, 0.0, 0.01)], _problem(0.02), False)
+    assert verdict == verdicts.OPEN and "larger budget" in words
+
+
+def test_zero_points_of_nights_do_not_hide_a_variation():
+    """A slow variation of 0.115 mag within each night, of which zero points take the mean."""
+    t = np.sort(np.random.default_rng(2).uniform(0.0, 1.0, 400))
+    nights = np.floor(40.0 * t)
+    terms = (nights[:, None] == np.arange(40)).astype(float)
+    noise = 0.05 * np.random.default_rng(3).normal(size=400)
+    zeros = np.zeros((3, 400))
+    for size, expected in ((0.0, True), (0.115, False)):
+        y = noise + size * (40.0 * t - nights - 0.5)
+        rest = zeros, zeros, y, np.full(400, 0.05), terms, np.full(40, np.inf), 0.07
+        assert is_constant(problem.CurveProblem.of(t, 1.0, *rest)) is expected
 
 
 def test_residuals_above_the_errors_are_not_solved():

@@ -109,6 +109,8 @@ class Search:
         The best first.
     solutions : list of Weighted
         The best first; those of the last `finish`.
+    is_complete : bool
+        Whether the first round came to its end.
     """
 
     problem: CurveProblem
@@ -121,7 +123,7 @@ class Search:
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
-    rounds: int = 0
+    is_complete: bool = False
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)
 
@@ -134,7 +136,6 @@ class Search:
         """Search until the floor is reached or the time is over."""
         self._axial()
         for number in range(_ROUNDS):
-            self.rounds = number + 1
             for pool in self._pools(number):
                 self._refine(pool)
             if self.shifts and not self.is_over:
@@ -145,6 +146,7 @@ class Search:
                 self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
             if number == 0:
                 self._axial_poles()
+                self.is_complete = not self.is_over
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break

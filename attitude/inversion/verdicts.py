@@ -26,8 +26,13 @@ COMPETING, COMPETING_POLES = 13.0, 12.0
 _LEAST_TURNS = 1.2
 
 
-def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]:
-    """The verdict and its criterion in words."""
+def verdict(
+    found: Sequence[Weighted], problem: CurveProblem, is_complete: bool = True
+) -> tuple[str, str]:
+    """The verdict and its criterion in words.
+
+    A search that is not complete has not seen what competes: its best solution is not solved.
+    """
     if not found:
         return OPEN, "No solution was found."
     best = found[0]
@@ -52,6 +57,8 @@ def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]
     turns = abs(float(state[0]))
     if not search.is_axial(state):
         turns = min(turns, abs(float(state[1])))
+    if not is_complete:
+        return OPEN, f"The time ended before all periods were tried; give a larger budget. {words}."
     if not accepted or turns < _LEAST_TURNS:
         return OPEN, words + "."
     if search.is_axial(state):
