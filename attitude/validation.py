@@ -183,6 +183,10 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
         return np.array(value, dtype=np.float64)
+    if isinstance(value, str):
+        found = _common(value, name, unit)
+        if found is not None:
+            return found
     mask = _mask_of(value)
     if mask is not None and np.any(mask):
         raise AttitudeError(
@@ -206,6 +210,16 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
             + (f" in {unit}, or a Quantity." if unit else ".")
         )
     return np.array(array, dtype=np.float64)
+
+
+def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
+    """Numbers of a text without a unit, or with a common one that converts; None for others."""
+    numbers, own = quantity_text.numbers_and_unit(text, name)
+    factor = quantity_text.common_factor(own, unit) if own else 1.0
+    if factor is None:
+        return None
+    found = np.array([float(number) for number in numbers])
+    return (found if len(found) > 1 else found[0:1].reshape(())) * factor
 
 
 def _mask_of(value: Any) -> BoolArray | None:
