@@ -20,6 +20,7 @@ from attitude.compilation import (
     numba_speed,
     pointers,
     simd_lowering,
+    streaming_lowering,  # noqa: F401  registers its instructions
 )
 from attitude.compilation.disk_cache import is_stamped, kept_on_disk
 from attitude.compilation.error_free import is_instruction
