@@ -41,7 +41,7 @@ def tables(quick):
         (
             "Toutatis, 370 magnitudes of 1992 (`toutatis`), one period of 1 to 40 d; published "
             "P_phi 7.40 ± 0.03 d (Zhao et al. 2015)",
-            " ".join(str(one).split("\n")[0].split()),
+            str(one).splitlines()[0].strip("<>"),
         ),
         (
             "the same, two periods, blind; published 7.40 ± 0.03 and 5.38 ± 0.03 d",
