@@ -6,9 +6,9 @@
     python benchmarks/all.py --quick --dry     # print and compare; write nothing
 
 Each script runs in a process of its own, on one thread, compiled from the first call.  Ratios
-(benchmarks/tables.py) that differ from those of benchmarks/ratios.json by more than 10 % are listed,
-and the record then takes the new ones.  Tables that --quick cannot afford, or whose programs are not
-installed, stay as they are, and are named.
+(benchmarks/tables.py) that differ from those of benchmarks/ratios.json by more than 10 % are
+listed, and the record then takes the new ones.  Tables that --quick cannot afford, or whose
+programs are not installed, stay as they are, and are named.
 """
 
 import argparse
