@@ -169,6 +169,11 @@ def test_large_results_have_the_bits_of_small_ones(count, omega):
             part = t[first : first + 4000]
             alone = propagate(moments, WXYZ, omega, part, sensitivity=True)[1]
             assert np.array_equal(alone, out[first : first + 4000], equal_nan=True)
+    both = {"sensitivity": True, "angular_velocity": True}
+    rates = propagate(moments, WXYZ, omega, t, **both)[-1]
+    for first in range(0, count, 4000):
+        alone = propagate(moments, WXYZ, omega, t[first : first + 4000], **both)[-1]
+        assert np.array_equal(alone, rates[first : first + 4000], equal_nan=True)
     assert np.all(memory[27 * count + 3 :] == 7.0)  # nothing is stored beyond the result
 
 

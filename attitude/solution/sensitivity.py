@@ -85,10 +85,12 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
                 trigonometric_rates_block(c, stop - head, block)
             if again and not near and not any_missing(stop - head, block):
                 _stream(d, b, block, (first, start, stop, end), attitude)
+                if omega is not None:
+                    _stream_rates(d, b, block, (first, start, stop, end), omega)
             else:
                 _store(d, short, b, near, block, (head, stop), attitude)
-            if omega is not None:
-                _store_rates(d, short, b, near, block, (head, stop), omega)
+                if omega is not None:
+                    _store_rates(d, short, b, near, block, (head, stop), omega)
     finish_stores()
     return -1
 
@@ -118,10 +120,12 @@ def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edg
                 hyperbolic_rates_block(c, stop - head, block)
             if again and not near and not any_missing(stop - head, block):
                 _stream(d, b, block, (first, start, stop, end), attitude)
+                if omega is not None:
+                    _stream_rates(d, b, block, (first, start, stop, end), omega)
             else:
                 _store(d, short, b, near, block, (head, stop), attitude)
-            if omega is not None:
-                _store_rates(d, short, b, near, block, (head, stop), omega)
+                if omega is not None:
+                    _store_rates(d, short, b, near, block, (head, stop), omega)
     finish_stores()
     return -1
 
@@ -152,6 +156,20 @@ def _stream(d, b, block, spans, attitude):
     for j in range(TURNS, attitude.shape[2]):
         attitude_column(d, j, block, x, y, z)
         stream_rows(x, y, z, attitude[row, :, j], head, spans)
+
+
+@force_inlined
+def _stream_rates(d, b, block, spans, omega):
+    """As `_store_rates`, past the caches."""
+    row, (first, start, stop, _) = b if len(omega) > 1 else 0, spans
+    head = max(start - LINE, first)
+    for j in range(min(omega.shape[2], TURNS)):
+        x, y, z = still_rows(-1, stop - head, block)
+        stream_rows(x, y, z, omega[row, :, j], head, spans)
+    x, y, z = found_rows(block, stop - head)
+    for j in range(TURNS, omega.shape[2]):
+        rate_column(d, j, block, x, y, z)
+        stream_rows(x, y, z, omega[row, :, j], head, spans)
 
 
 @force_inlined
