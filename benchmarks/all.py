@@ -5,10 +5,10 @@
     python benchmarks/all.py speed scene       # the tables of these scripts
     python benchmarks/all.py --quick --dry     # print and compare; write nothing
 
-Each script runs in a process of its own, on one thread.  Ratios (benchmarks/tables.py) that differ
-from those of benchmarks/ratios.json by more than 10 % are listed, and the record then takes the new
-ones.  Tables that --quick cannot afford, or whose programs are not installed, stay as they are, and
-are named.
+Each script runs in a process of its own, on one thread, compiled from the first call.  Ratios
+(benchmarks/tables.py) that differ from those of benchmarks/ratios.json by more than 10 % are
+listed, and the record then takes the new ones.  Tables that --quick cannot afford, or whose
+programs are not installed, stay as they are, and are named.
 """
 
 import argparse
@@ -25,7 +25,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks import pictures, tables
 from benchmarks.record import ROOT
 
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+SETTINGS = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+# Single calls are measured as machine code, not in Python while the process is young.
+SETTINGS["ATTITUDE_COMPILE"] = "always"
 CHILD = "--in-this-process"
 # Seconds after which --quick starts no further script and ends the one that runs.
 QUICK = 570.0
@@ -54,7 +56,11 @@ def main():
         if left is not None and left < 1.0:
             print(f"{name:20} left: {', '.join(makers[name])}, ten minutes are over")
             continue
-        found = of_script(name, given.quick, left)
+        try:
+            found = of_script(name, given.quick, left)
+        except subprocess.TimeoutExpired:
+            print(f"{name:20} left: {', '.join(makers[name])}, ended after ten minutes")
+            continue
         if found is None:
             failed.append(name)
             continue
@@ -83,16 +89,11 @@ def main():
 
 
 def of_script(name, quick, seconds=None):
-    """What a script makes, in a process of its own; None if it failed, or took too long."""
+    """What a script makes, in a process of its own; None if it failed."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "made.json"
         command = [sys.executable, __file__, CHILD, name, str(file), *["--quick"] * quick]
-        try:
-            done = subprocess.run(
-                command, cwd=ROOT, env={**os.environ, **ONE_THREAD}, timeout=seconds
-            )
-        except subprocess.TimeoutExpired:
-            return None
+        done = subprocess.run(command, cwd=ROOT, env={**os.environ, **SETTINGS}, timeout=seconds)
         return None if done.returncode else json.loads(file.read_text(encoding="utf-8"))
 
 

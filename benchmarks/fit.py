@@ -42,7 +42,7 @@ MAKES = ("fit",)
 
 def tables(quick):
     """The table of docs/fitting.md."""
-    found = measured()
+    found = measured(10 if quick else 40)
     rows = [
         (name, f"{cpu:.1f}", *((f"{slow:.0f}", f"{slow / cpu:.0f}") if slow else ("", "")))
         for name, (_, cpu, slow, _) in found.items()
@@ -54,12 +54,12 @@ def tables(quick):
 
 def main():
     print(f"{'1000 records, inertia fitted':<36} wall ms   CPU ms     differences    ratio   apart")
-    for name, (wall, cpu, slow, apart) in measured().items():
+    for name, (wall, cpu, slow, apart) in measured(40).items():
         print(f"  {name:<34} {wall:8.2f} {cpu:8.2f}"
               + (f" {slow:15.1f} {slow / cpu:8.1f} {apart:7.1e}" if slow else ""))  # fmt: skip
 
 
-def measured():
+def measured(rounds):
     """By name: wall and CPU ms of a fit, those by differences, and how far both are apart."""
     random, found_all = np.random.default_rng(4), {}
     for axes in ("principal", "free"):
@@ -70,10 +70,10 @@ def measured():
         for with_rates in (False, True):
             table = AttitudeTable(EPOCH, T, wxyz, angular_velocity=rates if with_rates else None)
             found = fit(table, axes=axes)
-            wall, cpu = best(lambda table=table, axes=axes: fit(table, axes=axes), 40)
+            wall, cpu = best(lambda table=table, axes=axes: fit(table, axes=axes), rounds)
             before = Differences(table, axes)
             x = before.fitted()
-            slow = best(before.fitted, 3)[1]
+            slow = best(before.fitted, max(1, rounds // 13))[1]
             apart = np.abs(before.apart(x, found)) / np.sqrt(np.diag(found.covariance))
             label = f"attitudes{' and rates' if with_rates else ''}"
             label += ", free axes" if axes == "free" else ""
@@ -91,7 +91,7 @@ def measured():
         "directions, two at an epoch": lambda: fit_directions(twice, pairs, stars, epoch=EPOCH),
         "directions, one at an epoch": lambda: fit_directions(T, single, stars, epoch=EPOCH),
     }.items():
-        found_all[name] = *best(call, 20), None, None
+        found_all[name] = *best(call, rounds // 2), None, None
     return found_all
 
 

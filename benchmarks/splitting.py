@@ -14,7 +14,7 @@ The script prints, and with --output draws,
     tolerance  cost of an adaptive step, and the estimate of the error of 50 motions against it
     impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
 
-    python benchmarks/splitting.py [--quick] [--output docs/figures] [part ...]
+    ATTITUDE_COMPILE=always python benchmarks/splitting.py [--quick] [--output FOLDER] [part ...]
 
 All parts take some half an hour, with --quick one minute.
 """
