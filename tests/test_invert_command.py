@@ -91,6 +91,18 @@ def test_files_of_light_curves(tmp_path):
     assert len(read) == 30 and read.sun[0, 2] > 0.0
 
 
+def test_rows_without_a_magnitude_are_noted(tmp_path):
+    lines = PHOTOMETRY.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line[0] in "12")
+    row = lines[at].split(",")
+    row[2] = "nan"
+    lines[at] = ",".join(row)
+    file = tmp_path / "curve.csv"
+    file.write_text("\n".join(lines))
+    curve = inversion.LightCurve.read(file)
+    assert len(curve) == 369 and "1 of 370 rows have no magnitude." in curve.notes
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
