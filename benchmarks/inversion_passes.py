@@ -12,14 +12,17 @@ from __future__ import annotations
 import math
 import sys
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from inversion_cases import _integrated, _matrices
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from attitude import Body, inversion, light_curve
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
+from benchmarks.inversion_cases import _integrated, _matrices
 
 EARTH, GM, TURN = 6378.0e3, 3.986e14, 7.292e-5  # m, m3/s2, rad/s
 AU = 1.495978707e11
@@ -135,8 +138,11 @@ def judged(found: object, given: Pass) -> float:
 
 def main(arguments: list[str]) -> None:
     """Solve cases and print each and the sums."""
-    count, seed = int(arguments[0]), int(arguments[1])
-    passes = int(arguments[2]) if len(arguments) > 2 else 1
+    print(run(*map(int, arguments)))
+
+
+def run(count: int, seed: int, passes: int = 1) -> str:
+    """Solve cases and print each; the sums."""
     right, claims, spent = 0, 0, []
     for k in range(count):
         given = case(seed + k, passes)
@@ -158,7 +164,7 @@ def main(arguments: list[str]) -> None:
             f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
-    print(
+    return (
         f"{count} curves: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
         f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
     )
