@@ -62,7 +62,9 @@ def tables(quick: bool):
             ("axial", AXIAL, 24, 2300000, "shared"),
         )
     ]
-    rows.append(("satellites (`inversion_passes.py 20 2400000`)", inversion_passes.run(20, 2400000)))
+    rows.append(
+        ("satellites (`inversion_passes.py 20 2400000`)", inversion_passes.run(20, 2400000))
+    )
     yield Table("inversion of synthetic curves", markdown(("curves", "found"), rows))
 
 
