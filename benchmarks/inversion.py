@@ -57,12 +57,14 @@ def tables(quick: bool):
     rows = [
         (f"`{name} {count} {seed}`", run(styles, count, seed, zero))
         for name, styles, count, seed, zero in (
-            ("tumblers", STYLES, 48, 880000, "shared"),
-            ("nights", NIGHTS, 12, 610000, "free"),
-            ("axial", AXIAL, 24, 630000, "shared"),
+            ("tumblers", STYLES, 48, 2200000, "shared"),
+            ("nights", NIGHTS, 12, 2100000, "free"),
+            ("axial", AXIAL, 24, 2300000, "shared"),
         )
     ]
-    rows.append(("satellites (`inversion_passes.py 20 910000`)", inversion_passes.run(20, 910000)))
+    rows.append(
+        ("satellites (`inversion_passes.py 20 2400000`)", inversion_passes.run(20, 2400000))
+    )
     yield Table("inversion of synthetic curves", markdown(("curves", "found"), rows))
 
 

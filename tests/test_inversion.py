@@ -242,7 +242,7 @@ def solved():
     style = {**figures.STYLES[6], "per_hour": 9}
     case = inversion_cases.case(31, style)
     curve = figures.curve_of(case, "shared")
-    return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=40, seed=1)
+    return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1)
 
 
 def test_a_tumbler_is_found(solved):
@@ -322,7 +322,7 @@ def test_relations_in_words(solved):
 
 def test_the_same_seed_gives_the_same_result(solved):
     case, curve, found = solved
-    again = inversion.spin_states(curve, f"{case.most} /d", budget=40, seed=1)
+    again = inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1)
     assert again[0].P_psi == found[0].P_psi and again[0].evidence == found[0].evidence
 
 

@@ -16,7 +16,7 @@ PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 def test_toutatis_from_its_photometry(tmp_path, capsys):
     """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given."""
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
-    given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "100 s"]
+    given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
     text = capsys.readouterr().out
     assert "solved: chi2/N" in text and "370 points" in text
@@ -89,6 +89,18 @@ def test_files_of_light_curves(tmp_path):
     np.savetxt(plain, rows, header="jd_tdb mag sigma session sun observer")
     read = inversion.LightCurve.read(plain, frame="ecliptic")
     assert len(read) == 30 and read.sun[0, 2] > 0.0
+
+
+def test_rows_without_a_magnitude_are_noted(tmp_path):
+    lines = PHOTOMETRY.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line[0] in "12")
+    row = lines[at].split(",")
+    row[2] = "nan"
+    lines[at] = ",".join(row)
+    file = tmp_path / "curve.csv"
+    file.write_text("\n".join(lines))
+    curve = inversion.LightCurve.read(file)
+    assert len(curve) == 369 and "1 of 370 rows have no magnitude." in curve.notes
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def run(mission: Mission, observed: str, target: str | None, figure: str | None)
 
     from attitude.inversion import curve_files
 
-    columns = curve_files.columns(observed, {})
+    columns, _ = curve_files.columns(observed, {})
     if "magnitude" not in columns:
         raise AttitudeError(f"{observed}: has no column of magnitudes; name one magnitude or mag.")
     assert mission.magnitude is not None

@@ -177,7 +177,10 @@ class LightCurve(Immutable, HasSamples):
         """
         from attitude.inversion import curve_files
 
-        return cls(**curve_files.columns(path, given))
+        keywords, notes = curve_files.columns(path, given)
+        made = cls(**keywords)
+        made._set("notes", (*notes, *made.notes))
+        return made
 
     def __len__(self) -> int:
         return len(self.seconds)

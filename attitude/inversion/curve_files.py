@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 _PLACES = ("sun", "observer", "frame")
 
 
-def columns(path: FilePath, given: dict[str, Any]) -> dict[str, Any]:
-    """Keywords of `LightCurve` from a file and from keywords, which replace those of the file.
+def columns(path: FilePath, given: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Keywords of `LightCurve` from a file, replaced by those given, and the notes of the file.
 
     Raises
     ------
@@ -42,7 +42,8 @@ def columns(path: FilePath, given: dict[str, Any]) -> dict[str, Any]:
         keywords["light_time"] = False
     if found.unit_distances:
         _dim(keywords, found)
-    return {"name": os.path.splitext(os.path.basename(found.name))[0], **keywords, **given}
+    name = os.path.splitext(os.path.basename(found.name))[0]
+    return {"name": name, **keywords, **given}, found.notes
 
 
 def _dim(keywords: dict[str, Any], found: Contents) -> None:
