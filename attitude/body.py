@@ -122,13 +122,12 @@ class Body(Valued):
         unit = None if relative else "kg m2"
         if (moments is None) == (tensor is None):
             raise AttitudeError("a Body takes either moments=(3 numbers) or tensor=(3 x 3).")
-        self._set("relative", relative)
-        self._set("mass", None if mass is None else validation.positive(mass, "mass", unit="kg"))
+        known_mass = None if mass is None else validation.positive(mass, "mass", unit="kg")
         center = _ORIGIN
         if center_of_mass is not None:
             known = validation.real(center_of_mass, "center_of_mass", shape=(3,), unit="m")
             center = frozen(known + 0.0)  # files leave out zeros, and their signs
-        self._set("center_of_mass", center)
+        self._set_all(relative=relative, mass=known_mass, center_of_mass=center)
         if moments is not None:
             self._from_moments(validation.real(moments, "moments", shape=(3,), unit=unit))
         if tensor is not None:
@@ -251,8 +250,9 @@ class Body(Valued):
                 "a symmetric inertia tensor (products of inertia with a minus sign)."
             )
         _refuse_overflow(largest, "tensor")
-        tensor = 0.5 * (tensor + tensor.T)
-        if tensor[0, 1] == tensor[0, 2] == tensor[1, 2] == 0.0:
+        if off > 0.0:
+            tensor = 0.5 * (tensor + tensor.T)
+        if b == c == f == d == g == h == 0.0:
             self._from_moments(np.diag(tensor).copy())
             return
         found = PrincipalAxes.of(tensor[None])
@@ -267,12 +267,10 @@ class Body(Valued):
         found: PrincipalAxes | None,
     ) -> None:
         axes = _GIVEN_AXES if found is None else found.axes[0]
-        self._set("moments", moments)
-        self._set("tensor", tensor)
-        self._set("principal_axes", axes[..., 0].copy())
-        self._set("_moments", pairs)
-        self._set("_axes", axes)
-        self._set("_found", found)
+        self._set_all(
+            moments=moments, tensor=tensor, principal_axes=axes[..., 0].copy(), _moments=pairs,
+            _axes=axes, _found=found,
+        )  # fmt: skip
 
     @property
     def has_given_axes(self) -> bool:

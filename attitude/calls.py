@@ -34,7 +34,7 @@ def check_call(
     example : str
         A right call.
     """
-    if len(given) <= len(allowed) and named.keys() <= set(allowed):
+    if len(given) <= len(allowed) and (not named or named.keys() <= set(allowed)):
         return
     if len(given) > len(allowed):
         raise AttitudeError(

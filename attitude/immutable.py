@@ -79,6 +79,10 @@ class Immutable:
         object.__setattr__(self, name, value)
         return value
 
+    def _set_all(self, **values: Any) -> None:
+        """Assign several attributes in a constructor, in a fifth of the time."""
+        self.__dict__.update(values)
+
 
 class Valued(Immutable):
     """Base of objects that are equal, and have one hash, if their values are.

@@ -140,8 +140,10 @@ def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
     """
     given = validation.real(wxyz, name, shape=(4,))
     found = np.zeros((4, 2))
-    largest = float(_refuse_no_attitude(given, name)[0])
     w, x, y, z = q = given.tolist()
+    largest = max(abs(w), abs(x), abs(y), abs(z))
+    if largest == 0.0:
+        _refuse_no_attitude(given, name)
     # a large one overflows when squared
     if largest < 2.0 and abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT:
         found[:, 0] = given

@@ -111,15 +111,18 @@ class Spin(Valued):
         frame: str = "icrf",
         covariance: Reals | Mapping[str, Reals] | None = None,
     ) -> None:
-        self._set("epoch", epochs.instant(epoch, "epoch"))
-        self._set("frame", frames.known(frame))
+        known_epoch, known_frame = epochs.instant(epoch, "epoch"), frames.known(frame)
         in_pairs = quaternion.unit_in_pairs(wxyz)
-        self._set("wxyz_as_pairs", frozen(in_pairs))
-        self._set("wxyz", frozen(in_pairs[:, 0].copy()))
         rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
-        self._set("angular_velocity", frozen(rate))
         errors = None if covariance is None else frozen(covariances.known(covariance))
-        self._set("covariance", errors)
+        self._set_all(
+            epoch=known_epoch,
+            frame=known_frame,
+            wxyz_as_pairs=frozen(in_pairs),
+            wxyz=frozen(in_pairs[:, 0].copy()),
+            angular_velocity=frozen(rate),
+            covariance=errors,
+        )
 
     @classmethod
     def from_rotation(

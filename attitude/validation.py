@@ -23,6 +23,8 @@ Choice = TypeVar("Choice")
 
 # Types of entries that need no conversion of unit and no check.
 _NUMBERS = {int, float}
+# Up to so many numbers, a sum of Python's floats is faster than a function of numpy.
+_FEW = 16
 
 
 def real(
@@ -59,10 +61,17 @@ def real(
         array = _floats(value, name, unit)
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
         raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
-    if finite and not np.isfinite(array).all():
+    if finite and not is_finite(array):
         bad = array[~np.isfinite(array)].flat[0]
         raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
     return array
+
+
+def is_finite(array: FloatArray) -> bool:
+    """Whether all numbers are finite; of few numbers in a fifth of numpy's time."""
+    if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
+        return True
+    return bool(np.isfinite(array).all())
 
 
 def rows(value: Reals, name: str, width: int, *, unit: str | None = None) -> FloatArray:
@@ -164,6 +173,10 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
         return np.array(value, dtype=np.float64)
+    if isinstance(value, str):
+        found = _common(value, name, unit)
+        if found is not None:
+            return found
     mask = _mask_of(value)
     if mask is not None and np.any(mask):
         raise AttitudeError(
@@ -187,6 +200,16 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
             + (f" in {unit}, or a Quantity." if unit else ".")
         )
     return np.array(array, dtype=np.float64)
+
+
+def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
+    """Numbers of a text without a unit, or with a common one that converts; None for others."""
+    numbers, own = quantity_text.numbers_and_unit(text, name)
+    factor = quantity_text.common_factor(own, unit) if own else 1.0
+    if factor is None:
+        return None
+    found = np.array([float(number) for number in numbers])
+    return (found if len(found) > 1 else found[0:1].reshape(())) * factor
 
 
 def _mask_of(value: Any) -> BoolArray | None:

@@ -18,9 +18,24 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, propagate
+from benchmarks.tables import Table, printed
 from tests import oracle, states
 
 REVOLUTIONS = (10, 1e3, 1e6, 1e9)
+MAKES = ("accuracy", "worst error", "median error")
+
+
+def tables(quick):
+    """The table of docs/accuracy.md, and the two numbers of README."""
+    found = []
+
+    def both():
+        found.append(attitudes(10, 2006))
+        tensors(5, 2006)
+
+    yield Table("accuracy", printed(both))
+    yield Table("worst error", f"{found[0].max():.1e} rad")
+    yield Table("median error", f"{np.median(found[0]):.1e} rad")
 
 
 def main():
@@ -30,10 +45,17 @@ def main():
     parser.add_argument("--tensors", type=int, default=5, help="full tensors of each family")
     arguments = parser.parse_args()
     start = time.perf_counter()
+    attitudes(arguments.states, arguments.seed)
+    tensors(arguments.tensors, arguments.seed)
+    print(f"\n{time.perf_counter() - start:.0f} s")
+
+
+def attitudes(count, seed):
+    """Print the largest errors of each family; all errors."""
     print(f"{'family':<32}{'':>3}" + "".join(f"{n:>11.0e}" for n in REVOLUTIONS) + "      rates")
     everything = []
     for name in states.FAMILIES:
-        sample = states.sample(arguments.states, arguments.seed, [name])
+        sample = states.sample(count, seed, [name])
         errors, rates = zip(*[errors_of(state) for state in sample], strict=True)
         errors = np.array(errors)
         everything.append(errors)
@@ -47,8 +69,7 @@ def main():
         f"{together.size} attitudes: worst {together.max():.2e} rad, "
         f"median {np.median(together):.2e} rad\n"
     )
-    tensors(arguments.tensors, arguments.seed)
-    print(f"\n{time.perf_counter() - start:.0f} s")
+    return together
 
 
 def errors_of(state):

@@ -22,9 +22,36 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude import Body, Ensemble, FreeRotation, Impulse, Spin, propagate
 from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
+from benchmarks.tables import Table, markdown
 
 EPOCH, VISITS = "2026-01-01", 160
 RNG = np.random.default_rng(17)
+MAKES = ("ensembles", "two threads")
+
+
+def tables(quick):
+    """The tables of docs/ensembles.md and docs/scale.md."""
+    found = rows(10**4 if quick else 10**5) | grid() | monte_carlo() | detumbling()
+    shown = {
+        "construction and check of a member": ("construction", "µs", 1e3),
+        "constants of a member, and an attitude": ("one epoch each", "µs", 1e3),
+        "attitudes of a member at 160 own epochs, sorted rows": ("sorted", "µs", 1e3),
+        "the same into new memory": ("new memory", "µs", 1e3),
+        "the same, rows in random order": ("random order", "µs", 1e3),
+        "nine derivatives of a member at 160 own epochs": ("derivatives", "µs", 1e3),
+        "brightness of an ellipsoid at 160 own epochs": ("brightness", "µs", 1e3),
+        "an attitude of 1e4 members at 2000 shared epochs": ("shared", "ns", 1.0),
+        "percentiles of 1e4 states at 720 epochs": ("percentiles", "s", 1e9),
+        "a step of a member under damping": ("step", "µs", 1e3),
+        "an impulse of a member": ("impulse", "µs", 1e3),
+    }
+    cells = [(text, f"{found[key] / unit:.2g} {name}") for text, (key, name, unit) in shown.items()]
+    yield Table("ensembles", markdown(("what", "time"), cells), costs=found)
+    if not quick:
+        found = threads()
+        cells = [(name, f"{ratio:.2f}") for name, ratio in found.items()]
+        text = markdown(("work", "one thread over two, wall clock"), cells)
+        yield Table("two threads", text, ratios=found)
 
 
 def main():
@@ -35,7 +62,7 @@ def main():
     t = np.linspace(0.0, 1e4, 10**6)
     one = best(lambda: propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), t)) * 1e3
     print(f"numpy.sin {sine:.2f} ns, propagate {one:.2f} ns an epoch (0.8 of numpy.sin at best)\n")
-    rows()
+    rows(10**5)
     grid()
     monte_carlo()
     detumbling()
@@ -65,9 +92,8 @@ def visits(count, number=VISITS, seed=2):
     return member, rng.uniform(0.0, 3.2e8, member.size), sun, observer
 
 
-def rows():
-    """1e5 members are a tenth of the survey; the cost is linear from 1e4 on."""
-    count = 10**5
+def rows(count):
+    """1e5 members are a tenth of the survey; the cost is linear from 1e4 on.  ns by name."""
     make = lambda: ensemble(count)  # noqa: E731
     made = make()
     member, t, sun, observer = visits(count)
@@ -77,25 +103,33 @@ def rows():
     made.brightness(t[few], member[few], sun[few], observer[few], shape=axes)
     memory, numbers = np.zeros((4, member.size)).T, np.zeros(member.size)
     print(f"{count} members x {VISITS} visits            us a member   allowed")
-    line("construction", best(make, 3) / count * 1e6, None)
-    line("one epoch each", best(lambda: made.at(t[:count], member[::VISITS])) / count * 1e6, None)
+    each = {"construction": best(make, 3) / count * 1e6}
+    line("construction", each["construction"], None)
+    one = best(lambda: made.at(t[:count], member[::VISITS])) / count * 1e6
+    line("one epoch each", one, None)
     found = best(lambda: made.at(t, member, out=memory), 3) / count * 1e6
+    each |= {"one epoch each": one, "sorted": found}
     line("attitudes, sorted rows", found, 1.3 + 0.012 * VISITS)
     new = best(lambda: made.at(t, member), 2) / count * 1e6
     line("  the same into new memory", new, None)
     order = RNG.permutation(member.size)
     mixed, later = member[order], t[order]
-    line("  rows in random order", best(lambda: made.at(later, mixed), 1) / count * 1e6, None)
+    each |= {"new memory": new, "random order": best(lambda: made.at(later, mixed), 1)}
+    each["random order"] *= 1e6 / count
+    line("  rows in random order", each["random order"], None)
     light = lambda: made.brightness(  # noqa: E731
         t, member, sun, observer, shape=axes, out=numbers
     )
     few, some = slice(0, 1000 * VISITS), np.zeros((1000 * VISITS, 3, 9))
     changes = lambda: made.sensitivity_at(t[few], member[few], out=some)  # noqa: E731
-    line("nine derivatives, sorted rows", best(changes, 3) / 1e3 * 1e6, None)
+    each["derivatives"] = best(changes, 3) / 1e3 * 1e6
+    line("nine derivatives, sorted rows", each["derivatives"], None)
     found = best(light, 3) / count * 1e6
     line("brightness of ellipsoids", found, 1.6 + 0.025 * VISITS)
     line("  1e6 x 160, in s", found, 6.0)
     print()
+    each["brightness"] = found
+    return {name: 1e3 * cost for name, cost in each.items()}
 
 
 def line(name, value, allowed):
@@ -109,6 +143,7 @@ def grid():
     memory = np.moveaxis(np.zeros((10**4, 4, 2000)), 1, 2)
     found = best(lambda: made.at(t, out=memory), 2) / (10**4 * 2000) * 1e9
     print(f"1e4 members x 2000 shared epochs: {found:.2f} ns an attitude (10 allowed)")
+    return {"shared": found}
 
 
 def monte_carlo():
@@ -120,6 +155,7 @@ def monte_carlo():
     draws[:300].percentiles(angle, t)
     found = best(lambda: draws.percentiles(angle, t), 3)
     print(f"percentiles of 1e4 states x 720 epochs: {found:.3f} s (0.3 allowed)")
+    return {"percentiles": found * 1e9}
 
 
 def detumbling():
@@ -132,10 +168,12 @@ def detumbling():
     print(
         f"detumbling: {found:.2f} us a step of a member; 1e4 states, 1800 steps: {18 * found:.0f} s"
     )
+    step = found * 1e3
     kicks = [Impulse(at=60.0 * k, angular_momentum=(0.1, 0, 0)) for k in range(1, 11)]
     draws[:2].arcs(kicks).at(t)
     found = best(lambda: draws.arcs(kicks), 2) / 1e4 * 1e6
     print(f"ten impulses: {found:.0f} us a member and impulse")
+    return {"step": step, "impulse": found * 1e3}
 
 
 def threads():
@@ -169,6 +207,7 @@ def threads():
 
     light(1), attitudes(1)
     print("\ntwo threads against one, of the wall clock")
+    ratios = {}
     for name, work in {
         "brightness of rows": light,
         "attitudes of rows": attitudes,
@@ -177,6 +216,8 @@ def threads():
     }.items():
         one, two = (min(wall(work, count) for _ in range(5)) for count in (1, 2))
         print(f"  {name:<36} {one / two:12.2f}")
+        ratios[name] = one / two
+    return ratios
 
 
 def wall(work, *given):

@@ -25,10 +25,33 @@ sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, events
 from attitude.compilation.decorators import entry_point
+from benchmarks.tables import Table, markdown
 from tests import states
 
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")
 WIDE, NARROW = 0.5, 0.02
+MAKES = ("events",)
+
+
+def tables(quick):
+    """The table of docs/events.md, in a quarter of an hour."""
+    if quick:
+        return
+    count, rotations, step = 100, 1e4, 1e-4
+    compare(0, 1, 1e-3)  # compiles
+    total = np.sum([compare(number, rotations, step) for number in range(count)], axis=0)
+    turn = total[4] / rotations / count
+    head = (
+        *("tumblers", "rotations of each", "samples", "events found"),
+        *("changes between samples", "missed", "us a rotation, four conditions"),
+    )
+    row = (
+        *(count, f"{rotations:.0e}", f"{count * rotations * 2.0 * np.pi / step:.1e}"),
+        *(f"{total[0]:,.0f}", f"{total[1]:,.0f}", f"{total[2]:.0f}", f"{turn * 1e6:.0f}"),
+    )
+    yield Table("events", markdown(head, [row]), costs={"a rotation": turn * 1e9})
+
+
 _CHUNK = 1 << 14
 # Events this near to a sample, rad, can be on its other side by the other formulas.
 _ROUNDING = 1e-7

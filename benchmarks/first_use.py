@@ -2,8 +2,10 @@
 
     python benchmarks/first_use.py [--quick]
 
-Each time is the least of three processes, in CPU seconds, with the ratio to one that only imports
-numpy.  Empty: the folder of machine code is new for each process.
+Each time is the least of three processes (features that compile for seconds: one), in CPU seconds,
+with the ratio to one that only imports numpy.  Empty: the folder of machine code is new for each
+process.  Compiled: the same with ATTITUDE_COMPILE=always and an empty folder; features that have no
+such number compile in any case, or nothing.
 """
 
 import argparse
@@ -12,8 +14,16 @@ import resource
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from benchmarks.tables import Table, markdown
+
+MAKES = ("first use",)
 MOTION = """
+import numpy as np
 from attitude import Body, FreeRotation, Spin
 body = Body(moments=(10, 20, 26))
 spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
@@ -23,45 +33,86 @@ PROPAGATE = [
     *("-m", "attitude", "propagate", "data/spin/toutatis.toml", "--start", "1992-12-02"),
     *("--stop", "1992-12-19", "--step", "1 d", "--output"),
 ]
-FEATURES = {
-    "import numpy": "import numpy",
+BASE = "import numpy"
+SMALL = {
+    BASE: "import numpy",
     "imports of the next line": "from attitude import Body, FreeRotation, Spin",
     "one attitude of a FreeRotation": MOTION + "motion.at(60.0)",
-    "attitude describe toutatis": ["-m", "attitude", "describe", "toutatis"],
-    "attitude propagate, 18 epochs": PROPAGATE,
-    "2e5 attitudes (compiled)": MOTION + "import numpy as np; motion.at(np.arange(2e5))",
+    "`attitude describe toutatis`": ["-m", "attitude", "describe", "toutatis"],
+    "`attitude propagate`, 18 epochs": PROPAGATE,
 }
-COMPILED = {
-    "a chain with an impulse and an event": "impulses",
-    "torques": "torques",
-    "a scene with an event": "scenes_and_events",
-    "meshes with shadows, all laws": "light_curves",
-    "derivatives": "derivatives",
+LARGE = {
+    "2e5 attitudes": MOTION + "motion.at(np.arange(2e5))",
+    "a scene with an ellipsoid, ten magnitudes": MOTION
+    + """
+from attitude import Scene, shape
+scene = Scene(motion, "mars barycenter", shape=shape.Ellipsoid((3, 2, 1)))
+scene.at(np.linspace(0.0, 6e3, 10)).magnitude
+""",
+    "a chain with one impulse": MOTION
+    + """
+from attitude.arcs import Arcs, Impulse
+Arcs(body, spin, [Impulse(at=5.0, angular_momentum=(0.1, 0.2, 0.3))]).at(np.linspace(0, 50, 23))
+""",
+    "a torque": MOTION
+    + """
+from attitude.splitting import TorquedRotation
+from attitude.torques import ConstantTorque
+TorquedRotation(body, spin, ConstantTorque((0.01, 0, 0)), step=0.01).at(np.linspace(0.0, 3.0, 7))
+""",
+    "a search for events": MOTION
+    + """
+from attitude.events import find_discrete, illuminated
+find_discrete(0.0, 100.0, illuminated(motion, (0, 0, 1), sun=(1, 0, 1)))
+""",
+    "a mesh with shadows, ten magnitudes": MOTION
+    + """
+from attitude import Scene, shape
+scene = Scene(motion, "mars barycenter", shape=shape.box_wing((10, 4, 4), (14, 5), wings=1))
+scene.at(np.linspace(0.0, 6e3, 10)).magnitude
+""",
 }
+ALL = "from attitude import warm_up\nfor each in warm_up.features(True): each()"
+
+
+def tables(quick):
+    """The table of docs/compilation.md."""
+    rounds, rows, ratios = (1, [], {}) if quick else (3, [], {})
+    base = None
+    for name, cells in measured(rounds, everything=not quick):
+        base = base or cells[1]
+        rows.append((name, *("" if each is None else f"{each:.2f}" for each in cells)))
+        for kind, seconds in zip(("empty", "later", "compiled"), cells, strict=True):
+            if seconds is not None and name != BASE:
+                ratios[f"{name}, {kind}"] = seconds / base
+    head = "CPU seconds of a process", "empty cache", "later", "compiled at once, empty cache"
+    yield Table("first use", markdown(head, rows, right=(1, 2, 3)), ratios=ratios)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument(
-        "--quick", action="store_true", help="one process each, no compiled features"
-    )
-    arguments = parser.parse_args()
-    rounds = 1 if arguments.quick else 3
+    parser.add_argument("--quick", action="store_true", help="one process each")
+    rounds = 1 if parser.parse_args().quick else 3
     base = None
-    print(f"{'CPU seconds (x import numpy)':<40}{'empty cache':>18}{'later':>18}")
-    for name, code in FEATURES.items():
-        row = [least(code, rounds, fresh) for fresh in (True, False)]
-        base = base or row[1]
-        print(f"{name:<40}" + "".join(f"{each:9.2f} ({each / base:5.1f})" for each in row))
-    if arguments.quick:
-        return
-    for name, feature in COMPILED.items():
-        lines = f"from attitude import warm_up; warm_up.{feature}()"
-        row = [least(lines, 1, fresh) for fresh in (True, False)]
-        print(f"{name:<40}" + "".join(f"{each:9.2f} ({each / base:5.1f})" for each in row))
+    print(f"{'CPU seconds (x import numpy)':<44}{'empty cache':>18}{'later':>18}{'compiled':>18}")
+    for name, cells in measured(rounds, everything=True):
+        base = base or cells[1]
+        shown = ("" if each is None else f"{each:.2f} ({each / base:5.1f})" for each in cells)
+        print(f"{name:<44}" + "".join(f"{each:>18}" for each in shown), flush=True)
 
 
-def least(code, rounds, fresh):
+def measured(rounds, everything):
+    """Names, and seconds with an empty cache, later, and compiled with an empty cache."""
+    for name, code in SMALL.items():
+        yield name, (least(code, rounds, True), least(code, rounds, False), None)
+    for name, code in LARGE.items():
+        found = [least(code, rounds, fresh) for fresh in (True, False)]
+        yield name, (*found, least(code, 1, True, always=True))
+    if everything:
+        yield "all features, as `attitude warm-up --all`", (least(ALL, 1, True), None, None)
+
+
+def least(code, rounds, fresh, always=False):
     """Least CPU seconds of a process; the first of those that find a filled cache fills it."""
     with tempfile.TemporaryDirectory() as folder:
         times = []
@@ -70,10 +121,12 @@ def least(code, rounds, fresh):
             command = [sys.executable, *(code if isinstance(code, list) else ["-c", code])]
             if command[-1] == "--output":
                 command.append(os.path.join(folder, "out.csv"))
+            choice = {"ATTITUDE_COMPILE": "always" if always else "automatic"}
             begin = resource.getrusage(resource.RUSAGE_CHILDREN)
             subprocess.run(
                 command,
-                env={**os.environ, "NUMBA_CACHE_DIR": cache},
+                cwd=ROOT,
+                env={**os.environ, "NUMBA_CACHE_DIR": cache, **choice},
                 stdout=subprocess.DEVNULL,
                 check=True,
             )

@@ -31,16 +31,37 @@ from attitude import (
     quaternion,
 )
 from attitude import representations as forms
+from benchmarks.tables import Table, markdown
 
 EPOCH, NOISE = "2026-01-01", 1e-3
 T = np.linspace(0.0, 300.0, 1000)
 TURN = forms.to_matrix(forms.from_axis_angle((1, 2, -1), 0.4))
 STEP = 1e-5
+MAKES = ("fit",)
+
+
+def tables(quick):
+    """The table of docs/fitting.md."""
+    found = measured()
+    rows = [
+        (name, f"{cpu:.1f}", *((f"{slow:.0f}", f"{slow / cpu:.0f}") if slow else ("", "")))
+        for name, (_, cpu, slow, _) in found.items()
+    ]
+    costs = {name: each[1] * 1e6 for name, each in found.items()}
+    head = "records", "closed form", "differences", "ratio"
+    yield Table("fit", markdown(head, rows), costs=costs)
 
 
 def main():
-    random = np.random.default_rng(4)
     print(f"{'1000 records, inertia fitted':<36} wall ms   CPU ms     differences    ratio   apart")
+    for name, (wall, cpu, slow, apart) in measured().items():
+        print(f"  {name:<34} {wall:8.2f} {cpu:8.2f}"
+              + (f" {slow:15.1f} {slow / cpu:8.1f} {apart:7.1e}" if slow else ""))  # fmt: skip
+
+
+def measured():
+    """By name: wall and CPU ms of a fit, those by differences, and how far both are apart."""
+    random, found_all = np.random.default_rng(4), {}
     for axes in ("principal", "free"):
         given = truth(axes)
         noise = forms.from_rotation_vector(random.normal(scale=NOISE, size=(len(T), 3)))
@@ -54,22 +75,24 @@ def main():
             x = before.fitted()
             slow = best(before.fitted, 3)[1]
             apart = np.abs(before.apart(x, found)) / np.sqrt(np.diag(found.covariance))
-            label = f"attitudes{' and rates' if with_rates else ''}, {axes} axes"
-            print(f"  {label:<34} {wall:8.2f} {cpu:8.2f} {slow:15.1f} {slow / cpu:8.1f}"
-                  f" {np.max(apart):7.1e}")  # fmt: skip
+            label = f"attitudes{' and rates' if with_rates else ''}"
+            label += ", free axes" if axes == "free" else ""
+            found_all[label] = wall, cpu, slow, np.max(apart)
     given = truth("principal")
     rates = given.at(T).angular_velocity + random.normal(scale=NOISE, size=(len(T), 3))
-    report("fit_rates", lambda: fit_rates(T, rates, epoch=EPOCH))
     stars = np.resize([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]], (len(T), 3))
     twice = np.repeat(T[::2], 2)
-    measured = given.at(twice).inertial_to_body(stars)
-    measured = measured + random.normal(scale=NOISE, size=measured.shape)
-    report(
-        "fit_directions, two an epoch", lambda: fit_directions(twice, measured, stars, epoch=EPOCH)
-    )
+    pairs = given.at(twice).inertial_to_body(stars)
+    pairs = pairs + random.normal(scale=NOISE, size=pairs.shape)
     single = given.at(T).inertial_to_body(stars)
     single = single + random.normal(scale=NOISE, size=single.shape)
-    report("fit_directions, one an epoch", lambda: fit_directions(T, single, stars, epoch=EPOCH))
+    for name, call in {
+        "angular velocities": lambda: fit_rates(T, rates, epoch=EPOCH),
+        "directions, two at an epoch": lambda: fit_directions(twice, pairs, stars, epoch=EPOCH),
+        "directions, one at an epoch": lambda: fit_directions(T, single, stars, epoch=EPOCH),
+    }.items():
+        found_all[name] = *best(call, 20), None, None
+    return found_all
 
 
 def truth(axes):
@@ -79,11 +102,6 @@ def truth(axes):
         body = Body(tensor=TURN @ np.diag([10.0, 20.0, 26.0]) @ TURN.T)
     spin = Spin(epoch=EPOCH, wxyz=(1, -2, 3, 0.5), angular_velocity=(0.1, 0.15, 1.0))
     return FreeRotation(body, spin)
-
-
-def report(name, call):
-    wall, cpu = best(call, 20)
-    print(f"  {name:<34} {wall:8.2f} {cpu:8.2f}")
 
 
 def best(call, repetitions):

@@ -10,14 +10,45 @@ import os
 import sys
 import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
 from attitude import Body, FreeRotation, Spin, epochs, quaternion
-from attitude.formats import aem, stk, tables
+from attitude.formats import aem, stk
+from attitude.formats import tables as columns
+from benchmarks.tables import Table, markdown
+
+MAKES = ("formats",)
+NEEDS = ("pyarrow",)
+
+
+def tables(quick):
+    """The table of docs/formats.md."""
+    rows, costs = [], {}
+    for name, writing, reading, size, angle, late in measured(100_000):
+        rows.append(
+            (
+                *(name, f"{writing:.2f}", f"{reading:.2f}", f"{size:.1f}"),
+                *("same bits" if angle == 0.0 else f"{angle:.1e}", f"{late:.1e}"),
+            )
+        )
+        costs |= {f"{name}, write": writing * 1e4, f"{name}, read": reading * 1e4}
+    head = "format", "write", "read", "MB", "attitudes, rad", "epochs, s"
+    yield Table("formats", markdown(head, rows), costs=costs)
 
 
 def main(count):
+    print(f"{count} records with angular velocity")
+    print(f"{'format':28} {'write s':>8} {'read s':>8} {'MB':>7} {'rad':>9} {'epochs s':>9}")
+    for name, writing, reading, size, angle, late in measured(count):
+        print(f"{name:28} {writing:8.2f} {reading:8.2f} {size:7.1f} {angle:9.1e} {late:9.1e}")
+
+
+def measured(count):
+    """For each format: its name, CPU seconds, MB, and what is lost (rad, s)."""
     spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
     history = FreeRotation(Body(moments=(10, 20, 26)), spin).at(np.arange(count) * 0.1)
     history.angular_velocity  # computed before the measurement  # noqa: B018
@@ -27,13 +58,11 @@ def main(count):
         "AEM 2.0, quaternions alone": ("aem", aem.write, aem.read, {"kind": "QUATERNION"}),
         "AEM 2.0, XML": ("xml", aem.write, aem.read, {"xml": True}),
         "STK .a": ("a", stk.write, stk.read, {}),
-        "CSV": ("csv", tables.write, tables.read, {}),
-        "ECSV": ("ecsv", tables.write, tables.read, {}),
-        "FITS": ("fits", tables.write, tables.read, {}),
-        "parquet": ("parquet", tables.write, tables.read, {}),
+        "CSV": ("csv", columns.write, columns.read, {}),
+        "ECSV": ("ecsv", columns.write, columns.read, {}),
+        "FITS": ("fits", columns.write, columns.read, {}),
+        "parquet": ("parquet", columns.write, columns.read, {}),
     }
-    print(f"{count} records with angular velocity")
-    print(f"{'format':28} {'write s':>8} {'read s':>8} {'MB':>7} {'rad':>9} {'epochs s':>9}")
     with tempfile.TemporaryDirectory() as folder:
         for name, (ending, write, read, how) in ways.items():
             path = os.path.join(folder, f"attitude.{ending}")
@@ -41,9 +70,7 @@ def main(count):
             reading = best(lambda: read(path))  # noqa: B023
             size = os.path.getsize(path) / 1e6
             lost = losses(read(path), history)
-            print(
-                f"{name:28} {writing:8.2f} {reading:8.2f} {size:7.1f} {lost[0]:9.1e} {lost[1]:9.1e}"
-            )
+            yield name, writing, reading, size, *lost
 
 
 def best(call, times=3):

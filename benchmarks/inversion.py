@@ -26,8 +26,45 @@ from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import aliases, ellipsoid_magnitudes, search
 from attitude.spectrum import pair_scan, transforms
-from benchmarks import inversion_cases
+from benchmarks import inversion_cases, inversion_passes
+from benchmarks.tables import Table, markdown
 from examples import toutatis_photometry
+
+MAKES = ("inversion", "inversion of synthetic curves")
+
+
+def tables(quick: bool):
+    """The tables of docs/inversion.md; those of synthetic curves take hours."""
+    pair, point = speed()
+    spent, found = toutatis()
+    sigma = np.array(found[0].periods_sigma) / 86400.0
+    whole, _ = toutatis_photometry.angles_to_radar(found[0].motion)
+    periods = np.array([found[0].P_phi, found[0].P_psi]) / 86400.0
+    rows = [
+        ("a pair of frequencies at order 2, whatever the number of points", f"{pair:.2g} us"),
+        ("likelihood of an ellipsoid with ten derivatives", f"{point:.0f} ns a point"),
+        (
+            "Toutatis, 370 magnitudes, blind to 0.75 /d (`toutatis`)",
+            f"rank 1 {found[0].mode}, P_phi {periods[0]:.3f} ± {sigma[1]:.3f} d, P_psi "
+            f"{periods[1]:.3f} ± {sigma[0]:.3f} d, attitudes of December 1992 to "
+            f"{min(whole):.0f}-{max(whole):.0f} degrees of radar's; {spent:.1f} s",
+        ),
+    ]
+    costs = {"pair": pair * 1e3, "point": point, "Toutatis": spent * 1e6}
+    yield Table("inversion", markdown(("what", "measured"), rows), costs=costs)
+    if quick:
+        return
+    rows = [
+        (f"`{name} {count} {seed}`", run(styles, count, seed, zero))
+        for name, styles, count, seed, zero in (
+            ("tumblers", STYLES, 48, 880000, "shared"),
+            ("nights", NIGHTS, 12, 610000, "free"),
+            ("axial", AXIAL, 24, 630000, "shared"),
+        )
+    ]
+    rows.append(("satellites (`inversion_passes.py 20 910000`)", inversion_passes.run(20, 910000)))
+    yield Table("inversion of synthetic curves", markdown(("curves", "found"), rows))
+
 
 # Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
 _NAMES = ("mode", "P", "span", "nights", "hours", "per_hour", "noise")
@@ -109,8 +146,8 @@ def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarr
     return np.array(out)
 
 
-def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: float = 200.0) -> None:
-    """Solve `count` cases and print each and the sums."""
+def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: float = 200.0) -> str:
+    """Solve `count` cases and print each; the sums, printed too."""
     rows, sigmas = [], []
     for k in range(count):
         case = inversion_cases.case(seed + k, styles[k % len(styles)])
@@ -155,7 +192,7 @@ def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: flo
     claims = sum(row[5] != "not solved" and not row[0] for row in rows)
     cpu = [row[4] for row in rows if row[6]]
     within = np.concatenate(sigmas) if sigmas else np.zeros(1)
-    print(
+    sums = (
         f"{total} cases: rank 1 {share[0]:.0f} %, first ten {share[1]:.0f} %, pole or alias listed "
         f"{share[2]:.0f} %, pole at rank 1 {share[3]:.0f} %, false claims {claims}, not solved "
         f"{sum(row[5] == 'not solved' for row in rows)}, "
@@ -163,10 +200,12 @@ def run(styles: list[dict], count: int, seed: int, zero_points: str, budget: flo
         f"largest {max(cpu, default=0.0):.1f} s; within 3 sigma "
         f"{100.0 * np.mean(np.abs(within) < 3.0):.0f} %"
     )
+    print(sums)
+    return sums
 
 
-def speed() -> None:
-    """Cost of a pair of frequencies at order 2, and of a likelihood with all derivatives."""
+def speed() -> tuple[float, float]:
+    """Cost of a pair of frequencies at order 2, us, and of a likelihood with derivatives, ns."""
     rng = np.random.default_rng(0)
     t, w = np.sort(rng.uniform(-0.5, 0.5, 400)), rng.uniform(50.0, 200.0, 400)
     y = np.cos(150.0 * t) + 0.1 * rng.normal(size=400)
@@ -175,7 +214,8 @@ def speed() -> None:
     first, second = rng.integers(5, 600, (2, 20000))
     gain, lines = np.empty(20000), pair_scan.harmonics(2)
     spent = _best(lambda: pair_scan.decreases(*tables, first, second, lines, 1.0, gain))
-    print(f"pair, order 2: {spent / 20000 * 1e6:.2f} us")
+    pair = spent / 20000 * 1e6
+    print(f"pair, order 2: {pair:.2f} us")
     sun, observer = rng.normal(size=(2, 3, 400))
     sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
     e, flat = np.array([20.3, 14.7, 0.2, -1.0, 0.2]), np.array([2.0, 1.5, 1.0])
@@ -191,6 +231,7 @@ def speed() -> None:
     given = (e, turn, k, flat, t, sun, observer, r, g, out, jacobian)
     spent = _best(lambda: ellipsoid_magnitudes.with_derivatives(*given))
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
+    return pair, spent / 400 * 1e9
 
 
 def _best(call, repeat: int = 20) -> float:
@@ -203,14 +244,15 @@ def _best(call, repeat: int = 20) -> float:
     return min(times)
 
 
-def toutatis() -> None:
-    """The photometry of 1992-93, blind to 0.75 /d, against radar."""
+def toutatis() -> tuple[float, list[inversion.Solution]]:
+    """The photometry of 1992-93, blind to 0.75 /d, against radar: seconds, and what was found."""
     data = Path(__file__).resolve().parents[1] / "data"
     curve = inversion.LightCurve.read(data / "light_curve" / "toutatis-1992-photometry.csv")
     inversion.spin_states(curve, "0.75 /d", budget=2.0)
     begin = time.process_time()
     found = inversion.spin_states(curve, "0.75 /d")
-    print(f"{time.process_time() - begin:.1f} s\n{found}\n{found[0].published('L')}")
+    spent = time.process_time() - begin
+    print(f"{spent:.1f} s\n{found}\n{found[0].published('L')}")
     sigma = np.array(found[0].periods_sigma) / 86400.0
     print(
         f"standard errors: P_psi {sigma[0]:.4f}, P_phi {sigma[1]:.4f} d, "
@@ -220,6 +262,7 @@ def toutatis() -> None:
     whole, axis = toutatis_photometry.angles_to_radar(found[0].motion)
     print("angles to the radar attitudes, deg:", np.round(whole).tolist())
     print("of the long axis:", np.round(axis).tolist())
+    return spent, found
 
 
 def main(arguments: list[str]) -> None:

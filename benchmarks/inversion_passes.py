@@ -1,8 +1,9 @@
-"""A satellite of known shape over a site: `python benchmarks/inversion_passes.py 20 7000`.
+"""A satellite of known shape over a site: `python benchmarks/inversion_passes.py 20 7000 [2]`.
 
 Circular orbits over a site, a box with one wing of random size and materials, tumbling by Euler's
 equations (DOP853, `inversion_cases`); brightness from facets divided in 16, with finer shadows.
-200 points of 0.1 mag.  The input has shape, materials, moments and geometry, rates up to twice the
+200 points of 0.1 mag a pass; a third argument is the number of passes, an orbit apart, in one
+curve.  The input has shape, materials, moments and geometry, rates up to twice the
 true one are searched.  The rate vector is compared over axes in space.
 """
 
@@ -11,16 +12,19 @@ from __future__ import annotations
 import math
 import sys
 import time
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from inversion_cases import _integrated, _matrices
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from attitude import Body, inversion, light_curve
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
+from benchmarks.inversion_cases import _integrated, _matrices
 
-EARTH, GM = 6378.0e3, 3.986e14
+EARTH, GM, TURN = 6378.0e3, 3.986e14, 7.292e-5  # m, m3/s2, rad/s
 AU = 1.495978707e11
 EPOCH = "2000-01-01T12:00:00 TDB"  # from which the seconds of a curve count
 
@@ -37,8 +41,8 @@ class Pass(NamedTuple):
     most: float
 
 
-def case(seed: int) -> Pass:
-    """A pass of a seed."""
+def case(seed: int, passes: int = 1) -> Pass:
+    """The curve of so many passes of a seed."""
     rng = np.random.default_rng(seed)
     size = np.array([rng.uniform(2.0, 6.0), rng.uniform(1.5, 3.0), rng.uniform(1.0, 2.5)])
     wing = rng.uniform(3.0, 8.0), rng.uniform(1.5, 3.0)
@@ -55,7 +59,7 @@ def case(seed: int) -> Pass:
         }
     )
     body = Body.from_shape(mesh, density=100.0)
-    seconds, sun, observer = _sky(rng)
+    seconds, sun, observer = _sky(rng, passes)
     period = math.exp(rng.uniform(math.log(25.0), math.log(150.0)))
     omega = rng.normal(size=3)
     omega *= 2.0 * math.pi / period / np.linalg.norm(omega)
@@ -87,29 +91,41 @@ def _unit(v):
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
-def _sky(rng):
-    """Epochs (200,), s, and vectors (200, 3) to Sun (unit) and observer, m, of a pass."""
+def _sky(rng, passes):
+    """Epochs (N,), s, and vectors (N, 3) to Sun (unit) and observer, m, of 200 points a pass."""
     radius = EARTH + rng.uniform(550e3, 950e3)
     rate = math.sqrt(GM / radius**3)
     off = rng.uniform(0.0, 0.12)  # of the site from the plane, rad
-    site = EARTH * np.array([math.cos(off), 0.0, math.sin(off)])
-    t = np.linspace(-600.0, 600.0, 2401)
-    place = radius * np.stack([np.cos(rate * t), np.sin(rate * t), 0.0 * t], axis=-1)
-    up = (place - site) @ site / EARTH > math.sin(math.radians(15.0)) * np.linalg.norm(
-        place - site, axis=1
-    )
-    seconds = np.sort(rng.uniform(t[up][0], t[up][-1], 200))
-    place = radius * np.stack(
-        [np.cos(rate * seconds), np.sin(rate * seconds), 0.0 * seconds], axis=-1
-    )
+
+    def places(t):
+        angle = TURN * t if passes > 1 else 0.0 * t
+        site = EARTH * np.stack(
+            [math.cos(off) * np.cos(angle), math.cos(off) * np.sin(angle), 0.0 * t + math.sin(off)],
+            axis=-1,
+        )
+        return radius * np.stack([np.cos(rate * t), np.sin(rate * t), 0.0 * t], axis=-1), site
+
+    seconds = []
+    for k in range(passes):
+        middle = 2.0 * math.pi * k / (rate - TURN)
+        t = middle + np.linspace(-600.0, 600.0, 2401)
+        place, site = places(t)
+        line = place - site
+        up = np.sum(line * site, axis=1) / EARTH > math.sin(math.radians(15.0)) * np.linalg.norm(
+            line, axis=1
+        )
+        seconds.append(np.sort(rng.uniform(t[up][0], t[up][-1], 200)))
+    seconds = np.concatenate(seconds)
+    place, site = places(seconds)
     # the Sun is below the horizon of the site, and the satellite in its light
     while True:
         sun = _unit(rng.normal(size=3))
-        below = sun @ site / EARTH
+        below = site @ sun / EARTH
         across = np.linalg.norm(np.cross(place, sun), axis=1)
-        if -0.4 < below < -0.1 and np.all((place @ sun > 0.0) | (across > EARTH)):
+        dark = np.all((below > -0.4) & (below < -0.1))
+        if dark and np.all((place @ sun > 0.0) | (across > EARTH)):
             break
-    return seconds, np.broadcast_to(sun, (200, 3)), site - place
+    return seconds, np.broadcast_to(sun, (len(seconds), 3)), site - place
 
 
 def judged(found: object, given: Pass) -> float:
@@ -122,10 +138,14 @@ def judged(found: object, given: Pass) -> float:
 
 def main(arguments: list[str]) -> None:
     """Solve cases and print each and the sums."""
-    count, seed = int(arguments[0]), int(arguments[1])
+    print(run(*map(int, arguments)))
+
+
+def run(count: int, seed: int, passes: int = 1) -> str:
+    """Solve cases and print each; the sums."""
     right, claims, spent = 0, 0, []
     for k in range(count):
-        given = case(seed + k)
+        given = case(seed + k, passes)
         begin = time.process_time()
         found = inversion.spin_states(
             given.curve, given.most, shape=given.mesh, law=given.law, moments=given.body,
@@ -144,8 +164,8 @@ def main(arguments: list[str]) -> None:
             f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
-    print(
-        f"{count} passes: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
+    return (
+        f"{count} curves: rate to 2 % in {100.0 * right / count:.0f} %, solved and wrong {claims}, "
         f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
     )
 

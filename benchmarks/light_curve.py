@@ -21,15 +21,20 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from pathlib import Path
 
 import mpmath as mp
 import numba
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
 from attitude.light_curve import Visibility, brightness, brightness_by_rays, stream
 from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
 from attitude.shape.geodesic import unit_sphere
+from benchmarks.record import processor
+from benchmarks.tables import Table, markdown
 
 FACET_LAWS = (
     ("Hapke, rough", Hapke(), ">= 500 M"),
@@ -40,6 +45,30 @@ FACET_LAWS = (
 )
 EPOCHS = 100_000
 ROUNDS = 7
+MAKES = ("light curves", "shadows")
+
+
+def tables(quick):
+    """The tables of docs/light_curves.md; --quick leaves out memory and threads."""
+    rows, costs = [], {}
+
+    def kept(quantity, measured, required="", cost=None):
+        found = quantity.strip()
+        rows.append((found, measured))
+        if cost is not None:
+            costs[found] = cost
+
+    row.also = kept
+    try:
+        for part in (convex, ellipsoid, satellite, *(() if quick else (threads, memory))):
+            part()
+        masks = shadows()
+    finally:
+        row.also = None
+    text = f"{processor()}, one thread.\n\n" + markdown(("quantity", "measured"), rows)
+    yield Table("light curves", text, costs=costs)
+    head = "cells along an edge", "table", "computed in", "error, mmag rms", "facet-epochs/s"
+    yield Table("shadows", markdown(head, masks))
 
 
 def directions(count, highest=180.0, lowest=0.0, seed=1):
@@ -135,8 +164,14 @@ def least(functions, rounds=ROUNDS, clock=time.process_time):
     return times
 
 
-def row(quantity, measured, required=""):
+def row(quantity, measured, required="", cost=None):
+    """Print a line; `cost` is ns of what is measured, for the record."""
+    if row.also:
+        row.also(quantity, measured, required, cost)
     print(f"{quantity:58s} {measured:34s} {required}", flush=True)
+
+
+row.also = None
 
 
 def rms(value, reference):
@@ -161,7 +196,12 @@ def convex():
     times = least(calls)
     ours = len(mesh) * EPOCHS / times[0] / 1e9
     rates = len(mesh) * part / times[2:] / 1e9
-    row("convex sum, Lommel-Seeliger + Lambert, 1000 x 1e5", f"{ours:.2f} G facet-epochs/s", ">= 2")
+    row(
+        "convex sum, Lommel-Seeliger + Lambert, 1000 x 1e5",
+        f"{ours:.2f} G facet-epochs/s",
+        ">= 2",
+        1.0 / ours,
+    )
     for name, required in (("numpy_plain", ">= 20"), ("numpy_tuned", "")):
         best = max(k for k in zip(rates, names, strict=True) if k[1][0] == name)
         row(
@@ -182,7 +222,8 @@ def convex():
     part = 20_000
     for name, other, required in FACET_LAWS:
         took = least([lambda o=other: brightness(mesh, o, sun[:part], observer[:part])])[0]
-        row(f"  {name}", f"{len(mesh) * part / took / 1e6:.0f} M facet-epochs/s", required)
+        cost = took / part / len(mesh) * 1e9
+        row(f"  {name}", f"{1e3 / cost:.0f} M facet-epochs/s", required, cost)
 
 
 def threads():
@@ -231,6 +272,7 @@ def satellite():
                 f"box with a wing, {len(mesh)} facets, {model}, {name}",
                 f"{1e9 * took / EPOCHS:.0f} ns an epoch",
                 "<= 150" if "shadows" not in name else "",
+                1e9 * took / EPOCHS,
             )
 
 
@@ -278,7 +320,7 @@ def ellipsoid():
             lambda: brightness(shape, "lommel-seeliger", sun, observer),
         ]
     )
-    row("ellipsoid in closed form", f"{1.0 / took:.0f} M epochs/s", ">= 30")
+    row("ellipsoid in closed form", f"{1.0 / took:.0f} M epochs/s", ">= 30", 1e3 * took)
     worst = 0.0
     for axes in ((1, 1, 1), (1.5, 1.2, 1), (1, 2, 10)):
         for low, high in ((0, 1e-6), (0, 180), (170, 180), (179.9, 180), (180 - 1e-6, 180)):
@@ -323,12 +365,14 @@ def shadows():
     exact = brightness_by_rays(mesh, "lommel-seeliger", sun, observer)
     took = time.perf_counter() - begin
     row("shadows of 2000 facets: rays (embree), 8 a facet", f"{2e3 * 1500 / took / 1e6:.1f} M")
+    rays, masks = f"{2e3 * 1500 / took:.0e}", []
     begin = time.perf_counter()
     middle = brightness_by_rays(mesh, "lommel-seeliger", sun, observer, points=[[1 / 3] * 3])
     took = time.perf_counter() - begin
     row("  rays, one from each centroid", f"{2e3 * 1500 / took / 1e6:.1f} M facet-epochs/s")
     none = brightness(mesh, "lommel-seeliger", sun, observer, shadows=False)
     row("  no shadows at all", f"{rms(none, exact):.0f} mmag rms")
+    masks.append(("none: no shadows", "", "", f"{rms(none, exact):.0f}", ""))
     for resolution in (32, 64, 128):
         begin = time.perf_counter()
         table = Visibility.of(mesh, resolution=resolution, keep=False)
@@ -341,7 +385,18 @@ def shadows():
             f"{rms(ours, exact):.2f} ({rms(ours, middle):.2f} centroids) mmag rms",
             "<= 5",
         )
-        row("", f"{2e3 * count / took / 1e9:.2f} G facet-epochs/s", ">= 0.5")
+        cost = took / count / 2e3 * 1e9
+        row(f"  its sum, {resolution} cells", f"{1 / cost:.2f} G facet-epochs/s", ">= 0.5", cost)
+        masks.append(
+            (
+                f"{resolution}" + " (default)" * (resolution == 64),
+                f"{table.masks.nbytes / 2**20:.0f} MiB",
+                f"{made:.1f} s",
+                f"{rms(ours, exact):.1f} ({rms(ours, middle):.1f})",
+                f"{1e9 / cost:.1e}",
+            )
+        )
+    masks.append(("rays, 8 a facet (embree)", "", "", "", rays))
     table = Visibility.of(mesh, keep=False)
     for name, law, _ in FACET_LAWS:
         bare, shaded = least(
@@ -351,10 +406,12 @@ def shadows():
             ]
         )
         row(
-            f"  {name}, with shadows {2e3 * count / shaded / 1e6:.0f} M facet-epochs/s",
-            f"{bare / shaded:.2f} of the speed without",
+            f"  {name}, with shadows",
+            f"{2e3 * count / shaded / 1e6:.0f} M facet-epochs/s, {bare / shaded:.2f} of before",
             ">= 0.5",
+            shaded / count / 2e3 * 1e9,
         )
+    return masks
 
 
 def memory():

@@ -13,13 +13,38 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
-from light_curve import directions, peanut, row
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude.light_curve import Visibility, brightness
 from attitude.light_curve.clusters import clusters_of
 from attitude.shape import Ellipsoid, Mesh
+from benchmarks.light_curve import directions, peanut, row
+from benchmarks.tables import Table, markdown
+
+MAKES = ("meshes",)
+
+
+def tables(quick):
+    """The table of docs/light_curves.md, whose largest meshes take minutes."""
+    if quick:
+        return
+    Visibility.of(peanut(2), resolution=8, keep=False)  # compiles
+    rows, costs = [], {}
+    for made in (concave(), convex()):
+        for name, checks, grouped, shadows, cells in made:
+            table = f"{shadows:.2g} s ({cells} cells)" if shadows else "none"
+            rows.append((name, f"{checks:.2g} s", f"{grouped:.2g} s", table))
+            costs |= {f"{name}, checks": checks * 1e6, f"{name}, clusters": grouped * 1e6}
+            costs |= {f"{name}, shadows": shadows * 1e6} if shadows else {}
+    head = (
+        *("facets", "checks of `Mesh` and `is_convex`"),
+        *("clusters, at the first brightness", "table of shadows"),
+    )
+    yield Table("meshes", markdown(head, rows), costs=costs)
 
 
 def took(call, rounds=3):
@@ -40,8 +65,10 @@ def convex():
         seconds, answer = took(lambda m=made: Mesh(m.vertices, m.facets).is_convex)
         row("  checks and is_convex", f"{seconds:.2f} s", "<= 2 for 1e6")
         assert answer
+        checks = seconds
         seconds, _ = took(lambda m=made: clusters_of(Mesh(m.vertices, m.facets)), 1)
         row("  clusters, at the first brightness", f"{seconds:.2f} s")
+        yield f"{len(made):,}, convex", checks, seconds, None, 0
 
 
 def concave():
@@ -50,12 +77,15 @@ def concave():
         seconds, answer = took(lambda m=mesh: Mesh(m.vertices, m.facets).is_convex)
         assert not answer
         row(f"{len(mesh)} facets, concave: checks and is_convex", f"{seconds:.3f} s")
+        checks = seconds
         seconds, _ = took(lambda m=mesh: clusters_of(Mesh(m.vertices, m.facets)), 1)
         row("  clusters", f"{seconds:.2f} s")
+        grouped = seconds
         rounds = 3 if len(mesh) < 50_000 else 1
         seconds, table = took(lambda m=mesh: Visibility.of(m, keep=False), rounds)
         required = "<= 5" if 20_000 <= len(mesh) <= 23_000 else ""
         row(f"  table of {table.resolution} cells", f"{seconds:.2f} s", required)
+        yield f"{len(mesh):,}, concave", checks, grouped, seconds, table.resolution
         sun, observer = directions(2000, 90.0)
         seconds, _ = took(
             lambda m=mesh, t=table, s=sun, o=observer: brightness(m, "lambert", s, o, shadows=t)
@@ -67,8 +97,8 @@ def main():
     print(f"numpy {np.__version__}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     print(f"{'quantity':58s} {'measured':34s} required")
     Visibility.of(peanut(2), resolution=8, keep=False)  # compiles
-    convex()
-    concave()
+    list(convex())
+    list(concave())
 
 
 if __name__ == "__main__":

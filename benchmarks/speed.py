@@ -2,8 +2,8 @@
 
     python benchmarks/speed.py
 
-Times are the least of many repetitions; ratios to numpy.sin are measured in the same run, so that
-they are comparable between machines.  Start-up is measured in new processes.
+Processor times are the least of many repetitions; ratios to numpy.sin are measured in the same run,
+so that they are comparable between machines.  Start-up is measured in new processes.
 """
 
 import os
@@ -13,12 +13,25 @@ import sys
 import tempfile
 import time
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
 from attitude import Body, FreeRotation, Spin, propagate
+from benchmarks.record import processor
+from benchmarks.tables import Table, printed
 
 MOMENTS, WXYZ = np.array([10.0, 20.0, 26.0]), np.array([1.0, 0.0, 0.0, 0.0])
+STARTS = (
+    "a process that imports numpy",
+    "import attitude, beyond that",
+    "from attitude import FreeRotation",
+    "first two attitudes, uncompiled",
+    "first 2e5 attitudes, cold disk cache",
+    "first 2e5 attitudes, warm disk cache",
+)
 CASES = {
     "the paper's example": np.array([1.0, 15.0, 1.0]),
     "long-axis mode": np.array([9.0, 2.0, 1.0]),
@@ -27,10 +40,29 @@ CASES = {
 }
 
 
+MAKES = ("speed", "cost of an epoch", "cost of a body")
+
+
+def tables(quick):
+    """The tables of README and docs/accuracy.md, without the call of 2 10^7 epochs."""
+    found = {}
+
+    def parts():
+        versions()
+        for part in (long_arrays, bodies, single, dates, start_up):
+            found.update(part())
+
+    text = printed(parts)
+    # Starts of a process vary with what else the machine does: they are in the text alone.
+    costs = {name: cost for name, cost in found.items() if name not in STARTS}
+    yield Table("speed", text, costs=costs)
+    epoch, sine = found["the paper's example"], found["numpy.sin"]
+    yield Table("cost of an epoch", f"{epoch:.1f} ns = {epoch / sine:.2f} × `numpy.sin`")
+    yield Table("cost of a body", f"{found['a body'] / 1e3:.2f} µs a body")
+
+
 def main():
-    packages = ("numpy", "scipy", "numba", "llvmlite", "astropy", "skyfield")
-    print(f"{_processor()}, Python {platform.python_version()}, ", end="")
-    print(", ".join(f"{name} {version(name)}" for name in packages), "\n")
+    versions()
     long_arrays()
     long_calls()
     bodies()
@@ -39,16 +71,23 @@ def main():
     start_up()
 
 
+def versions():
+    packages = ("numpy", "scipy", "numba", "llvmlite", "astropy", "skyfield")
+    print(f"{processor()}, Python {platform.python_version()}, ", end="")
+    print(", ".join(f"{name} {version(name)}" for name in packages), "\n")
+
+
 def long_arrays():
     t = np.linspace(0.0, 1e4, 10**6)
     memory, rates = np.empty((4, t.size)).T, np.empty((3, t.size)).T
-    sine_out = np.empty_like(t)
+    sine_out, found = np.empty_like(t), {}
     print("10^6 epochs of one body, one thread        ns an epoch    x numpy.sin   with rates")
     for name, omega in CASES.items():
         sine = best(lambda: np.sin(t))
         plain = best(lambda omega=omega: propagate(MOMENTS, WXYZ, omega, t))
         both = best(lambda omega=omega: propagate(MOMENTS, WXYZ, omega, t, angular_velocity=True))
         print(f"  {name:<40} {plain * 1e3:8.2f} {plain / sine:14.2f} {both / sine:13.2f}")
+        found[name], found[name + ", with rates"] = plain * 1e3, both * 1e3
     omega = CASES["the paper's example"]
     sine = best(lambda: np.sin(t, out=sine_out))
     plain = best(lambda: propagate(MOMENTS, WXYZ, omega, t, out=memory))
@@ -59,7 +98,9 @@ def long_arrays():
     )
     print(f"  {'the same into a given array':<40} {plain * 1e3:8.2f} {plain / sine:14.2f}"
           f" {both / sine:13.2f}")  # fmt: skip
-    print(f"  {'numpy.sin':<40} {best(lambda: np.sin(t)) * 1e3:8.2f}\n")
+    found["numpy.sin"] = best(lambda: np.sin(t)) * 1e3
+    print(f"  {'numpy.sin':<40} {found['numpy.sin']:8.2f}\n")
+    return found
 
 
 def long_calls():
@@ -93,20 +134,23 @@ def bodies():
     t = random.uniform(0.0, 1e3, (count, 1))
     cost = best(lambda: propagate(moments, wxyz, omega, t), 10) / count
     print(f"10^5 bodies, one epoch each                {cost * 1e6:8.2f} us a body\n")
+    return {"a body": cost * 1e9}
 
 
 def single():
     omega = CASES["the paper's example"]
     body = Body(moments=MOMENTS)
     spin = Spin(epoch="2026-01-01", wxyz=WXYZ, angular_velocity=omega)
-    motion = FreeRotation(body, spin)
+    motion, found = FreeRotation(body, spin), {}
     for name, call in {
         "propagate, one epoch": lambda: propagate(MOMENTS, WXYZ, omega, 60.0),
         "motion.at, one epoch": lambda: motion.at(60.0),
         "constructing a FreeRotation": lambda: FreeRotation(body, spin),
     }.items():
-        print(f"{name:<40}   {best(call, 20, 500) * 1e6:8.2f} us")
+        found[name] = best(call, 20, 500) * 1e9
+        print(f"{name:<40}   {found[name] / 1e3:8.2f} us")
     print()
+    return found
 
 
 def dates():
@@ -115,10 +159,11 @@ def dates():
 
     count = 10**5
     spin = Spin(epoch="2026-01-01", wxyz=WXYZ, angular_velocity=(1e-4, 2e-3, 1e-4))
-    motion = FreeRotation(Body(moments=MOMENTS), spin)
+    motion, found = FreeRotation(Body(moments=MOMENTS), spin), {}
     for name, days in (("a day", 1.0), ("a year", 365.0)):
         t = Time("2026-01-01T00:00:00") + np.linspace(0.0, days, count) * units.day
         cost = best(lambda t=t: motion.at(t), 10) / count
+        found[f"a UTC epoch over {name}"] = cost * 1e9
         history = motion.at(t)
         # In two parts, since one double of seconds resolves 4e-9 s after a year.
         days, start = t.tdb, motion.spin.epoch.time
@@ -129,6 +174,7 @@ def dates():
             f"{error:.0e} s from astropy's TDB"
         )
     print()
+    return found
 
 
 def start_up():
@@ -147,12 +193,19 @@ def start_up():
             light = process(attitude, cache)
             small, warm = process(first, cache), process(large, cache)
             classes = process(attitude + "attitude.FreeRotation", cache)
-    print(f"a process that imports numpy                {base - bare:7.3f} s beyond Python's own")
-    print(f"import attitude, beyond that                {light - base:7.3f} s")
-    print(f"from attitude import FreeRotation           {classes - base:7.3f} s")
-    print(f"first two attitudes, uncompiled             {small - light:7.3f} s")
-    print(f"first 2e5 attitudes, cold disk cache        {min(cold) - light:7.3f} s")
-    print(f"first 2e5 attitudes, warm disk cache        {warm - light:7.3f} s")
+    found = dict(
+        zip(
+            STARTS,
+            (
+                *(base - bare, light - base, classes - base, small - light),
+                *(min(cold) - light, warm - light),
+            ),
+            strict=True,
+        )
+    )
+    for name, seconds in found.items():
+        print(f"{name:<43} {seconds:7.3f} s" + " beyond Python's own" * (name == STARTS[0]))
+    return found
 
 
 def process(code, cache, repetitions=7):
@@ -167,24 +220,15 @@ def process(code, cache, repetitions=7):
 
 
 def best(call, repetitions=30, loop=1):
-    """Least time of a call, s."""
+    """Least processor time of a call, s."""
     call()
     least = np.inf
     for _ in range(repetitions):
-        start = time.perf_counter()
+        start = time.thread_time()
         for _ in range(loop):
             call()
-        least = min(least, (time.perf_counter() - start) / loop)
+        least = min(least, (time.thread_time() - start) / loop)
     return least
-
-
-def _processor():
-    try:
-        with open("/proc/cpuinfo") as lines:
-            found = [line for line in lines if line.startswith("model name")]
-        return found[0].split(":")[1].strip()
-    except (OSError, IndexError):
-        return platform.processor() or platform.machine()
 
 
 if __name__ == "__main__":

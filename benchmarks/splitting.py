@@ -30,10 +30,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
-sys.path.insert(0, str(ROOT / "benchmarks"))
 
 from mpmath import mp, mpf
-from record import processor, writable_folder
 
 from attitude import Body, Spin, paths
 from attitude.arcs import Arcs, Impulse
@@ -44,6 +42,8 @@ from attitude.solution.march import march
 from attitude.solution.step import advance, gains, loaded, stored
 from attitude.splitting import SCHEMES, TorquedRotation
 from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
+from benchmarks.record import processor, writable_folder
+from benchmarks.tables import Table, markdown
 from tests import torque_cases
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error
@@ -56,6 +56,52 @@ TURN = 2.0 * np.pi
 RATES = (6.0, 3.0, 10.0)
 START = (1.0, 0.2, 0.3, 0.4)
 STEPS_AN_ORBIT = 1000
+MAKES = (
+    "impulses",
+    "cost of a step",
+    "orders of schemes",
+    "conservation",
+    "drift of the energy",
+    "energy error by spin",
+)
+
+
+def tables(quick):
+    """The tables of docs/impulses.md and docs/torques.md; --quick makes those of costs."""
+    costs, shown = impulses(quick, None)
+    head = "1000 impulses, half over body axes and half over ICRF", "measured"
+    yield Table("impulses", markdown(head, shown), costs=costs)
+    costs = cost(quick, None)
+    head = "ns", "free step", *SCHEMES
+    rows = [
+        ("constant torque", f"{costs['free step']:.0f}"),
+        ("gravity gradient (without positions)", ""),
+    ]
+    rows = [
+        (*row, *(f"{costs[f'{name}, {kind}']:.0f}" for name in SCHEMES))
+        for row, kind in zip(rows, ("ConstantTorque", "GravityGradient"), strict=True)
+    ]
+    yield Table("cost of a step", markdown(head, rows), costs=costs)
+    if quick:
+        return
+    counts, found = orders(False, None)
+    rows = [
+        (
+            name,
+            *(f"{each:.1e}" for each in errors[::2]),
+            f"{math.log2(errors[0] / errors[2]) / 2:.2f}",
+        )
+        for name, errors in found.items()
+    ]
+    yield Table("orders of schemes", markdown(("steps an orbit", *counts[::2], "order"), rows))
+    rows, spins = circular_orbit(False, None)
+    head = "free motion", "scheme", "first", "last", "drift", "scatter", "time"
+    yield Table("conservation", markdown(head, rows))
+    head = (*("turns an orbit", "Dullweber, Leimkuhler & McLachlan / exact", "Reich / exact"),
+            *("ns a step, exact", "of the first", "of the second"))  # fmt: skip
+    yield Table("energy error by spin", markdown(head, spins))
+    head = "scheme", "slope of T + V - n L", "median size", "T, free motions", "L², free motions"
+    yield Table("drift of the energy", markdown(head, drift(False, None)))
 
 
 def best(run, repeats):
@@ -83,13 +129,15 @@ def cost(quick, output):
     # Many short runs: the best one is free of other load.
     count, repeats = 4_000, 100 if quick else 400
     print("cost of one step, ns (the best of many runs)")
-    state = np.zeros(14)
+    state, found = np.zeros(14), {}
     state[0], state[4:7] = 1.0, SPIN.angular_velocity
     for angle in (0.01, 0.1, 0.25, 0.5, 1.0):
         h = angle / np.hypot.reduce(state[4:7])
         flights(BODY.moments, h, 1, state)
         seconds = best(lambda h=h: flights(BODY.moments, h, count, state), repeats)
         print(f"  exact free step, {angle:5.2f} rad           {seconds / count * 1e9:8.0f}")
+        if angle == 0.1:
+            found["free step"] = seconds / count * 1e9
     h = 0.1 / np.hypot.reduce(SPIN.angular_velocity)
     for name in SCHEMES:
         each = {}
@@ -106,6 +154,8 @@ def cost(quick, output):
             each[type(torque).__name__] = best(run, repeats) / count * 1e9
         shown = ", ".join(f"{key} {value:.0f}" for key, value in each.items())
         print(f"  step of {name:20s}        {shown}")
+        found |= {f"{name}, {kind}": value for kind, value in each.items()}
+    return found
 
 
 # Orders -------------------------------------------------------------------------------------------
@@ -150,6 +200,7 @@ def orders(quick, output):
         print(f"{name:>22s}" + "".join(f"{e:9.1e}" for e in errors) + f"{order:8.2f}")
     if output:
         draw_orders(np.array(counts), found, output)
+    return counts, found
 
 
 def draw_orders(counts, found, output):
@@ -260,16 +311,19 @@ def circular_orbit(quick, output):
     print(f"circular orbit, {orbits} orbits, {STEPS_AN_ORBIT} steps each ({turn:.3f} rad a step):")
     print("largest relative error of T + V - n L in the first and the last window; drift of its")
     print("mean over all orbits, and scatter of the windows about it")
-    found = {}
+    found, lines, spins = {}, [], []
     for name, kind in (("dlm", integrators.DLM), ("reich", integrators.REICH)):
         out = np.empty((windows, 2))
         begin = time.perf_counter()
         classical(kind, BODY.moments, start, points, orbits, out)
-        report(name, out, out.mean(axis=1), orbits, time.perf_counter() - begin, found)
+        line = report(name, out, out.mean(axis=1), orbits, time.perf_counter() - begin, found)
+        names = {"dlm": "Dullweber, Leimkuhler & McLachlan", "reich": "Reich"}
+        lines.append((names[name], "kick-rotate-kick", *line))
     for name in ("kick-rotate-kick", "hoa", "force-gradient", "blanes-moan"):
         begin = time.perf_counter()
         out, means = watched(name, orbits, windows)
-        report(name, out, means, orbits, time.perf_counter() - begin, found)
+        line = report(name, out, means, orbits, time.perf_counter() - begin, found)
+        lines.append(("exact", name, *line))
     exact = spread(found["kick-rotate-kick"][0])
     ratio = {name: spread(found[name][0]) / exact for name in ("dlm", "reich")}
     print(
@@ -286,8 +340,11 @@ def circular_orbit(quick, output):
             f"  {times * math.hypot(*RATES):5.1f} turns an orbit {dlm / exact:8.1f} "
             f"{reich / exact:8.1f}   {listed}"
         )
+        ratios = f"{times * math.hypot(*RATES):.3g}", f"{dlm / exact:.2g}", f"{reich / exact:.2g}"
+        spins.append((*ratios, *(f"{1e9 * each:.0f}" for each in costs)))
     if output:
         draw_circular(found, output)
+    return lines, spins
 
 
 def other_spin(start, times):
@@ -321,6 +378,8 @@ def report(name, out, means, orbits, seconds, found):
         f"{line[0]:+10.1e} {scatter:9.1e}   {orbits} orbits in {seconds:.0f} s",
         flush=True,
     )
+    edges = (f"{np.max(np.abs(out[k])):.2e}" for k in (0, -1))
+    return *edges, f"{line[0]:.0e}", f"{scatter:.0e}", f"{seconds:.0f} s"
 
 
 def draw_circular(found, output):
@@ -364,6 +423,7 @@ def drift(quick, output):
     print("and the size of the change in free motions in units of the random walk of rounding")
     print("(1 for a pure random walk); last, the size of this walk of T in 100,000 orbits")
     print(f"{'':18s}{'T + V - n L':^32s}{'T, free motions':^30s}{'L^2, free motions':^30s}    walk")
+    shown = []
     for name in ("kick-rotate-kick", "hoa", "suzuki", "force-gradient", "blanes-moan"):
         random = np.random.default_rng(2006)
         runs = [one_start(name, random, orbits) for _ in range(starts)]
@@ -371,12 +431,16 @@ def drift(quick, output):
         changes, errors = sums[:, :, 0] / orbits, np.sqrt(sums[:, :, 1]) / orbits
         error, size = np.std(slopes, ddof=1) / math.sqrt(starts), np.median(np.abs(slopes))
         line = f"{name:18s}{np.mean(slopes):+9.1e} +- {error:.1e} ({size:.1e})"
+        cells = [name, f"{np.mean(slopes):.0e} ± {error:.0e}", f"{size:.1e}"]
         for n in range(2):
             error = math.sqrt(np.sum(errors[:, n] ** 2)) / starts
             ratio = math.sqrt(np.mean((changes[:, n] / errors[:, n]) ** 2))
             line += f"  {np.mean(changes[:, n]):+9.1e} +- {error:.1e} ({ratio:.1f})"
+            cells.append(f"{np.mean(changes[:, n]):.1e} ± {error:.1e}")
+        shown.append(cells)
         far = math.sqrt(np.mean(sums[:, 0, 2]) / orbits * 100_000)
         print(f"{line}   {far:.0e}", flush=True)
+    return shown
 
 
 def one_start(name, random, orbits):
@@ -499,14 +563,20 @@ def impulses(quick, output):
     t = random.uniform(0.0, epochs[-1], 100_000)
     few = t[:1000].tolist()
     print(f"{count} impulses, constructed in {build * 1e3:.0f} ms; a random epoch costs")
+    costs, shown = {"construction": build * 1e6}, []
     for call, times in (
         ("motion.wxyz_at(seconds), one by one", best(lambda: one_by_one(motion.wxyz_at, few), 20)),
         ("motion.at(seconds), one by one", best(lambda: one_by_one(motion.at, few), 20)),
     ):
         print(f"  {times / len(few) * 1e6:6.2f} us  {call}")
+        costs[call] = times / len(few) * 1e9
+        shown.append((f"a random epoch, `{call[:-12]}`", f"{costs[call] / 1e3:.1f} µs"))
     for what, epochs_of in (("in any order", t), ("in order", np.sort(t))):
         seconds = best(lambda some=epochs_of: motion.at(some), 10) / len(t)
         print(f"  {seconds * 1e6:6.2f} us  among {len(t)} {what}, in one motion.at(seconds)")
+        costs[what] = seconds * 1e9
+        shown.append((f"among 1e5 epochs {what} in one call", f"{seconds * 1e6:.2g} µs"))
+    shown.append(("constructing the motion", f"{build:.2g} s"))
     checked = 100 if quick else count
     worst = 0.0
     with mp.workprec(250):
@@ -526,6 +596,10 @@ def impulses(quick, output):
             w = [a + b / i for a, b, i in zip(w, added, moments, strict=True)]
             last = mpf(change.at)
     print(f"  worst error on {checked} arcs against a chain of 50-digit oracles: {worst:.1e} rad")
+    shown.append(
+        (f"worst error of {checked} against a chain of 50-digit oracles", f"{worst:.0e} rad")
+    )
+    return costs, shown
 
 
 # Tolerances ---------------------------------------------------------------------------------------

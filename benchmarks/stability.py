@@ -25,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import propagate
 from benchmarks import peers, record
+from benchmarks.tables import Table
 from tests import oracle
 
 NEAR = (10, 1e9)
@@ -34,6 +35,14 @@ PLANES = ("short axis", "long axis", "separatrix")
 BULK = ("attitude", "paper, numpy + scipy", "heyoka", "Orekit TorqueFree")
 # Beyond this an answer is useless; NaN and exceptions are counted separately.
 USELESS = 1e-3
+MAKES = ("stability",)
+NEEDS = ("heyoka", "orekit_jpype")
+
+
+def tables(quick):
+    """The table of docs/accuracy.md, with the files of docs/figures; three minutes."""
+    if not quick:
+        yield Table("stability", made(np.arange(17), record.FIGURES))
 
 
 def main():
@@ -42,8 +51,11 @@ def main():
     parser.add_argument("--output", default=str(record.FIGURES), help="folder (docs/figures)")
     arguments = parser.parse_args()
     folder = record.writable_folder(arguments.output)
-    step = 4 if arguments.quick else 1
-    powers = np.arange(0, 17, step)
+    made(np.arange(0, 17, 4 if arguments.quick else 1), folder)
+
+
+def made(powers, folder):
+    """Write the files; the table in Markdown."""
     found, missing = peers.every()
     for module, reason in missing:
         print(f"left out: {module}: {reason}")
@@ -78,6 +90,7 @@ def main():
     (folder / "stability.json").write_text(json.dumps(result, allow_nan=True) + "\n")
     _figure(maps, labels, powers, folder / "stability.png")
     print(f"written: {folder}/stability.png, .md, .json")
+    return table
 
 
 def _columns(powers):

@@ -6,18 +6,40 @@ CPU time of ``compute`` of the class for sorcha, on a table as sorcha gives it: 
 visits, with the parameters of the object repeated in each row.  It needs the extra ``sorcha``.
 """
 
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
 from attitude.published.dynamic_inertia import longest_P_phi
 from attitude.survey import LightCurve
+from benchmarks.tables import Table, markdown
 
 OBJECTS, VISITS = 5000, 160
+MAKES = ("survey",)
+NEEDS = ("pandas", "sorcha")
+
+
+def tables(quick):
+    """The table of docs/survey.md."""
+    found = {f"{name} ellipsoids": cost for name, cost in measured()}
+    head = "an object at 160 rows, all that `compute` does (pandas columns, grouping, light time)"
+    rows = [(name, f"{cost * 1e6:.0f}") for name, cost in found.items()]
+    costs = {name: cost * 1e9 for name, cost in found.items()}
+    yield Table("survey", markdown((head, "µs"), rows), costs=costs)
 
 
 def main():
+    for kind, cost in measured():
+        print(f"{kind:10}{cost * 1e6:8.1f} us an object, {cost / VISITS * 1e9:6.1f} ns a row")
+
+
+def measured():
+    """Kinds of objects, and seconds for one of them."""
     for kind in ("relaxed", "tumbling"):
         rows = observations(parameters(kind == "relaxed"))
         found = []
@@ -25,8 +47,7 @@ def main():
             start = time.process_time()
             LightCurve().compute(rows)
             found.append(time.process_time() - start)
-        cost = min(found) / OBJECTS
-        print(f"{kind:10}{cost * 1e6:8.1f} us an object, {cost / VISITS * 1e9:6.1f} ns a row")
+        yield kind, min(found) / OBJECTS
 
 
 def parameters(relaxed):

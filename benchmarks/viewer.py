@@ -15,9 +15,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Scene, catalog, shape
 from attitude.viewer import page, view
+from benchmarks.tables import Table, printed
 from tests import browser
 
 DAY = 86400.0
+MAKES = ("viewer",)
+NEEDS = ("playwright",)
 # Milliseconds of the script of a frame, with calls that draw left out, and of the whole frame.
 TIMED = """count => {
   const { stage, clock, drawAt } = attitudeViewer;
@@ -35,6 +38,11 @@ TIMED = """count => {
   gl.drawArrays = gl.drawElements = () => {};
   return [each(drawAt, 500), whole];
 }"""
+
+
+def tables(quick):
+    """The block of docs/viewer.md."""
+    yield Table("viewer", printed(main))
 
 
 def scene(facets):

@@ -24,15 +24,14 @@ def curve() -> tuple[inversion.LightCurve, FreeRotation]:
     """The light curve, and the truth."""
     found = mission.read(MISSION)
     scene, motion = found.scene, found.scene.motion
-    # The file describes a free rotation and its magnitudes.
+    # The file describes a free rotation.
     assert isinstance(motion, FreeRotation)
-    assert found.magnitude is not None
     start = epochs.instant(found.times["start"])
     generator = np.random.default_rng(20130109)
     night = np.sort(generator.choice(90, 40, replace=False))
     seconds = np.sort((night[:, None] + generator.uniform(0.0, 0.3, (40, 10))).ravel()) * DAY
-    view = scene.since(start, seconds)
-    magnitude = found.magnitude.of(view) + 0.02 * generator.normal(size=len(seconds))
+    # A LightCurve takes apparent magnitudes; the file asks for reduced ones.
+    magnitude = scene.since(start, seconds).magnitude + 0.02 * generator.normal(size=len(seconds))
     times = epochs.times(start, seconds, np.zeros_like(seconds))
     return inversion.LightCurve(times, magnitude, 0.02, scene=scene, name="Apophis"), motion
 

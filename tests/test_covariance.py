@@ -49,7 +49,23 @@ def test_products_of_the_sensitivity(name):
     assert np.array_equal(history.covariance, np.swapaxes(history.covariance, 1, 2))
     part = motion.covariance_at(t, rates=False)
     assert np.array_equal(part, history.covariance[:, :3, :3])
+    for k in (0, 130, 150, 299):  # the same bits whatever the block
+        assert np.array_equal(motion.covariance_at(t[k], rates=False), part[k])
     assert np.array_equal(history.sigma, np.degrees(np.sqrt(np.diagonal(part, axis1=1, axis2=2))))
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_large_results_have_the_bits_of_small_ones(name):
+    """Results beyond 4 MB are stored past the caches, in whole lines of them."""
+    moments, omega = BODIES[name]
+    motion = FreeRotation(Body(moments=moments), spin_of(omega, full()))
+    t = np.linspace(-20.0, 3000.0, 60003)
+    t[777] = np.nan
+    for rates in (False, True):
+        found = motion.covariance_at(t, rates=rates)
+        parts = [motion.covariance_at(t[k : k + 5000], rates=rates) for k in range(0, t.size, 5000)]
+        assert np.array_equal(found, np.concatenate(parts), equal_nan=True)
+        assert np.isnan(found[777]).all() and np.isfinite(found[778]).all()
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -669,6 +669,15 @@ def test_any_date_is_printed_as_it_was_read(moment):
     assert datetime.datetime.fromisoformat(text.ljust(20, ".").ljust(26, "0")) == moment
 
 
+@pytest.mark.parametrize(
+    "text", ["9999-12-31T23:59:59.5", "9999-12-31T23:59:59-01:00", "1971-12-31T12:00:00"]
+)
+def test_one_date_has_the_bits_of_a_list_where_the_calendar_of_python_ends(text):
+    one = instant(text)
+    hi, lo = readers.read("text", [text, text], (2,), "t")
+    assert (one.seconds, one.low) == (hi[0], lo[0])
+
+
 def test_printing_rounds_up_to_midnight():
     assert instant("2026-12-31T23:59:59.9999999999").utc_iso == "2027-01-01T00:00:00"
     assert instant("2016-12-31T23:59:60.9999999999").utc_iso == "2017-01-01T00:00:00"

@@ -34,6 +34,14 @@ def test_numbers_of_any_kind_become_float64_in_si(value):
     array[0] = 7.0  # a new array, that the caller may keep
 
 
+def test_numbers_whose_sum_overflows_are_finite():
+    few = [1.7e308, 1.7e308, 1.0]
+    assert validation.real(few, "few").tolist() == few
+    for bad in (math.nan, math.inf):
+        with pytest.raises(AttitudeError, match=f"few holds {bad}"):
+            validation.real([*few, bad], "few")
+
+
 def test_a_gate_never_changes_a_value():
     given = np.array([0.1, -0.0, 5e-324, 1.7976931348623157e308])
     assert validation.real(given, "given").tobytes() == given.tobytes()

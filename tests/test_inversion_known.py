@@ -13,6 +13,7 @@ from attitude.inversion import (
     jackknife,
     known_shape,
     moments_of_elements,
+    pass_search,
     population,
     problem,
     refinement,
@@ -35,17 +36,18 @@ LAW = Materials(
 BODY = Body.from_shape(MESH, density=100.0)
 
 
-def _pass(motion, count=90, length=300.0, sigma=0.05):
+def _pass(motion, count=90, length=300.0, sigma=0.05, starts=(0.0,)):
     generator = np.random.default_rng(5)
     t = np.sort(generator.uniform(0.0, length, count))
-    angle = np.radians(120.0) * t / length
+    angle = np.tile(np.radians(120.0) * t / length, len(starts))
+    t = np.concatenate([begin + t for begin in starts])
     observer = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0.0 * angle], axis=-1)
     observer /= np.linalg.norm(observer, axis=1)[:, None]
-    sun = np.broadcast_to(np.array([0.6, 0.48, 0.64]), (count, 3))
+    sun = np.broadcast_to(np.array([0.6, 0.48, 0.64]), (len(t), 3))
     matrix = motion.at(t).matrix
     seen = [np.einsum("nij,ni->nj", matrix, each) for each in (sun, observer)]
     flux = light_curve.brightness(MESH, LAW, *seen)
-    magnitude = 5.0 - 2.5 * np.log10(flux) + sigma * generator.normal(size=count)
+    magnitude = 5.0 - 2.5 * np.log10(flux) + sigma * generator.normal(size=len(t))
     given = {"sun": sun * ASTRONOMICAL_UNIT_M, "observer": observer * 1e6}
     return inversion.LightCurve(
         t, magnitude + 0.0, sigma, epoch=motion.epoch, light_time=False, **given
@@ -69,6 +71,20 @@ def test_rates_and_attitude_of_a_satellite():
     again = inversion.refine(curve, FreeRotation(BODY, turned), shape=MESH, law=LAW)
     assert again.rms < 0.07
     assert again.shape.vertices == pytest.approx(MESH.vertices)
+
+
+def test_two_passes_are_one_curve():
+    """A gap of 40 turns: first spans lie within a pass, and the next one follows from it."""
+    curve = _pass(MOTION, 60, starts=(0.0, 5000.0))
+    for attempt in range(4):
+        middle, half = pass_search._first_span(curve.seconds, 0.06, attempt)
+        assert half < 150.0 and abs(abs(middle) - 2500.0) < 150.0
+    found = inversion.spin_states(curve, "0.01 Hz", shape=MESH, law=LAW, moments=BODY, budget=100)
+    assert found.verdict == "solved"
+    for epoch in (curve.epoch.after(-2600.0), curve.epoch.after(2600.0)):
+        here, true = found[0].motion.at([epoch]), MOTION.at([epoch])
+        rates = [np.einsum("nij,nj->ni", x.matrix, x.angular_velocity)[0] for x in (here, true)]
+        assert np.linalg.norm(rates[0] - rates[1]) < 0.01 * np.linalg.norm(rates[1])
 
 
 def test_slopes_of_a_known_shape():

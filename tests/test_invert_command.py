@@ -40,6 +40,35 @@ def test_toutatis_from_its_photometry(tmp_path, capsys):
         assert np.degrees(np.arccos(min(1.0, abs(mine @ seen)))) < 30.0
 
 
+@pytest.mark.parametrize("given", ["3.0, 1, 3.2", "body.toml"])
+def test_known_moments(tmp_path, monkeypatch, capsys, given):
+    """Three moments, or the body of a spin file, hold those of all solutions."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "body.toml").write_text(
+        '[body]\nmoments = [30, 10, 32]\n[spin]\nepoch = "1993-01-01"\n'
+        "wxyz = [1, 0, 0, 0]\nangular_velocity = [1e-5, 0, 1e-5]\n"
+    )
+    options = ["--max-frequency", "0.5 /d", "--budget", "2 s", "--output", "found.toml"]
+    assert cli.main(["invert", str(PHOTOMETRY), *options, "--moments", given]) == 0
+    moments = np.sort(spin_file.read("found.toml").motion.body.moments)
+    assert moments / moments[0] == pytest.approx([1.0, 3.0, 3.2], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("known", 'give "shape", "free", a number'),
+        ("3, 2", "--moments has shape (2,)"),
+        ("1, 1, 3", "moments"),
+        ("nothing.toml", "nothing.toml"),
+    ],
+)
+def test_moments_that_no_body_has(capsys, given, words):
+    options = ["--max-frequency", "0.5 /d", "--moments", given]
+    assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
+    assert words in capsys.readouterr().err
+
+
 def _unit(longitude, latitude):
     c = np.cos(latitude)
     return np.array([c * np.cos(longitude), c * np.sin(longitude), np.sin(latitude)])

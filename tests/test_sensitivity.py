@@ -155,6 +155,28 @@ def test_shapes_blocks_and_memory():
     assert np.isnan(gap[:, 1]).all() and np.isfinite(gap[:, 0]).all()
 
 
+@pytest.mark.parametrize("count", [20001, 20005, 30000])
+@pytest.mark.parametrize("omega", [(1.0, 15.0, 1.0), (1.0, 1.0, 15.0)])
+def test_large_results_have_the_bits_of_small_ones(count, omega):
+    """Results beyond 4 MB are stored past the caches, in whole lines of them."""
+    moments, t = (10.0, 20.0, 26.0), np.linspace(-40.0, 900.0, count)
+    t[1234] = np.nan
+    memory = np.full(27 * count + 16, 7.0)
+    for shift in (0, 3):
+        out = memory[shift : shift + 27 * count].reshape(3, 9, count).transpose(2, 0, 1)
+        assert propagate(moments, WXYZ, omega, t, sensitivity=True, sensitivity_out=out)[1] is out
+        for first in range(0, count, 4000):
+            part = t[first : first + 4000]
+            alone = propagate(moments, WXYZ, omega, part, sensitivity=True)[1]
+            assert np.array_equal(alone, out[first : first + 4000], equal_nan=True)
+    both = {"sensitivity": True, "angular_velocity": True}
+    rates = propagate(moments, WXYZ, omega, t, **both)[-1]
+    for first in range(0, count, 4000):
+        alone = propagate(moments, WXYZ, omega, t[first : first + 4000], **both)[-1]
+        assert np.array_equal(alone, rates[first : first + 4000], equal_nan=True)
+    assert np.all(memory[27 * count + 3 :] == 7.0)  # nothing is stored beyond the result
+
+
 def test_the_epoch_is_exact():
     for moments, omega, _ in STATES.values():
         found = propagate(moments, WXYZ, omega, 0.0, sensitivity=True)[1]

@@ -155,6 +155,9 @@ def duration(text: str, name: str) -> Fraction:
     if len(numbers) != 1:
         raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
     length = Fraction(numbers[0])
+    factor = quantity_text.common_factor(unit, "s")
+    if factor is not None:
+        return length * Fraction(repr(factor))
     if unit:
         from astropy import units
 

@@ -43,7 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--zero-points", default="auto", help='of sessions: auto, shared, free, or "0.05 mag"'
     )
     parser.add_argument("--modes", default="LAM,SAM", help="LAM, SAM or both (default)")
-    parser.add_argument("--moments", default="shape", help='"shape", "free" or a tolerance')
+    parser.add_argument(
+        "--moments",
+        default="shape",
+        help='"shape" (the default), "free", a tolerance, three known moments "3.1, 3.2, 1", or a '
+        "spin file with the body",
+    )
     parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
@@ -70,9 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
         zero_points=_zero_points(arguments.zero_points),
         **_geometry(arguments),
     )
-    moments: Any = arguments.moments
-    if moments not in ("shape", "free"):
-        moments = _number(moments, "--moments")
+    moments = _moments(arguments.moments)
     progress = _print_progress if sys.stderr.isatty() else None
     found = inversion.spin_states(
         curve,
@@ -111,11 +114,24 @@ def _zero_points(text: str) -> Any:
     return validation.positive(text if " " in text else f"{text} mag", "--zero-points", unit="mag")
 
 
-def _number(text: str, name: str) -> float:
+def _moments(text: str) -> Any:
+    """ "shape", "free", a tolerance, three moments, or the body of a spin file."""
+    from attitude import validation
+    from attitude.formats import spin_file
+
+    if text in ("shape", "free"):
+        return text
+    if text.endswith(".toml"):
+        return spin_file.read(text).body
+    if "," in text:
+        return validation.real(text, "--moments", shape=(3,))
     try:
         return float(text)
     except ValueError:
-        raise AttitudeError(f'{name} is {text!r}; give "shape", "free" or a number.') from None
+        raise AttitudeError(
+            f'--moments is {text!r}; give "shape", "free", a number (the tolerance), three moments '
+            'such as "3.1, 3.2, 1", or the name of a spin file (.toml).'
+        ) from None
 
 
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:

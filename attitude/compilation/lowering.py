@@ -14,7 +14,14 @@ from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
 from numba.extending import lower_builtin, overload, type_callable
 
-from attitude.compilation import error_free, instructions, pointers, simd_lowering
+from attitude.compilation import (
+    error_free,
+    instructions,
+    numba_speed,
+    pointers,
+    simd_lowering,
+    streaming_lowering,  # noqa: F401  registers its instructions
+)
 from attitude.compilation.disk_cache import is_stamped, kept_on_disk
 from attitude.compilation.error_free import is_instruction
 from attitude.compilation.wide_lowering import register_wide
@@ -23,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 register_wide()
+numba_speed.install()
 
 _DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
 _F8, _I8 = types.float64, types.int64
@@ -32,7 +40,27 @@ _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 
 def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: bool) -> Any:
     """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
-    return kept_on_disk(function, options) if kept else numba.njit(**options)(function)
+    made = kept_on_disk(function, options) if kept else numba.njit(**options)(function)
+    return _without_literals(made)
+
+
+def _without_literals(made: Any) -> Any:
+    """The dispatcher, compiled for the type of an argument, not for its value.
+
+    numba takes a whole number in the source for a type of its own and compiles a callee once more
+    for each value, also for the first value of a variable of a loop: a fifth of all compilations.
+    `Dispatcher.get_call_template` is private; without it, compiling takes longer.
+    """
+    resolve = getattr(made, "get_call_template", None)
+    if resolve is None:
+        return made
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        by_type = {name: types.unliteral(each) for name, each in dict(kws).items()}
+        return resolve(tuple(map(types.unliteral, args)), by_type)
+
+    made.get_call_template = get_call_template
+    return made
 
 
 def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: bool) -> Any:

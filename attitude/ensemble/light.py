@@ -98,8 +98,7 @@ class Light:
                 if band is not None:
                     found = of_brightness(found, band)
                 if apparent:
-                    found += _modulus(both[0])
-                    found += _modulus(both[1])
+                    found += _modulus(*both)
                 out[piece.place] = found
 
         in_blocks(work, len(parts), 1, threads)
@@ -274,10 +273,11 @@ def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
     return found
 
 
-def _modulus(vectors: FloatArray) -> FloatArray:
-    """5 log10 of the lengths (K,) of vectors (K, 3) in au."""
-    length = np.sqrt(np.einsum("kj,kj->k", vectors, vectors))
-    return 5.0 * np.log10(length / ASTRONOMICAL_UNIT_M)
+def _modulus(sun: FloatArray, observer: FloatArray) -> FloatArray:
+    """5 log10 of the product of the lengths (K,), in au, of two vectors (K, 3) in m."""
+    lengths = (np.sqrt(np.einsum("kj,kj->k", each, each)) for each in (sun, observer))
+    one, other = (length / ASTRONOMICAL_UNIT_M for length in lengths)
+    return 5.0 * np.log10(one * other)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -52,14 +52,28 @@ def ellipsoid_runs(
 def _take(memory, steps, first, end, to, work):
     """Vectors of the rows from `first` to `end`, as unit vectors, into three rows of `work`."""
     row, part = steps
-    for k in range(end - first):
-        i = (first + k) * row
-        work[to, k], work[to + 1, k] = memory[i], memory[i + part]
-        work[to + 2, k] = memory[i + 2 * part]
-    for k in range(end - first):
-        x, y, z = work[to, k], work[to + 1, k], work[to + 2, k]
-        inverse = 1.0 / math.sqrt(x * x + y * y + z * z)
-        work[to, k], work[to + 1, k], work[to + 2, k] = x * inverse, y * inverse, z * inverse
+    if row == 3 and part == 1:
+        # LLVM vectorises a loop only with steps that are constant.
+        near = memory[3 * first : 3 * end]
+        for k in range(end - first):
+            _put(near[3 * k], near[3 * k + 1], near[3 * k + 2], to, k, work)
+    elif row == 1:
+        one = memory[first:end]
+        two = memory[part + first : part + end]
+        three = memory[2 * part + first : 2 * part + end]
+        for k in range(end - first):
+            _put(one[k], two[k], three[k], to, k, work)
+    else:
+        for k in range(end - first):
+            i = (first + k) * row
+            _put(memory[i], memory[i + part], memory[i + 2 * part], to, k, work)
+
+
+@reduction_inlined
+def _put(x, y, z, to, k, work):
+    """A vector as a unit vector in place k of three rows of `work`."""
+    inverse = 1.0 / math.sqrt(x * x + y * y + z * z)
+    work[to, k], work[to + 1, k], work[to + 2, k] = x * inverse, y * inverse, z * inverse
 
 
 @force_inlined

@@ -228,7 +228,7 @@ def _civil(moment, name):
                 "to 9999; give an epoch within them."
             ) from err
     return (
-        moment.toordinal() + text.MJD_OF_ORDINAL_0,
+        moment.toordinal() + time_scales.MJD_OF_ORDINAL_0,
         (moment.hour * 60 + moment.minute) * 60 + moment.second,
         moment.microsecond,
         getattr(moment, "nanosecond", 0),

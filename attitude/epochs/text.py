@@ -11,8 +11,6 @@ from attitude.validation import shown
 
 # Time scales that may follow a date.
 SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
-# Modified Julian date of the proleptic Gregorian day before 0001-01-01.
-MJD_OF_ORDINAL_0: int = -678576
 
 # An ISO 8601 or CCSDS date with an optional offset from UTC and an optional time scale.
 TEXT: re.Pattern[str] = re.compile(
@@ -76,11 +74,12 @@ def _scale(scale: str, zone: str | None, text: str, name: str) -> str:
 def _mjd(year: int, month: str | None, day: str | None, yearday: str | None) -> int:
     """Modified Julian date of a civil day; ValueError if the day does not exist."""
     if not yearday:
-        return datetime.date(year, int(month or 0), int(day or 0)).toordinal() + MJD_OF_ORDINAL_0
+        ordinal = datetime.date(year, int(month or 0), int(day or 0)).toordinal()
+        return ordinal + time_scales.MJD_OF_ORDINAL_0
     ordinal = datetime.date(year, 1, 1).toordinal() + int(yearday) - 1
     if datetime.date.fromordinal(ordinal).year != year:
         raise ValueError("day of year is out of range")
-    return ordinal + MJD_OF_ORDINAL_0
+    return ordinal + time_scales.MJD_OF_ORDINAL_0
 
 
 def _offset(zone: str | None) -> int:

@@ -17,6 +17,7 @@ TAI = UTC before 1960, and the last known leap second in the future.
 
 from __future__ import annotations
 
+import datetime
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 J2000: float = 2451545.0
 # Modified Julian date of 1972-01-01, since when UTC differs from TAI by whole seconds.
 _WHOLE_LEAPS = 41317.0
+# Those of the day before 0001-01-01, and of 10000-01-01: Python's calendar is between.
+MJD_OF_ORDINAL_0, _YEAR_10000 = -678576, 2973484.0
 # Seconds.
 DAY: float = 86400.0
 TT_MINUS_TAI: float = 32.184
@@ -47,8 +50,8 @@ TAI_MINUS_GPS: float = 19.0
 # 1977-01-01T00:00:00 TAI, where TCG, TCB and TT agree: seconds since J2000, IAU 2000 B1.9.
 _COMMON_EPOCH = -8400.5 * DAY + TT_MINUS_TAI
 
-# TDB - TT in pieces of 16 days by polynomials of degree 16 errs by 2e-15 s against ERFA's series,
-# measured over 1900-2100, and 5e-15 s over 1000-3000, where the date itself rounds to 3e-15 s.
+# TDB - TT in pieces of 16 days by polynomials of degree 16 errs by 2e-15 s against ERFA's series
+# over 1900-2100, and 5e-15 s over 1000-3000, where the date itself rounds to 3e-15 s.
 _PIECE = 16.0
 _NODES = 17
 # Upper bound of the pieces in the cache, 0.7 MB: 180 years.  A full cache is cleared.
@@ -100,10 +103,11 @@ def tai_from_utc_day(day: Doubles | float, second: Any, low: Doubles | float = 0
     second, low : array
         From 0 to 86400, or to 86401 on the day of a leap second.  Floats give floats, faster.
     """
-    if type(day) is float and day >= _WHOLE_LEAPS:
+    if type(day) is float and _WHOLE_LEAPS <= day < _YEAR_10000:
         import erfa
 
-        first = float(erfa.ufunc.dat(*erfa.ufunc.jd2cal(2400000.5, day)[:3], 0.0)[0])
+        civil = datetime.date.fromordinal(int(day) - MJD_OF_ORDINAL_0).timetuple()
+        first = float(erfa.ufunc.dat(*civil[:3], 0.0)[0])
         return _tai_of_day(day, (first, 0.0, 0.0), second, low)
     return _tai_of_day(day, _utc_days(day), second, low)
 
@@ -164,10 +168,8 @@ def tdb_from(
         TDB - TT in seconds as a function of the pair (hi, lo) of TT; by default `difference_at`,
         that of the geocentre.
     """
-    if scale == "tdb":
-        return hi, lo
-    if scale == "tcb":
-        return tdb_from_tcb(hi, lo)
+    if scale in ("tdb", "tcb"):
+        return (hi, lo) if scale == "tdb" else tdb_from_tcb(hi, lo)
     if scale == "tai":
         hi, lo = pairs.add((hi, lo), TT_MINUS_TAI)
     elif scale == "gps":
@@ -200,8 +202,7 @@ def tt_from_tcg(hi: Doubles, lo: Doubles) -> Pair:
 
 def tt_from_tdb(hi: Doubles, lo: Doubles) -> Pair:
     """TT of TDB at the geocentre, the inverse of ``tdb_from("tt", ...)`` to 1e-16 s."""
-    # The difference changes by 3e-10 s a second: the first iterate errs by 5e-13 s, the second by
-    # less than its rounding.
+    # The difference changes by 3e-10 s a second: the first iterate errs by 5e-13 s.
     first = difference_at(hi, lo)
     return pairs.add((hi, lo), -difference_at(hi - first, lo))
 
@@ -393,7 +394,7 @@ def _ut1_minus_utc(jd1, jd2, name):
 @lru_cache(maxsize=1)
 def earth_orientation() -> Any:
     """The table IERS_A of astropy-iers-data as installed, without a download."""
-    # By file name: IERS_Auto would download, IERS_A.open would cache its table in the process.
     from astropy.utils import iers
 
+    # By file name: IERS_Auto would download, IERS_A.open would cache its table in the process.
     return iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)

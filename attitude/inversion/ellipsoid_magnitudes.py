@@ -25,6 +25,22 @@ def _turned(x, y, z, m0, m1, m2, m3, m4, m5, m6, m7, m8):
     return m0 * x + m3 * y + m6 * z, m1 * x + m4 * y + m7 * z, m2 * x + m5 * y + m8 * z
 
 
+@reduction_inlined
+def _over_body(v, r, i, c0, c1, c2, c3, c4, c5, c6, c7, c8):
+    """Direction i of v (3, N) over the axes of the body: turned by c, then by r (9, N)."""
+    x, y, z = _turned(v[0, i], v[1, i], v[2, i], c0, c1, c2, c3, c4, c5, c6, c7, c8)
+    r0, r1, r2, r3, r4, r5 = r[0, i], r[1, i], r[2, i], r[3, i], r[4, i], r[5, i]
+    return _turned(x, y, z, r0, r1, r2, r3, r4, r5, r[6, i], r[7, i], r[8, i])
+
+
+@reduction_inlined
+def _products(sa, sb, sc, oa, ob, oc, fa, fb, fc):
+    """P^2, Q^2 and p.q of two directions over the axes of the body, with 1/axes^2."""
+    pp = fa * sa * sa + fb * sb * sb + fc * sc * sc
+    qq = fa * oa * oa + fb * ob * ob + fc * oc * oc
+    return pp, qq, fa * sa * oa + fb * sb * ob + fc * sc * oc
+
+
 @reduction
 def magnitudes(e, c, k, flat, t, sun, observer, r, out):
     """Magnitudes (N,) of elements e (5,), orientation c (9,) and 1/axes^2 flat (3,).
@@ -37,16 +53,9 @@ def magnitudes(e, c, k, flat, t, sun, observer, r, out):
     c0, c1, c2, c3, c4, c5, c6, c7, c8 = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
     fa, fb, fc = flat[0], flat[1], flat[2]
     for i in range(t.size):
-        s0, s1, s2 = _turned(sun[0, i], sun[1, i], sun[2, i], c0, c1, c2, c3, c4, c5, c6, c7, c8)
-        x, y, z = observer[0, i], observer[1, i], observer[2, i]
-        o0, o1, o2 = _turned(x, y, z, c0, c1, c2, c3, c4, c5, c6, c7, c8)
-        r0, r1, r2, r3, r4, r5 = r[0, i], r[1, i], r[2, i], r[3, i], r[4, i], r[5, i]
-        r6, r7, r8 = r[6, i], r[7, i], r[8, i]
-        sa, sb, sc = _turned(s0, s1, s2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-        oa, ob, oc = _turned(o0, o1, o2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-        pp = fa * sa * sa + fb * sb * sb + fc * sc * sc
-        qq = fa * oa * oa + fb * ob * ob + fc * oc * oc
-        pq = fa * sa * oa + fb * sb * ob + fc * sc * oc
+        sa, sb, sc = _over_body(sun, r, i, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        oa, ob, oc = _over_body(observer, r, i, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        pp, qq, pq = _products(sa, sb, sc, oa, ob, oc, fa, fb, fc)
         p, q = math.sqrt(pp), math.sqrt(qq)
         m = max(p * q + pq, 1e-12)
         total = p + q
@@ -96,16 +105,9 @@ def with_derivatives(e, c, k, flat, t, sun, observer, r, g, out, jacobian):
     c0, c1, c2, c3, c4, c5, c6, c7, c8 = c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
     fa, fb, fc = flat[0], flat[1], flat[2]
     for i in range(t.size):
-        s0, s1, s2 = _turned(sun[0, i], sun[1, i], sun[2, i], c0, c1, c2, c3, c4, c5, c6, c7, c8)
-        x, y, z = observer[0, i], observer[1, i], observer[2, i]
-        o0, o1, o2 = _turned(x, y, z, c0, c1, c2, c3, c4, c5, c6, c7, c8)
-        r0, r1, r2, r3, r4, r5 = r[0, i], r[1, i], r[2, i], r[3, i], r[4, i], r[5, i]
-        r6, r7, r8 = r[6, i], r[7, i], r[8, i]
-        sa, sb, sc = _turned(s0, s1, s2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-        oa, ob, oc = _turned(o0, o1, o2, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-        pp = fa * sa * sa + fb * sb * sb + fc * sc * sc
-        qq = fa * oa * oa + fb * ob * ob + fc * oc * oc
-        pq = fa * sa * oa + fb * sb * ob + fc * sc * oc
+        sa, sb, sc = _over_body(sun, r, i, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        oa, ob, oc = _over_body(observer, r, i, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        pp, qq, pq = _products(sa, sb, sc, oa, ob, oc, fa, fb, fc)
         p, q = math.sqrt(pp), math.sqrt(qq)
         m = max(p * q + pq, 1e-12)
         total = p + q

@@ -33,6 +33,9 @@ _STARTS, _CELL, _FEWEST, _MOST = 400, 0.4, 20_000, 250_000
 _REFINED, _KEPT, _LEFT = 3000, 500, 60
 # Growth of the span, iterations on each span and on the whole.
 _GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
+# Reach beyond the first epoch of the next pass, a share of its distance; turns at the largest rate
+# and median distances of epochs without any, at which a pass ends.
+_ACROSS, _GAP_TURNS, _GAP_STEPS = 1.02, 5.0, 20.0
 # Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
 _ERRORS = 0.4, 0.1
 # First spans that are tried, and the number of points over the cost at which a state fits: errors
@@ -129,7 +132,9 @@ class PassSearch:
         whole = float(away.max())
         first = span
         while span < whole:
-            span = min(span * _GROWTH, whole)
+            # across a gap to the first points of the next pass
+            beyond = away[away > span].min() * _ACROSS
+            span = min(max(span * _GROWTH, float(beyond)), whole)
             count = max(int(len(self.found.cost) / 1.35), _LEFT)
             share = math.log(span / first) / math.log(whole / first)
             error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
@@ -269,14 +274,29 @@ class PassSearch:
 
 
 def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
-    """Middle and half the length of the first span: near the median epoch, later elsewhere."""
+    """Middle and half the length of the first span: near the median epoch, later elsewhere.
+
+    Of several passes within one: that of most points, then the others in turn.
+    """
     ordered = np.sort(seconds)
+    passes = _passes(ordered, most)
+    passes.sort(key=len, reverse=True)
+    ordered, attempt = passes[attempt % len(passes)], attempt // len(passes)
     wanted = (0.5, 0.25, 0.75, 0.38, 0.62, 0.12, 0.88)[attempt % 7]
     count = min(_FIRST_POINTS + 4 * (attempt // 7), len(ordered))
     first = int(wanted * (len(ordered) - count))
     turns = 2.0 * math.pi * _FIRST_TURNS / most
     low, high = float(ordered[first]), float(ordered[first + count - 1])
     return 0.5 * (low + high), 0.5 * max(high - low, turns) * 1.0001
+
+
+def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
+    """The epochs of each pass, of those that have enough for a first span."""
+    steps = np.diff(ordered)
+    longest = max(_GAP_TURNS * 2.0 * math.pi / most, _GAP_STEPS * float(np.median(steps)))
+    found = np.split(ordered, np.flatnonzero(steps > longest) + 1)
+    enough = [each for each in found if len(each) >= _FIRST_POINTS]
+    return enough or [ordered]
 
 
 def _over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

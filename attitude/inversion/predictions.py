@@ -15,14 +15,13 @@ from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 
 if TYPE_CHECKING:
     from attitude.annotations import Epochs, FloatArray
-    from attitude.inversion.refine import Refinement
-    from attitude.inversion.solution import Solution
+    from attitude.inversion.curve_fit import CurveFit
 
 
 def predicted(
-    solution: Solution | Refinement, times: Epochs | LightCurve | None
+    solution: CurveFit, times: Epochs | LightCurve | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Apparent magnitudes (T,) and their standard errors; see `Solution.predict`."""
+    """Apparent magnitudes (T,) and their standard errors; see `CurveFit.predict`."""
     curve = solution.curve
     emission, sun, observer = _geometry(curve, times)
     alpha = _angle(sun, observer)
@@ -73,7 +72,7 @@ def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, Fl
     return t - light, sun, observer
 
 
-def _terms(solution: Solution | Refinement, emission: FloatArray, alpha: FloatArray) -> FloatArray:
+def _terms(solution: CurveFit, emission: FloatArray, alpha: FloatArray) -> FloatArray:
     """Linear terms (T, L) at other epochs: of the first filter, sessions at their mean."""
     own = solution.weighted.problem
     found = np.zeros((len(emission), own.terms.shape[1]))

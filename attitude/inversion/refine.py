@@ -16,25 +16,23 @@ from attitude.inversion import (
     curve_problem,
     jackknife,
     known_shape,
-    minkowski,
     moving,
     moving_fit,
-    predictions,
     robust,
     search,
     ties,
 )
 from attitude.inversion.curve import CALIBRATED, LightCurve
-from attitude.inversion.facets import MODES, sphere
+from attitude.inversion.curve_fit import CurveFit
+from attitude.inversion.facets import MODES
 from attitude.inversion.solution import Solution
-from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh
 from attitude.spin import Spin
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import BoolArray, Epochs, FilePath, FloatArray
+    from attitude.annotations import BoolArray, FilePath, FloatArray
     from attitude.arcs import Impulse
     from attitude.body import Body
     from attitude.inversion.moving import Motion, MovingPoint
@@ -48,18 +46,15 @@ if TYPE_CHECKING:
 _LEAST_TURNS = 5.0
 
 
-class Refinement:
+class Refinement(CurveFit):
     """A motion and a shape that fit a light curve; made by `refine`.
 
     Attributes
     ----------
-    curve : LightCurve
-    weighted : Weighted
-        Parameters, residuals and weights.
+    curve, weighted, evidence
+        As of `CurveFit`.
     point : MovingPoint
         The state and the changes of the motion.
-    evidence : float
-        As of `Solution`.
     rank, relation : int, str
         Among the solutions of `spin_states` for a known shape.
     """
@@ -72,11 +67,9 @@ class Refinement:
         fit: moving_fit.MovingFit,
         body: Body,
     ) -> None:
-        self.curve, self.weighted, self._problem, self._fit = curve, weighted, problem, fit
+        super().__init__(curve, weighted, problem, 0, "best")
+        self._fit, self._body = fit, body
         self.point: MovingPoint = weighted.refined.state.point
-        self.evidence: float = weighted.evidence
-        self.rank, self.relation = 0, "best"
-        self._body = body
 
     @property
     def moments(self) -> FloatArray:
@@ -137,15 +130,6 @@ class Refinement:
     def _published(self) -> Published:
         return FreeRotation(self.point.body, self.point.spin).published("L", frame="ecliptic")
 
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
-
-        note = labels.pop("note", None) or f"by a fit to a light curve: {self!r}"
-        source = labels.pop("source", None) or "attitude.inversion"
-        first = FreeRotation(self.motion.body, self.motion.spin)
-        spin_file.write(path, first, source=source, note=note, **labels)
-
     @property
     def states(self) -> tuple[FreeRotation, ...]:
         """The free rotation of each arc, its spin at the beginning of the arc."""
@@ -177,35 +161,14 @@ class Refinement:
     @cached_property
     def shape(self) -> Mesh:
         """The closed convex mesh of the areas, of the volume of the unit sphere; or that given."""
-        if self._fit.known is not None:
-            return self._fit.known.over(self._body.principal_axes.T).mesh
-        return minkowski.mesh(self.weighted.refined.areas, sphere().normals)
+        if self._fit.known is None:
+            return super().shape
+        return self._fit.known.over(self._body.principal_axes.T).mesh
 
     @property
     def law(self) -> Law:
         """The scattering law without its phase function, which the linear terms replace."""
-        if self._fit.known is not None:
-            return self._fit.known.law
-        return LommelSeeligerLambert(c=convex.LAMBERT, a=0.0, k=0.0)
-
-    @property
-    def residuals(self) -> FloatArray:
-        """Observed less computed magnitudes, in the order of the curve (of averages, if many)."""
-        return self.weighted.residual
-
-    @property
-    def rms(self) -> float:
-        """Of the residuals, mag."""
-        return float(np.sqrt(np.mean(self.residuals**2)))
-
-    @property
-    def chi_squared(self) -> float:
-        """Mean square of the residuals over the given errors alone."""
-        return float(np.mean((self.residuals / self._problem.sigma) ** 2))
-
-    def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
-        """Apparent magnitudes at epochs, and their standard errors; see `Solution.predict`."""
-        return predictions.predicted(self, times)
+        return super().law if self._fit.known is None else self._fit.known.law
 
     def _model(self, problem: CurveProblem) -> moving_fit.MovingModel:
         """Magnitudes and their derivatives at the epochs of a problem."""

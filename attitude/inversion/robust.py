@@ -8,7 +8,7 @@ solution as large as expected.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
@@ -53,6 +53,8 @@ FREEDOM = 5.0
 _CUT, _MEAN_BELOW = 9.0, 0.9733
 _LEAST_ERROR = 0.003
 _ROUNDS = 2
+# Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
+_ALWAYS, _NUTATION = 4, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +63,13 @@ class Weighted:
 
     Attributes
     ----------
-    refined : Refined
     refined : Refined, or what another fit returned
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
         Minus twice the logarithm of the posterior density at its maximum, but for constants, plus
-        ln N for each free parameter of the motion.
+        ln N for each free parameter of the motion; of `refined`, the logarithm of the determinant
+        of the Hessian of orientation, rate and shape in place of theirs.
     residual : (N,) array
         Magnitudes, observed less computed, linear terms included.
     chi_squared : float
@@ -125,7 +127,22 @@ def refined(
         return refinement.refine(own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain)
 
     free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
-    return student(problem, start, fit, free, trials)
+    found = student(problem, start, fit, free, trials)
+    return replace(found, evidence=found.evidence + occam(found.refined.normal, len(problem)))
+
+
+def occam(normal: FloatArray, points: int) -> float:
+    """What replaces ln N for orientation and rate: the logarithm of the determinant of a Hessian.
+
+    Of orientation, rate and shape, by Laplace's method: of two poles that fit equally well, the
+    one that more orientations and shapes make fit is more probable.  Parameters of the nutation
+    keep ln N each.
+    """
+    kept = np.ones(len(normal), bool)
+    kept[_ALWAYS : _ALWAYS + _NUTATION] = False
+    inner = normal[np.ix_(kept, kept)].copy()
+    inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
+    return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
 
 
 def student(

@@ -35,7 +35,7 @@ _TIE_GIVEN = 0.03
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
-_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL = 30, 40, 14, 5
+_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL = 30, 40, 14, 10
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -56,6 +56,8 @@ _AXIAL_RATES, _AXIAL_STARTS = 12, 12
 # Poles from which rotation about one axis is refined, where chi-squared of the best such rotation
 # is at most this times that of the best solution.
 _AXIAL_POLES, _AXIAL_WORSE = 40, 2.0
+# Such rotations that are compared with a motion that explains the curve better by far.
+_AXIAL_OTHERS = 3
 # Tumbling bodies among all: the odds before the curve is seen.
 _TUMBLERS = 0.01
 
@@ -107,6 +109,8 @@ class Search:
         The best first.
     solutions : list of Weighted
         The best first; those of the last `finish`.
+    is_complete : bool
+        Whether the first round came to its end.
     """
 
     problem: CurveProblem
@@ -119,7 +123,7 @@ class Search:
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
-    rounds: int = 0
+    is_complete: bool = False
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)
 
@@ -132,7 +136,6 @@ class Search:
         """Search until the floor is reached or the time is over."""
         self._axial()
         for number in range(_ROUNDS):
-            self.rounds = number + 1
             for pool in self._pools(number):
                 self._refine(pool)
             if self.shifts and not self.is_over:
@@ -143,6 +146,7 @@ class Search:
                 self._refine(ellipsoids.in_order(ellipsoids.best_of_each(made, len(rates))))
             if number == 0:
                 self._axial_poles()
+                self.is_complete = not self.is_over
             self.finish()
             if self.is_over or self.has_reached_floor:
                 break
@@ -307,21 +311,43 @@ class Search:
                 chosen.append(each)
                 if len(chosen) >= _FINAL:
                     break
-        axial = [each for each in self.convex if is_axial(each.state) and each not in chosen]
-        chosen += axial[:_FINAL_AXIAL]
         residual, _ = robust.residuals(self.problem, chosen[0].magnitude)
         error = robust.model_error(self.problem, residual)
         for _ in range(2):
             best = self._robust(self.problem.with_model_error(error), chosen[0])
             error = robust.model_error(self.problem, best.residual)
         problem = self.problem.with_model_error(error)
-        found = [self._robust(problem, each) for each in chosen]
+        found = [self._robust(problem, each) for each in chosen if not is_axial(each.state)]
+        found += self._axial_solutions(problem)
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
         for one in found:
             if not any(is_same(one.refined.state, o.refined.state) for o in self.solutions):
                 self.solutions.append(one)
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
+
+    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
+        """Rotations about one axis with the errors of a problem, the most probable poles.
+
+        With these errors there are more minima than with those of ellipsoids.
+        """
+        axial = [each for each in self.convex if is_axial(each.state)]
+        if axial and axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
+            return [self._robust(problem, each) for each in axial[:_AXIAL_OTHERS]]
+        near: list[tuple[float, Refined]] = []
+        for each in axial[:_AXIAL_POLES]:
+            found = refinement.refine(
+                problem, each.state, tie=self.tie, fixed=self._fixed(each.state), gain=3e-3
+            )
+            near.append((found.cost + robust.occam(found.normal, len(problem)), found))
+        near.sort(key=lambda each: each[0])
+        chosen: list[Refined] = []
+        for _, each in near:
+            if not any(is_same(each.state, other.state) for other in chosen):
+                chosen.append(each)
+                if len(chosen) == _FINAL_AXIAL:
+                    break
+        return [self._robust(problem, each) for each in chosen]
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance

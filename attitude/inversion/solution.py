@@ -11,25 +11,15 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import (
-    aliases,
-    convex,
-    jackknife,
-    minkowski,
-    predictions,
-    refinement,
-    search,
-    states,
-)
-from attitude.inversion.facets import sphere
-from attitude.scattering import LommelSeeligerLambert
+from attitude.inversion import aliases, jackknife, refinement, search, states
+from attitude.inversion.curve_fit import CurveFit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from astropy.table import QTable
 
-    from attitude.annotations import Epochs, FilePath, FloatArray
+    from attitude.annotations import FilePath, FloatArray
     from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
     from attitude.inversion.jackknife import GroupErrors
@@ -37,28 +27,22 @@ if TYPE_CHECKING:
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.robust import Weighted
     from attitude.published.published import Published
-    from attitude.shape import Mesh
 
 _DAY = 86400.0
 
 
-class Solution:
+class Solution(CurveFit):
     """One spin state that fits a light curve; made by `spin_states`.
 
     Attributes
     ----------
-    rank : int
-        From 0.
-    curve : LightCurve
-    weighted : Weighted
-        Parameters of the search, residuals and weights.
+    curve, weighted, evidence, rank, relation
+        As of `CurveFit`.
     tie : Tie
         Of the moments of motion and shape.
-    relation : str
-        To the best solution, in words.
-    evidence : float
-        -2 ln of the posterior density at its maximum plus ln N a parameter, but for a constant.
     """
+
+    _made = "by inversion of a light curve"
 
     def __init__(
         self,
@@ -68,11 +52,9 @@ class Solution:
         tie: Tie,
         rank: int,
     ) -> None:
-        self.curve, self.weighted, self.rank = curve, weighted, rank
-        self._problem, self.tie = problem, tie
+        super().__init__(curve, weighted, problem, rank, "")
+        self.tie = tie
         self._rivals: list[Solution] = [self]
-        self.evidence: float = weighted.evidence
-        self.relation: str = ""
 
     @property
     def state(self) -> FloatArray:
@@ -159,31 +141,6 @@ class Solution:
         inner = self._covariances[1].covariance[:2, :2]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
-    @cached_property
-    def shape(self) -> Mesh:
-        """The closed convex mesh of the areas, of the volume of the unit sphere, in m."""
-        return minkowski.mesh(self.weighted.refined.areas, sphere().normals)
-
-    @property
-    def law(self) -> LommelSeeligerLambert:
-        """The scattering law without its phase function, which the linear terms replace."""
-        return LommelSeeligerLambert(c=convex.LAMBERT, a=0.0, k=0.0)
-
-    @property
-    def residuals(self) -> FloatArray:
-        """Observed less computed magnitudes, in the order of the curve (of averages, if many)."""
-        return self.weighted.residual
-
-    @property
-    def rms(self) -> float:
-        """Of the residuals, mag."""
-        return float(np.sqrt(np.mean(self.residuals**2)))
-
-    @property
-    def chi_squared(self) -> float:
-        """Mean square of the residuals over the given errors alone."""
-        return float(np.mean((self.residuals / self._problem.sigma) ** 2))
-
     def sample(self, count: int, seed: int = 0) -> list[FreeRotation]:
         """Motions drawn from the covariance; see `FreeRotation.sample`."""
         return self.motion.sample(count, seed)
@@ -210,27 +167,6 @@ class Solution:
 
         return posterior.sampled(self._rivals, method, walkers, steps, seed)
 
-    def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
-        """Apparent magnitudes at epochs of reception, and their standard errors.
-
-        Parameters
-        ----------
-        times : epochs, or LightCurve, optional
-            Epochs within the curve, where its geometry is interpolated; or a curve with geometry
-            of its own.  By default those of the curve.
-
-        Returns
-        -------
-        magnitude, sigma : (T,) arrays
-            The error of the motion, the shape and the zero points, and the model error.
-
-        Raises
-        ------
-        AttitudeError
-            For epochs outside of the curve.
-        """
-        return predictions.predicted(self, times)
-
     def _model(self, problem: CurveProblem) -> refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
         return refinement.model(problem, self.state)
@@ -240,14 +176,6 @@ class Solution:
         from attitude.inversion import figures
 
         return figures.of_solution(self, path)
-
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the motion with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
-
-        note = labels.pop("note", None) or f"by inversion of a light curve: {self!r}"
-        source = labels.pop("source", None) or "attitude.inversion"
-        spin_file.write(path, self.motion, source=source, note=note, **labels)
 
     def __repr__(self) -> str:
         psi, phi = self.P_psi / _DAY, self.P_phi / _DAY

@@ -37,8 +37,9 @@ if TYPE_CHECKING:
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
-# Standard deviations of chi-squared over N, above 1, of a curve that is not constant.
-_CONSTANT = 6.0
+# Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is not
+# constant, and the least such ratio that no constant curve has.
+_CONSTANT, _CONSTANT_AT_MOST = 3.0, 1.5
 # Frequencies searched at most, turns per span; more need a shorter curve.
 _MOST_TURNS = 1500.0
 # Of the epochs, the share that lies within the same third of the day for one site.
@@ -205,10 +206,14 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
 
 
 def is_constant(problem: CurveProblem) -> bool:
-    """Whether the linear terms alone explain the magnitudes."""
-    residual = problem.detrended
-    most = min(1.5, 1.0 + _CONSTANT * math.sqrt(2.0 / len(problem)))
-    return bool(np.mean((residual / problem.sigma) ** 2) < most)
+    """Whether the linear terms alone explain the magnitudes.
+
+    Free zero points of many nights take degrees of freedom, and most of a slow variation.
+    """
+    own = problem.with_model_error(0.0)
+    free = len(own) - float(np.sum(own.u**2))
+    most = min(_CONSTANT_AT_MOST, 1.0 + _CONSTANT * math.sqrt(2.0 / free))
+    return bool(np.sum((own.detrended / own.sigma) ** 2) < most * free)
 
 
 def _shifts(curve: LightCurve) -> tuple[float, ...]:
@@ -244,5 +249,6 @@ def _results(curve, found):
             for other in solutions
             if other is not each and abs(other.evidence - each.evidence) < verdicts.COMPETING_POLES
         ]
-    verdict, criterion = verdicts.verdict([each.weighted for each in solutions], found.problem)
+    weighted = [each.weighted for each in solutions]
+    verdict, criterion = verdicts.verdict(weighted, found.problem, found.is_complete)
     return SpinStates(solutions, verdict, criterion, tuple(found.notes))

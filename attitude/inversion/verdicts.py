@@ -26,8 +26,13 @@ COMPETING, COMPETING_POLES = 13.0, 12.0
 _LEAST_TURNS = 1.2
 
 
-def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]:
-    """The verdict and its criterion in words."""
+def verdict(
+    found: Sequence[Weighted], problem: CurveProblem, is_complete: bool = True
+) -> tuple[str, str]:
+    """The verdict and its criterion in words.
+
+    A search that is not complete has not seen what competes: its best solution is not solved.
+    """
     if not found:
         return OPEN, "No solution was found."
     best = found[0]
@@ -42,21 +47,23 @@ def verdict(found: Sequence[Weighted], problem: CurveProblem) -> tuple[str, str]
         if search.has_rates(each.refined.state, state)
         and each.evidence - best.evidence < COMPETING_POLES
     ]
+    needed = COMPETING if floor < search.FLOOR else search.ALONE
     words = (
         f"chi2/N is {floor:.2f} with errors of sigma and {search.FLOOR_ERROR:g} mag (floor "
         f"{search.FLOOR:g}); {100.0 * left:.1f} % of the variance is left; the next periods are "
-        f"{gap:.1f} behind in -2 ln(evidence) ({COMPETING:g} needed)"
+        f"{gap:.1f} behind in -2 ln(evidence) ({needed:g} needed)"
     )
-    accepted = floor < search.FLOOR and gap > COMPETING
-    accepted |= left < search.LEFT and gap > search.ALONE
+    accepted = (floor < search.FLOOR or left < search.LEFT) and gap > needed
     turns = abs(float(state[0]))
     if not search.is_axial(state):
         turns = min(turns, abs(float(state[1])))
+    if not is_complete:
+        return OPEN, f"The time ended before all periods were tried; give a larger budget. {words}."
     if not accepted or turns < _LEAST_TURNS:
         return OPEN, words + "."
     if search.is_axial(state):
         tumbling = [each for each in found[1:] if not search.is_axial(each.refined.state)]
-        close = sum(each.evidence - best.evidence < COMPETING for each in tumbling)
+        close = sum(each.evidence - best.evidence < needed for each in tumbling)
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     if poles:

@@ -32,6 +32,8 @@ _TO_WHOLE = 2.0**53
 # Off-diagonal elements of fewer bits change no bit that is kept.
 _NEGLIGIBLE = BITS - _KEPT - 40
 _SWEEPS = 30
+# Lengths of an angle of which the cube, and of one of which the square, is below the last bit.
+_SMALL, _TINY = BITS - 150, BITS // 2 - 1
 # Numbers of the results of one body, in an array of words: moments, ascending, and columns, the
 # components over the body axes of the first axis, of the second, of the third.
 VALUES, COLUMNS, KEPT = 0, 3, 12
@@ -133,20 +135,29 @@ def _rotate(w, p, q):
     rest, twice = magnitude(difference), magnitude(off) + magnitude(off)
     places = BITS - max(length_of(rest), length_of(twice))
     rest, twice = shifted_by(rest, places), shifted_by(twice, places)
-    scale = _root_reciprocal(_product(rest, rest) + _product(twice, twice))
-    square = _half(_one() + _product(rest, scale), 1)  # cos^2 a
-    secant = _root_reciprocal(square)
-    sine = _half(_product(_product(twice, scale), secant), 1)
+    small = length_of(twice) <= _SMALL
+    if small:
+        # a = |o / d|, its sine and its tangent differ by less than the last bit
+        scale = _root_reciprocal(_product(rest, rest))
+        sine = _product(_half(twice, 1), scale)
+        secant = _one()
+        cosine = secant - _half(_product(sine, sine), 1)
+    else:
+        scale = _root_reciprocal(_product(rest, rest) + _product(twice, twice))
+        square = _half(_one() + _product(rest, scale), 1)  # cos^2 a
+        secant = _root_reciprocal(square)
+        sine = _half(_product(_product(twice, scale), secant), 1)
+        cosine = _product(square, secant)
     if length_of(difference) > 0 and negative(difference) != negative(off):
         sine = wide(0) - sine
-    change = _product(_product(sine, secant), off)
+    tangent = sine if small else _product(sine, secant)
+    change = _product(tangent, off)
     store(w, pp, load(w, pp) - change)
     store(w, qq, load(w, qq) + change)
     store(w, pq, wide(0))
-    cosine = _product(square, secant)
     r = 3 - p - q
     _mix(w, _MATRIX + 3 * min(r, p) + max(r, p), _MATRIX + 3 * min(r, q) + max(r, q), cosine, sine)
-    for k in range(3):
+    for k in range(2):
         _mix(w, _AXES + 3 * k + p, _AXES + 3 * k + q, cosine, sine)
 
 
@@ -154,6 +165,10 @@ def _rotate(w, p, q):
 def _mix(w, i, j, cosine, sine):
     """Turn the pair of numbers i and j."""
     x, y = load(w, i), load(w, j)
+    if length_of(sine) <= _TINY:  # the cosine is 1
+        store(w, i, x - _product(sine, y))
+        store(w, j, y + _product(sine, x))
+        return
     store(w, i, _product(cosine, x) - _product(sine, y))
     store(w, j, _product(sine, x) + _product(cosine, y))
 
@@ -208,6 +223,12 @@ def diagonalise(tensor, exponent, w):
                 busy = True
         if not busy:
             break
+    # The third row of a rotation is the cross product of the others, which alone are turned.
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        one = _product(load(w, _AXES + j), load(w, _AXES + 3 + k))
+        other = _product(load(w, _AXES + k), load(w, _AXES + 3 + j))
+        store(w, _AXES + 6 + i, one - other)
 
 
 @subroutine

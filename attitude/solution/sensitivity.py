@@ -18,27 +18,41 @@ Returned
     -1, or the first body with an epoch beyond its reach
 """
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import entry_point, force_inlined
+from attitude.compilation.streaming import LINE, finish_stores
 from attitude.solution import codes
 from attitude.solution.columns import (
     add_products,
     add_products_of_rates,
+    any_missing,
     attitude_column,
-    copy_column,
     copy_sums,
+    epochs_again,
+    fill_still_rows,
+    found_rows,
+    keep_near_sums,
     keep_turn,
     rate_column,
+    rows_of,
     start_sums,
+    still_column,
+    still_rows,
+    stream_rows,
+    stream_sums,
+    use_near_sums,
 )
 from attitude.solution.kernel import any_beyond, reach
 from attitude.solution.short_times import any_near, near_column, near_rate_column
-from attitude.solution.tangent_record import BLOCK, COLUMNS
+from attitude.solution.tangent_record import BLOCK, COLUMNS, TURNS
 from attitude.solution.tangents import (
+    hyperbolic_attitudes_block,
     hyperbolic_block,
     hyperbolic_rates_block,
+    trigonometric_attitudes_block,
     trigonometric_block,
     trigonometric_rates_block,
 )
+from attitude.solution.triangular import hyperbolic_sums, trigonometric_sums
 from attitude.solution.uniform_tangents import (
     uniform_block,
     uniform_column,
@@ -49,67 +63,127 @@ from attitude.solution.uniform_tangents import (
 @entry_point
 def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
-    columns = attitude.shape[2]
+    fill_still_rows(block)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(attitude) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(attitude, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
+            if near or omega is not None:
+                trigonometric_attitudes_block(c, stop - head, block)
             if omega is not None:
-                trigonometric_rates_block(c, stop - start, block)
-            for j in range(columns):
-                attitude_column(d, j, stop - start, block)
-                if near:
-                    near_column(d, short[b], j, stop - start, block)
-                copy_column(block, o, j, start, stop, attitude)
+                trigonometric_rates_block(c, stop - head, block)
+            if again and not near and not any_missing(stop - head, block):
+                _stream(d, b, block, (first, start, stop, end), attitude)
                 if omega is not None:
-                    rate_column(d, j, stop - start, block)
-                    if near:
-                        near_rate_column(short[b], j, stop - start, block)
-                    copy_column(block, o, j, start, stop, omega)
+                    _stream_rates(d, b, block, (first, start, stop, end), omega)
+            else:
+                _store(d, short, b, near, block, (head, stop), attitude)
+                if omega is not None:
+                    _store_rates(d, short, b, near, block, (head, stop), omega)
+    finish_stores()
     return -1
 
 
 @entry_point
 def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
-    columns = attitude.shape[2]
+    fill_still_rows(block)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(attitude) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(attitude, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
+            if near or omega is not None:
+                hyperbolic_attitudes_block(c, stop - head, block)
             if omega is not None:
-                hyperbolic_rates_block(c, stop - start, block)
-            for j in range(columns):
-                attitude_column(d, j, stop - start, block)
-                if near:
-                    near_column(d, short[b], j, stop - start, block)
-                copy_column(block, o, j, start, stop, attitude)
+                hyperbolic_rates_block(c, stop - head, block)
+            if again and not near and not any_missing(stop - head, block):
+                _stream(d, b, block, (first, start, stop, end), attitude)
                 if omega is not None:
-                    rate_column(d, j, stop - start, block)
-                    if near:
-                        near_rate_column(short[b], j, stop - start, block)
-                    copy_column(block, o, j, start, stop, omega)
+                    _stream_rates(d, b, block, (first, start, stop, end), omega)
+            else:
+                _store(d, short, b, near, block, (head, stop), attitude)
+                if omega is not None:
+                    _store_rates(d, short, b, near, block, (head, stop), omega)
+    finish_stores()
     return -1
+
+
+@force_inlined
+def _store(d, short, b, near, block, span, attitude):
+    """Store the changes of attitude of a block of a motion that tumbles, for a span of epochs."""
+    row = b if len(attitude) > 1 else 0
+    for j in range(attitude.shape[2]):
+        x, y, z = rows_of(attitude, row, j, *span)
+        if j < TURNS:
+            still_column(j, block, x, y, z)
+            continue
+        attitude_column(d, j, block, x, y, z)
+        if near:
+            near_column(d, short[b], j, block, x, y, z)
+
+
+@force_inlined
+def _stream(d, b, block, spans, attitude):
+    """As `_store`, past the caches: whole lines of them, and the ends of the rows."""
+    row, (first, start, stop, _) = b if len(attitude) > 1 else 0, spans
+    head = max(start - LINE, first)
+    for j in range(min(attitude.shape[2], TURNS)):
+        x, y, z = still_rows(j, stop - head, block)
+        stream_rows(x, y, z, attitude[row, :, j], head, spans)
+    x, y, z = found_rows(block, stop - head)
+    for j in range(TURNS, attitude.shape[2]):
+        attitude_column(d, j, block, x, y, z)
+        stream_rows(x, y, z, attitude[row, :, j], head, spans)
+
+
+@force_inlined
+def _stream_rates(d, b, block, spans, omega):
+    """As `_store_rates`, past the caches."""
+    row, (first, start, stop, _) = b if len(omega) > 1 else 0, spans
+    head = max(start - LINE, first)
+    for j in range(min(omega.shape[2], TURNS)):
+        x, y, z = still_rows(-1, stop - head, block)
+        stream_rows(x, y, z, omega[row, :, j], head, spans)
+    x, y, z = found_rows(block, stop - head)
+    for j in range(TURNS, omega.shape[2]):
+        rate_column(d, j, block, x, y, z)
+        stream_rows(x, y, z, omega[row, :, j], head, spans)
+
+
+@force_inlined
+def _store_rates(d, short, b, near, block, span, omega):
+    """Store the changes of the angular velocity, as `_store`."""
+    row = b if len(omega) > 1 else 0
+    for j in range(omega.shape[2]):
+        x, y, z = rows_of(omega, row, j, *span)
+        if j < TURNS:
+            still_column(-1, block, x, y, z)
+            continue
+        rate_column(d, j, block, x, y, z)
+        if near:
+            near_rate_column(short[b], j, block, x, y, z)
 
 
 @entry_point
@@ -130,11 +204,11 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             uniform_block(c, d, times, low, block)
             for j in range(columns):
-                uniform_column(d, j, stop - start, block)
-                copy_column(block, o, j, start, stop, attitude)
+                x, y, z = rows_of(attitude, o, j, start, stop)
+                uniform_column(d, j, block, x, y, z)
                 if omega is not None:
-                    uniform_rate_column(d, j, stop - start, block)
-                    copy_column(block, o, j, start, stop, omega)
+                    x, y, z = rows_of(omega, o, j, start, stop)
+                    uniform_rate_column(d, j, block, x, y, z)
     return -1
 
 
@@ -144,34 +218,35 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
     rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(out) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            n = stop - start
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(out, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
+            if near or rates:
+                trigonometric_attitudes_block(c, stop - head, block)
             if rates:
-                trigonometric_rates_block(c, n, block)
-            start_sums(n, 21 if rates else 6, block)
-            for j in range(COLUMNS):
-                attitude_column(d, j, n, block)
-                if near:
-                    near_column(d, short[b], j, n, block)
-                add_products(n, block)
-                if rates:
-                    keep_turn(n, block)
-                    rate_column(d, j, n, block)
-                    if near:
-                        near_rate_column(short[b], j, n, block)
-                    add_products_of_rates(n, block)
-            copy_sums(block, o, start, stop, out)
+                trigonometric_rates_block(c, stop - head, block)
+            if near or rates:
+                _sum(d, short, b, near, block, stop - head, rates)
+                keep_near_sums(stop - head, block)
+            trigonometric_sums(d, stop - head, block)
+            if near:
+                use_near_sums(stop - head, short[b].reach, block)
+            o = b if len(out) > 1 else 0
+            if again:
+                stream_sums(block, o, (first, start, stop, end), out)
+            else:
+                copy_sums(block, o, start, stop, out)
+    finish_stores()
     return -1
 
 
@@ -181,35 +256,54 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
     rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(out) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            n = stop - start
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+        again = epochs_again(out, end - first)
+        for start in range(first, end, BLOCK - again):
+            stop = min(start + BLOCK - again, end)
+            head = max(start - again, first)
+            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
+            if near or rates:
+                hyperbolic_attitudes_block(c, stop - head, block)
             if rates:
-                hyperbolic_rates_block(c, n, block)
-            start_sums(n, 21 if rates else 6, block)
-            for j in range(COLUMNS):
-                attitude_column(d, j, n, block)
-                if near:
-                    near_column(d, short[b], j, n, block)
-                add_products(n, block)
-                if rates:
-                    keep_turn(n, block)
-                    rate_column(d, j, n, block)
-                    if near:
-                        near_rate_column(short[b], j, n, block)
-                    add_products_of_rates(n, block)
-            copy_sums(block, o, start, stop, out)
+                hyperbolic_rates_block(c, stop - head, block)
+            if near or rates:
+                _sum(d, short, b, near, block, stop - head, rates)
+                keep_near_sums(stop - head, block)
+            hyperbolic_sums(c, d, stop - head, block)
+            if near:
+                use_near_sums(stop - head, short[b].reach, block)
+            o = b if len(out) > 1 else 0
+            if again:
+                stream_sums(block, o, (first, start, stop, end), out)
+            else:
+                copy_sums(block, o, start, stop, out)
+    finish_stores()
     return -1
+
+
+@force_inlined
+def _sum(d, short, b, near, block, n, rates):
+    """Sum the products of the columns of a block of a motion that tumbles, for n epochs."""
+    start_sums(n, 21 if rates else 6, block)
+    x, y, z = found_rows(block, n)
+    for j in range(COLUMNS):
+        attitude_column(d, j, block, x, y, z)
+        if near:
+            near_column(d, short[b], j, block, x, y, z)
+        add_products(n, block)
+        if rates:
+            keep_turn(n, block)
+            rate_column(d, j, block, x, y, z)
+            if near:
+                near_rate_column(short[b], j, block, x, y, z)
+            add_products_of_rates(n, block)
 
 
 @entry_point
@@ -231,12 +325,13 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
             times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
             uniform_block(c, d, times, low, block)
             start_sums(n, 21 if rates else 6, block)
+            x, y, z = found_rows(block, n)
             for j in range(COLUMNS):
-                uniform_column(d, j, n, block)
+                uniform_column(d, j, block, x, y, z)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
-                    uniform_rate_column(d, j, n, block)
+                    uniform_rate_column(d, j, block, x, y, z)
                     add_products_of_rates(n, block)
             copy_sums(block, o, start, stop, out)
     return -1

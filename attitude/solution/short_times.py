@@ -18,7 +18,7 @@ from attitude.compilation.instructions import fma
 from attitude.solution import codes
 from attitude.solution.derivatives import state_of
 from attitude.solution.second_kind import integrals
-from attitude.solution.tangent_record import BLOCK, COLUMNS, FOUND, SECONDS, WXYZ
+from attitude.solution.tangent_record import BLOCK, COLUMNS, SECONDS, WXYZ
 from attitude.solution.uniform_tangents import couplings_of, forced
 
 # Beyond, the terms are below 0.2^24 = 2e-17 of the first.
@@ -150,13 +150,13 @@ def _sum(series, row, j, x):
 
 
 @force_inlined
-def near_column(d, s, j, n, block):
+def near_column(d, s, j, block, x, y, z):
     """Replace the change of attitude at the epochs within reach (solution.columns)."""
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)
     ix, iy, iz = d.impulse[0, j], d.impulse[1, j], d.impulse[2, j]
-    for i in range(n):
+    for i in range(len(x)):
         t = block[SECONDS + i]
         if 0.0 < abs(t) <= s.reach:
             at = t / s.reach
@@ -173,18 +173,18 @@ def near_column(d, s, j, n, block):
             uy = iy - (vy + qw * ty + (qz * tx - qx * tz))
             uz = iz - (vz + qw * tz + (qx * ty - qy * tx))
             zeta = length * _sum(s.series, _ZETA, j, at)
-            block[FOUND + i] = over * (ly * uz - lz * uy) + zeta * lx
-            block[FOUND + BLOCK + i] = over * (lz * ux - lx * uz) + zeta * ly
-            block[FOUND + 2 * BLOCK + i] = over * (lx * uy - ly * ux) + zeta * lz
+            x[i] = over * (ly * uz - lz * uy) + zeta * lx
+            y[i] = over * (lz * ux - lx * uz) + zeta * ly
+            z[i] = over * (lx * uy - ly * ux) + zeta * lz
 
 
 @force_inlined
-def near_rate_column(s, j, n, block):
+def near_rate_column(s, j, block, x, y, z):
     """Replace the change of the angular velocity at the epochs within reach."""
-    for i in range(n):
+    for i in range(len(x)):
         t = block[SECONDS + i]
         if 0.0 < abs(t) <= s.reach:
             at = t / s.reach
-            block[FOUND + i] = _sum(s.series, 3, j, at)
-            block[FOUND + BLOCK + i] = _sum(s.series, 4, j, at)
-            block[FOUND + 2 * BLOCK + i] = _sum(s.series, 5, j, at)
+            x[i] = _sum(s.series, 3, j, at)
+            y[i] = _sum(s.series, 4, j, at)
+            z[i] = _sum(s.series, 5, j, at)

@@ -16,11 +16,13 @@ import numpy as np
 # 4096 bytes apart would share the lines of the cache.
 BLOCK = 248
 SECONDS, BASIS, Y, PASSED = (BLOCK * row for row in (0, 1, 10, 11))
-WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (12, 16, 19, 21))
-TURNED, SUMS = BLOCK * 24, BLOCK * 27
-ROWS = 48
+WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (12, 16, 19, 23))
+TURNED, SUMS, ZEROS, ONES, NEAR_SUMS = (BLOCK * row for row in (26, 29, 50, 51, 52))
+ROWS = 58
 
-# Parameters: initial attitude (3), angular velocity (3), principal moments (3).
+# Parameters: initial attitude (3), angular velocity (3), principal moments (3).  A change of the
+# initial attitude over inertial axes stays as it is, and changes no angular velocity.
+TURNS = 3
 COLUMNS = 9
 
 # Rows of `weights`.

@@ -4,7 +4,7 @@ import math
 
 from attitude.compilation.decorators import entry_point, subroutine
 from attitude.solution import codes
-from attitude.solution.columns import attitude_column
+from attitude.solution.columns import attitude_column, found_rows
 from attitude.solution.derivatives import derive
 from attitude.solution.given_axes import product, turned_by, unit
 from attitude.solution.series import four
@@ -68,8 +68,9 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             else:
                 fill_hyperbolic(c, d.series)
                 hyperbolic_block(c, d, epoch, None, block)
+            x, y, z = found_rows(block, 1)
             for j in range(COLUMNS):
-                attitude_column(d, j, 1, block)
+                attitude_column(d, j, block, x, y, z)
                 for k in range(3):
                     d.offset[k, j] = (1.0 if j == k else 0.0) - block[FOUND + k * BLOCK]
 

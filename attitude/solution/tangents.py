@@ -11,7 +11,8 @@ Given
     t, t_low   (n,) seconds, n <= BLOCK; `t_low` may be None
 Filled
     block      (ROWS BLOCK,) rows of solution.tangent_record: seconds, three vectors over inertial
-               axes, y and k, attitudes, and the arguments from which the angular velocity follows
+               axes, y and k of the hyperbolic form, and the arguments from which the attitudes and
+               the angular velocities follow
 """
 
 import math
@@ -68,14 +69,22 @@ def _combined(row, q):
 
 
 @subroutine
-def _rotation(pair, change, over):
-    """x, y before the precession and z of the rotation vector of a change of the pair."""
+def _doubled(pair):
+    """2/N times the pair."""
+    ar, ai, br, bi = pair
+    over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
+    return over * ar, over * ai, over * br, over * bi
+
+
+@subroutine
+def _rotation(pair, change):
+    """x, y before the precession and z of the rotation vector of a change; the pair times 2/N."""
     ar, ai, br, bi = pair
     cr, ci, dr, di = change
     x = fma(ar, dr, -ai * di) - fma(br, cr, -bi * ci)
     y = fma(ar, di, ai * dr) - fma(br, ci, bi * cr)
     z = fma(ci, ar, -cr * ai) + fma(di, br, -dr * bi)
-    return over * x, over * y, over * z
+    return x, y, z
 
 
 @subroutine
@@ -136,7 +145,7 @@ def trigonometric_block(c, d, t, t_low, block):
     alpha = four(c.alpha[0]), four(c.alpha[1])
     beta = four(c.beta[0]), four(c.beta[1])
     by_v, by_rho, by_x = _four_rows(d.series[0]), _four_rows(d.series[1]), _four_rows(d.series[2])
-    frame, invariant = frame_of(c), _matrix(d.invariant)
+    invariant = _matrix(d.invariant)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
@@ -145,8 +154,7 @@ def trigonometric_block(c, d, t, t_low, block):
         double_cosine, double_sine = fma(-2.0 * sn, sn, 1.0), 2.0 * sn * cn
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         sine, cosine = sincos(s, lo)
-        ar, ai, br, bi = pair
-        over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
+        pair = _doubled(pair)
         to = _precessed(invariant, sine, cosine)
         change = (
             double_sine * cubic(by_v[0], double_cosine),
@@ -155,25 +163,24 @@ def trigonometric_block(c, d, t, t_low, block):
             sn * cubic(by_v[3], double_cosine),
         )
         block[SECONDS + i] = time + low
-        x, y, z = _applied(to, _rotation(pair, change, over))
+        x, y, z = _applied(to, _rotation(pair, change))
         block[BASIS + i] = x
         block[BASIS + 1 * BLOCK + i] = y
         block[BASIS + 2 * BLOCK + i] = z
         change = trigonometric_pair((by_rho[0], by_rho[1]), (by_rho[2], by_rho[3]), sn, cn)
-        x, y, z = _applied(to, _rotation(pair, change, over))
+        x, y, z = _applied(to, _rotation(pair, change))
         block[BASIS + 3 * BLOCK + i] = x
         block[BASIS + 4 * BLOCK + i] = y
         block[BASIS + 5 * BLOCK + i] = z
         change = trigonometric_pair((by_x[0], by_x[1]), (by_x[2], by_x[3]), sn, cn)
-        x, y, z = _applied(to, _rotation(pair, change, over))
+        x, y, z = _applied(to, _rotation(pair, change))
         block[BASIS + 6 * BLOCK + i] = x
         block[BASIS + 7 * BLOCK + i] = y
         block[BASIS + 8 * BLOCK + i] = z
-        block[Y + i] = 0.0
-        block[PASSED + i] = 0.0
-        _store_attitude(frame, turned(pair, sine, cosine), block, i)
         block[ARGUMENTS + i] = sn
         block[ARGUMENTS + BLOCK + i] = cn
+        block[ARGUMENTS + 2 * BLOCK + i] = sine
+        block[ARGUMENTS + 3 * BLOCK + i] = cosine
 
 
 @force_inlined
@@ -186,45 +193,48 @@ def hyperbolic_block(c, d, t, t_low, block):
     alpha = four(c.alpha[0]), four(c.alpha[1])
     by_y = four(d.series[0, 0]), four(d.series[0, 1])
     by_nome = four(d.series[1, 0]), four(d.series[1, 1])
-    frame, invariant = frame_of(c), _matrix(d.invariant)
+    invariant = _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
     unit = nome if winds != 0.0 else 1.0
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx = s + lo
-        arguments = hyperbolic_arguments(dx, decay, nome)
+        e, over, _ = hyperbolic_arguments(dx, decay, 1.0)
+        arguments = e, nome * over, nome * e
         pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
         change = _by_y(by_y, ratio, dx, half_turns, arguments)
-        other = hyperbolic_pair(
-            by_nome, ratio, dx, half_turns, hyperbolic_arguments(dx, decay, unit)
-        )
+        other = hyperbolic_pair(by_nome, ratio, dx, half_turns, (e, unit * over, unit * e))
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)
-        ar, ai, br, bi = pair
-        over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
+        pair = _doubled(pair)
         to = _precessed(invariant, sine, cosine)
         block[SECONDS + i] = time + low
-        x, y, z = _applied(to, _rotation(pair, change, over))
+        turn = _rotation(pair, change)
+        x, y, z = _applied(to, turn)
         block[BASIS + i] = x
         block[BASIS + 1 * BLOCK + i] = y
         block[BASIS + 2 * BLOCK + i] = z
-        ar, ai, br, bi = change
-        x, y, z = _applied(to, _rotation(pair, (-ai, ar, -bi, br), over))
+        # the series are analytic in y + i d: i times the change
+        ar, ai, br, bi = pair
+        cr, ci, dr, di = change
+        along = fma(cr, ar, ci * ai) + fma(dr, br, di * bi)
+        x, y, z = _applied(to, (-turn[1], turn[0], along))
         block[BASIS + 3 * BLOCK + i] = x
         block[BASIS + 4 * BLOCK + i] = y
         block[BASIS + 5 * BLOCK + i] = z
-        x, y, z = _applied(to, _rotation(pair, other, over))
+        x, y, z = _applied(to, _rotation(pair, other))
         block[BASIS + 6 * BLOCK + i] = x
         block[BASIS + 7 * BLOCK + i] = y
         block[BASIS + 8 * BLOCK + i] = z
         block[Y + i] = length * dx
         # The number of the passage: whole turns of 2 x, which parity alone does not tell.
         block[PASSED + i] = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
-        _store_attitude(frame, turned(pair, sine, cosine), block, i)
         block[ARGUMENTS + i] = dx
         block[ARGUMENTS + BLOCK + i] = half_turns
+        block[ARGUMENTS + 2 * BLOCK + i] = sine
+        block[ARGUMENTS + 3 * BLOCK + i] = cosine
 
 
 @subroutine
@@ -239,6 +249,33 @@ def _by_y(alpha, ratio, dx, half_turns, arguments):
     br = factor * fma(e, cubic(cosines, -g), cubic(cosines, -f))
     bi = factor * sign * fma(-e, cubic(sines, -g), cubic(sines, -f))
     return ar, ai, br, bi
+
+
+@force_inlined
+def trigonometric_attitudes_block(c, n, block):
+    """Fill the attitudes of a block after `trigonometric_block`, and the rows of no passage."""
+    alpha, beta = (four(c.alpha[0]), four(c.alpha[1])), (four(c.beta[0]), four(c.beta[1]))
+    frame = frame_of(c)
+    for i in range(n):
+        sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
+        sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
+        pair = trigonometric_pair(alpha, beta, sn, cn)
+        _store_attitude(frame, turned(pair, sine, cosine), block, i)
+        block[Y + i] = 0.0
+        block[PASSED + i] = 0.0
+
+
+@force_inlined
+def hyperbolic_attitudes_block(c, n, block):
+    """Fill the attitudes of a block after `hyperbolic_block`."""
+    alpha, ratio = (four(c.alpha[0]), four(c.alpha[1])), c.beta[0, 0]
+    frame, decay, nome = frame_of(c), c.decay, c.nome
+    for i in range(n):
+        dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
+        sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
+        arguments = hyperbolic_arguments(dx, decay, nome)
+        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+        _store_attitude(frame, turned(pair, sine, cosine), block, i)
 
 
 @force_inlined

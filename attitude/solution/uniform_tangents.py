@@ -17,8 +17,7 @@ from attitude.compilation.instructions import fma
 from attitude.solution.given_axes import turned_by, unit
 from attitude.solution.kernel import epoch_pair
 from attitude.solution.phases import phase, sincos
-from attitude.solution.series import four
-from attitude.solution.tangent_record import BASIS, BLOCK, COLUMNS, FOUND, SECONDS, WXYZ
+from attitude.solution.tangent_record import BASIS, BLOCK, COLUMNS, SECONDS
 from attitude.solution.twofloat import TWO_PI, add, div, mul, neg, pair, scale, sqrt, square, sub
 
 # Rows of a block.
@@ -174,12 +173,11 @@ def _put_turn(d, j, row, turns, moments, axis, change):
 
 @force_inlined
 def uniform_block(c, d, t, t_low, block):
-    """Fill seconds, cosine and sine of the turn, S and V, and the attitudes of a block.
+    """Fill seconds, cosine and sine of the turn, S and V of a block.
 
     Arguments as in solution.tangents.
     """
     gh, gl = c.precession[0], c.precession[1]
-    start, turn = four(c.frame[0]), four(c.frame[1])
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
@@ -187,10 +185,6 @@ def uniform_block(c, d, t, t_low, block):
         block[SECONDS + i] = time + low
         block[COSINE + i] = fma(-2.0 * sine, sine, 1.0)
         block[SINE + i] = 2.0 * sine * cosine
-        block[WXYZ + i] = fma(start[0], cosine, turn[0] * sine)
-        block[WXYZ + BLOCK + i] = fma(start[1], cosine, turn[1] * sine)
-        block[WXYZ + 2 * BLOCK + i] = fma(start[2], cosine, turn[2] * sine)
-        block[WXYZ + 3 * BLOCK + i] = fma(start[3], cosine, turn[3] * sine)
     _wobbles(d, t, t_low, block)
 
 
@@ -225,29 +219,29 @@ def _sum(u, k, j, first, swing, lift, seconds):
 
 
 @force_inlined
-def uniform_column(d, j, n, block):
+def uniform_column(d, j, block, x, y, z):
     """Fill the change of attitude over inertial axes with parameter j (solution.columns)."""
     u = d.uniform
-    for i in range(n):
+    for i in range(len(x)):
         seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]
         cosine, sine = block[COSINE + i], block[SINE + i]
-        x = fma(u[1, 0, j], seconds, u[0, 0, j])
-        y = fma(u[1, 1, j], seconds, u[0, 1, j])
-        z = fma(u[1, 2, j], seconds, u[0, 2, j])
-        x = fma(sine, _sum(u, 0, j, 6, swing, lift, seconds), x)
-        y = fma(sine, _sum(u, 1, j, 6, swing, lift, seconds), y)
-        z = fma(sine, _sum(u, 2, j, 6, swing, lift, seconds), z)
-        block[FOUND + i] = fma(cosine, _sum(u, 0, j, 2, swing, lift, seconds), x)
-        block[FOUND + BLOCK + i] = fma(cosine, _sum(u, 1, j, 2, swing, lift, seconds), y)
-        block[FOUND + 2 * BLOCK + i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), z)
+        a = fma(u[1, 0, j], seconds, u[0, 0, j])
+        b = fma(u[1, 1, j], seconds, u[0, 1, j])
+        c = fma(u[1, 2, j], seconds, u[0, 2, j])
+        a = fma(sine, _sum(u, 0, j, 6, swing, lift, seconds), a)
+        b = fma(sine, _sum(u, 1, j, 6, swing, lift, seconds), b)
+        c = fma(sine, _sum(u, 2, j, 6, swing, lift, seconds), c)
+        x[i] = fma(cosine, _sum(u, 0, j, 2, swing, lift, seconds), a)
+        y[i] = fma(cosine, _sum(u, 1, j, 2, swing, lift, seconds), b)
+        z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
 
 
 @force_inlined
-def uniform_rate_column(d, j, n, block):
+def uniform_rate_column(d, j, block, x, y, z):
     """Fill the change of the angular velocity, rad/s over the given body axes."""
     u = d.uniform_rates
-    for i in range(n):
+    for i in range(len(x)):
         seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]
-        block[FOUND + i] = _sum(u, 0, j, 0, swing, lift, seconds)
-        block[FOUND + BLOCK + i] = _sum(u, 1, j, 0, swing, lift, seconds)
-        block[FOUND + 2 * BLOCK + i] = _sum(u, 2, j, 0, swing, lift, seconds)
+        x[i] = _sum(u, 0, j, 0, swing, lift, seconds)
+        y[i] = _sum(u, 1, j, 0, swing, lift, seconds)
+        z[i] = _sum(u, 2, j, 0, swing, lift, seconds)

@@ -1,8 +1,8 @@
-"""The compiled loop over the rows of a survey: brightness over its mean."""
+"""The compiled loops over the rows of a survey: epochs, and brightness over its mean."""
 
 import math
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import entry_point, sized_entry_point
 from attitude.light_curve.closed_form import intensity
 
 
@@ -23,3 +23,12 @@ def over_mean(areas, factor, sun, observer, brightness):
         o = 1.0 / math.sqrt(ox * ox + oy * oy + oz * oz)
         sphere = intensity(1.0, 1.0, 1.0, scale, sx * s, sy * s, sz * s, ox * o, oy * o, oz * o)
         brightness[n] /= sphere * areas[n]
+
+
+@sized_entry_point
+def interpolated(x, first, table, out):
+    """Fill linear interpolations at x (R,) in a table of values at first, first + 1/2, ..."""
+    for n in range(x.size):
+        place = 2.0 * (x[n] - first)
+        k = int(place)
+        out[n] = table[k] + (place - k) * (table[k + 1] - table[k])

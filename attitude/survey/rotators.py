@@ -255,9 +255,11 @@ def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
     if last - first > mjd.size:
         return time_scales.tdb_minus_tt(_MJD, mjd)
     table = time_scales.tdb_minus_tt(_MJD, first + 0.5 * np.arange(2 * (last - first) + 1))
-    place = 2.0 * (mjd - first)
-    half = place.astype(np.intp)
-    found: FloatArray = table[half] + (place - half) * np.diff(table)[half]
+    from attitude.survey import loops
+
+    found = np.empty(mjd.shape)
+    flat = read_only(np.ascontiguousarray(mjd).reshape(-1))
+    loops.interpolated(flat, float(first), read_only(table), found.reshape(-1))
     return found
 
 

@@ -1,0 +1,83 @@
+"""Evidence and verdicts: what competes with the best solution."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from attitude.inversion import ellipsoid_search, problem, refinement, robust, verdicts
+from attitude.inversion.spin_states import is_constant
+
+COUNT = 100
+
+
+def _problem(sigma):
+    y = np.sin(np.arange(COUNT))
+    ones = np.ones((COUNT, 1))
+    given = np.linspace(-0.5, 0.5, COUNT), 1.0, np.zeros((3, COUNT)), np.zeros((3, COUNT)), y
+    return problem.CurveProblem.of(*given, np.full(COUNT, sigma), ones, np.full(1, np.inf), 0.0)
+
+
+def _solution(nutation, evidence, residual, pole=0):
+    state, signs = np.zeros(refinement.WIDTH), np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    state[:5] = 20.0, nutation, 0.0, -1.0 if nutation else ellipsoid_search.AXIAL, 0.0
+    state[5:14] = np.roll(np.eye(3), pole, axis=0).ravel()
+    return SimpleNamespace(
+        refined=SimpleNamespace(state=state), evidence=evidence, residual=residual * signs
+    )
+
+
+@pytest.mark.parametrize(
+    ("residual", "behind", "expected"),
+    [
+        (0.01, 5.0, verdicts.PERIODS),  # as small as the errors: 13 decide
+        (0.01, 20.0, verdicts.SOLVED),
+        (0.05, 20.0, verdicts.PERIODS),  # larger than the errors: 120 decide
+        (0.05, 130.0, verdicts.SOLVED),
+    ],
+)
+def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expected):
+    found = [_solution(0.0, 0.0, residual), _solution(-7.0, behind, residual)]
+    assert verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+def test_other_poles_leave_the_periods():
+    found = [_solution(7.0, 0.0, 0.01), _solution(7.0, 5.0, 0.01, pole=1)]
+    assert verdicts.verdict(found, _problem(0.02))[0] == verdicts.PERIODS
+    found[1].evidence = 50.0
+    assert verdicts.verdict(found, _problem(0.02))[0] == verdicts.SOLVED
+
+
+def test_a_search_that_was_cut_off_claims_nothing():
+    verdict, words = verdicts.verdict([_solution(7.0, 0.0, 0.01)], _problem(0.02), False)
+    assert verdict == verdicts.OPEN and "larger budget" in words
+
+
+def test_zero_points_of_nights_do_not_hide_a_variation():
+    """A slow variation of 0.115 mag within each night, of which zero points take the mean."""
+    t = np.sort(np.random.default_rng(2).uniform(0.0, 1.0, 400))
+    nights = np.floor(40.0 * t)
+    terms = (nights[:, None] == np.arange(40)).astype(float)
+    noise = 0.05 * np.random.default_rng(3).normal(size=400)
+    zeros = np.zeros((3, 400))
+    for size, expected in ((0.0, True), (0.115, False)):
+        y = noise + size * (40.0 * t - nights - 0.5)
+        rest = zeros, zeros, y, np.full(400, 0.05), terms, np.full(40, np.inf), 0.07
+        assert is_constant(problem.CurveProblem.of(t, 1.0, *rest)) is expected
+
+
+def test_residuals_above_the_errors_are_not_solved():
+    assert verdicts.verdict([_solution(7.0, 0.0, 0.5)], _problem(0.02))[0] == verdicts.OPEN
+    assert verdicts.verdict([], _problem(0.02))[0] == verdicts.OPEN
+
+
+def test_the_volume_of_a_minimum_counts():
+    """By Laplace's method; parameters of the nutation count ln N each instead."""
+    normal = np.diag(np.arange(1.0, refinement.SIZE + 1.0) * 1e4)
+    first = robust.occam(normal, COUNT)
+    narrow = normal.copy()
+    narrow[1, 1] *= 9.0
+    assert robust.occam(narrow, COUNT) - first == pytest.approx(np.log(9.0), abs=1e-3)
+    narrow = normal.copy()
+    narrow[6, 6] *= 9.0
+    assert robust.occam(narrow, COUNT) == first
