@@ -82,12 +82,27 @@ PUBLIC_MODULES: tuple[str, ...] = (
     *(
         f"attitude.{name}"
         for name in (
-            *("arcs", "arcs.triggers", "attitude_table", "body", "catalog", "ensemble", "epochs"),
-            *("errors", "events", "fitting", "formats", "frames", "free_rotation", "history"),
-            *("inversion", "jacobi", "jax", "light_curve", "motion", "paths", "plots"),
-            *("propagation", "published", "quaternion", "referee", "regime", "representations"),
-            *("scattering", "scene", "sensitivities", "shape", "spectrum", "spin", "splitting"),
-            *("survey", "torch", "torques", "viewer"),
+            *("arcs", "arcs.triggers", "attitude_table", "axes.axes", "body", "catalog"),
+            *("conditions.condition", "conditions.observable", "ensemble"),
+            *("ensemble.partitioned", "epochs", "errors", "events", "fitting", "formats"),
+            *("formats.acm", "formats.aem", "formats.apm", "formats.ck", "formats.damit"),
+            *("formats.detect", "formats.mission", "formats.photometry", "formats.spin_file"),
+            *("formats.stk", "formats.tables", "frames", "free_rotation", "history", "inversion"),
+            *(
+                "jacobi",
+                "jax",
+                "light_curve",
+                "motion",
+                "paths",
+                "paths.two_body",
+                "photometry",
+                "plots",
+            ),
+            *("propagation", "published", "published.dynamic_inertia"),
+            *("published.regular_precession", "published.uncertainty", "quaternion", "referee"),
+            *("regime", "representations", "scattering", "scene", "sensitivities.columns"),
+            *("sensitivities.covariance", "sensitivities.elements", "shape", "spectrum", "spin"),
+            *("splitting", "survey", "torch", "torques", "viewer"),
         )
     ),
 )

@@ -6,6 +6,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(ROOT / "docs"))
 
 import attitude
 
@@ -17,12 +18,16 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
     "myst_nb",
+    "mathml",
 ]
+html_math_renderer = "mathml"
 exclude_patterns = ["_build", "figures"]
+html_show_copyright = False
 html_theme = "furo"
 html_title = "attitude"
 # Pages link to headings of other pages, as on the forge.
 myst_heading_anchors = 4
+myst_fence_as_directive = ["math"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 suppress_warnings = [
     "myst.xref_missing",  # links to scripts, data and tests, which are no part of the site

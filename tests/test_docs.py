@@ -64,3 +64,15 @@ def test_public_modules_exist_and_pages_are_in_the_site():
     index = (ROOT / "docs" / "index.md").read_text()
     for page in (ROOT / "docs").glob("*.md"):
         assert page.stem == "index" or f"\n{page.stem}\n" in index, f"{page.name} is in no contents"
+
+
+def test_docs_import_from_public_modules():
+    """Functions of own laws are compiled by `attitude.compilation.decorators`, which may change."""
+    import attitude
+
+    pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
+    examples = sorted((ROOT / "examples").glob("*.py"))
+    for file in [page for page in pages if "_build" not in page.parts] + examples:
+        for name in re.findall(r"\bfrom (attitude[\w.]*) import ", file.read_text()):
+            known = name in attitude.PUBLIC_MODULES or name == "attitude.compilation.decorators"
+            assert known, f"{file.name} imports from {name}"

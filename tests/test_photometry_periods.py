@@ -271,7 +271,7 @@ def test_candidates_of_known_lines():
 # Commands -----------------------------------------------------------------------------------------
 
 
-def test_commands(tmp_path, capsys):
+def test_commands(tmp_path, capsys, monkeypatch):
     """Toutatis, 1992: P_phi 7.4 d and P_psi 5.4 d (Zhao et al. 2015) from the photometry alone."""
     given = [str(PHOTOMETRY), "--zero-points", "shared", "--g", "0.15"]
     figure = tmp_path / "p.png"
@@ -281,8 +281,11 @@ def test_commands(tmp_path, capsys):
     best = next(line for line in text.splitlines() if line.startswith("  1 "))
     assert float(best.split()[3]) == pytest.approx(7.40, abs=0.02)
     assert figure.stat().st_size > 10_000
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("attitude.progress._PATIENCE", 0.0)
     assert cli.main(["periods", *given, *limits, "--two"]) == 0
-    text = capsys.readouterr().out
+    text, err = capsys.readouterr()
+    assert "pairs of periods" in err and err.endswith("100 %\n")
     best = next(line for line in text.splitlines() if line.startswith("  1 "))
     first, second = float(best.split()[1]) / 24.0, float(best.split()[3]) / 24.0
     assert first == pytest.approx(7.40, abs=0.03) and second == pytest.approx(5.38, abs=0.03)

@@ -183,7 +183,7 @@ def test_too_many_facets_are_drawn_with_fewer():
 def test_a_body_at_rest_is_drawn():
     still = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
     data = content(view(FreeRotation(Body(moments=(1, 2, 3)), still)))
-    assert data["momentum"] is None and data["poinsot"] is None
+    assert data["momentum"] is None and data["poinsot"] is None and data["turns"] is False
     assert data["duration"] == 3600.0
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import TYPE_CHECKING, Any
 
 from attitude.cli import orbit, output
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from attitude.photometry import Periodogram, Photometry, TwoPeriods
@@ -140,17 +140,14 @@ def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
 def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
     from attitude import photometry
 
-    progress = _print_progress if sys.stderr.isatty() else None
     found = photometry.two_periods(
         data,
         min_period=arguments.min,
         max_period=arguments.max,
         order=arguments.order,
         count=max(arguments.count, _ROWS),
-        progress=progress,
+        progress=ProgressBar("pairs of periods"),
     )
-    if progress is not None:
-        print(file=sys.stderr)
     print(f"{found.tried} pairs; by chance 1 of 100 leaves {found.false_alarm:.3f} of chi-squared")
     print(f"{'':4}{'first, h':>12}{'+-':>9}{'second, h':>13}{'+-':>9}{'left':>8}  relation")
     for rank, pair in enumerate(found.pairs[: arguments.count], 1):
@@ -166,7 +163,3 @@ def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
     for rank, candidate in enumerate(found.candidates(arguments.count), 1):
         print(f"{rank:3d} {candidate}")
     return found
-
-
-def _print_progress(done: int, tried: int) -> None:
-    print(f"\rattitude: {100 * done // max(tried, 1):3d} % of the pairs", end="", file=sys.stderr)

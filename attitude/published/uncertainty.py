@@ -83,8 +83,12 @@ def spread(
     AttitudeError
         If no motion has the values themselves.
 
-    >>> found = spread(A_over_C=(0.61, -0.08, 0.11), B_over_C=(0.965, -0.015, 0.009),
-    ...     mode="SAM", convention="S", P_psi="263 h", P_phi="27.38 h")
+    Examples
+    --------
+    >>> found = spread(
+    ...     A_over_C=(0.61, -0.08, 0.11), B_over_C=(0.965, -0.015, 0.009),
+    ...     mode="SAM", convention="S", P_psi="263 h", P_phi="27.38 h",
+    ... )
     >>> "{:.4f} -{:.4f} +{:.4f}".format(*found["energy_ratio"])
     '1.0236 -0.0253 +0.0217'
     """

@@ -15,21 +15,21 @@ from typing import Any
 
 from attitude.survey.rotators import Rotators
 
-__all__ = ["LightCurve", "Rotators", "light_curve_class"]
+__all__ = ["RELAXED", "LightCurve", "Rotators", "light_curve_class"]
 
 if find_spec("sorcha") is not None:
     with warnings.catch_warnings():
         # Packages that sorcha imports warn of what is deprecated in others.
         warnings.simplefilter("ignore")
-        from attitude.survey.light_curve import LightCurve, light_curve_class
+        from attitude.survey.light_curve import RELAXED, LightCurve, light_curve_class
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("LightCurve", "light_curve_class"):
+    if name in ("RELAXED", "LightCurve", "light_curve_class"):
         from attitude.errors import AttitudeError
 
         raise AttitudeError(
-            f"{name} is a light-curve class of the simulator sorcha, which is not installed; "
-            'install it by pip install "attitude-propagation[sorcha]".'
+            f"{name} is part of the light-curve class for the simulator sorcha, which is not "
+            'installed; install it by pip install "attitude-propagation[sorcha]".'
         )
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

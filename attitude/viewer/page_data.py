@@ -53,6 +53,7 @@ def content(
         "duration": subject.duration,
         "utc": [begin, end],
         "poses": [_piece(each) for each in found],
+        "turns": any(each.angular_velocity.any() for each in found),
         "momentum": None if subject.motion.momentum is None else _momentum(subject.motion),
         "surface": _surface(subject),
         "poinsot": _poinsot(subject),

@@ -102,14 +102,14 @@ def write(
     """Write attitudes as an ACM, with the body, the impulses and the errors of their motion.
 
     Each segment becomes a block ATT (quaternions and angular velocities, at seconds since the first
-    epoch); the inertia in kg m2 a
-    block PHYS; each impulse of `Arcs` a block MAN without duration, with the angular momentum after
-    it; standard deviations a block COV for each segment.
+    epoch); the inertia in kg m2 a block PHYS; each impulse of `Arcs` a block MAN without duration,
+    with the angular momentum after it; standard deviations a block COV for each segment.
 
     Parameters
     ----------
-    path, source, t, frame, time_system, object_name, object_id, center, body_frame, originator,
-    comments, creation_date, digits, orbit
+    path, source, t, frame, time_system, object_name, object_id, center
+        As of `aem.write`.
+    body_frame, originator, comments, creation_date, digits, orbit
         As of `aem.write`.
     xml : bool
         XML instead of KVN.

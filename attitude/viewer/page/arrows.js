@@ -40,7 +40,8 @@ export function arrowsOf(data, labels) {
     found.momentum = [new NamedArrow("momentum", COLORS.momentum, 1.6, labels)];
     found.momentum[0].point(new THREE.Vector3(...data.momentum));
   }
-  found.rate = [new NamedArrow("angular velocity", COLORS.rate, 1.5, labels)];
+  // A body at rest has no direction of its angular velocity.
+  if (data.turns) found.rate = [new NamedArrow("angular velocity", COLORS.rate, 1.5, labels)];
   if (data.sun) found.sun = [new NamedArrow("Sun", COLORS.sun, 1.6, labels)];
   if (data.observer) found.observer = [new NamedArrow("observer", COLORS.observer, 1.6, labels)];
   return found;

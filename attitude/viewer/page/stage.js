@@ -74,7 +74,7 @@ export class Stage {
     this.poses.pose(time, this.pose);
     this.body.quaternion.copy(this.pose);
     this.poses.rate(time, this.rate).applyQuaternion(this.pose);
-    if (this.rate.lengthSq() > 0) {
+    if (this.arrows.rate && this.rate.lengthSq() > 0) {
       this.arrows.rate[0].point(this.direction.copy(this.rate).normalize());
     }
     if (this.poinsot) this.poinsot.update(this.rate);
