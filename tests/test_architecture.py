@@ -64,7 +64,6 @@ ORDERS = {
             "simd_lowering",
             "streaming_lowering",
             "wide_lowering",
-            "numba_speed",
             "pointers",
             "lowering",
             "decorators",

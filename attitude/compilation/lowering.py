@@ -17,7 +17,6 @@ from numba.extending import lower_builtin, overload, type_callable
 from attitude.compilation import (
     error_free,
     instructions,
-    numba_speed,
     pointers,
     simd_lowering,
     streaming_lowering,  # noqa: F401  registers its instructions
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 register_wide()
-numba_speed.install()
 
 _DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
 _F8, _I8 = types.float64, types.int64
