@@ -178,3 +178,19 @@ def test_lanes_moved_and_numbers_taken_apart():
     assert np.all((fraction >= 0.75) & (fraction < 1.5))
     assert out[32:40].tolist() == (a[:8] / 2.0 ** out[24:32]).tolist()
     assert out[40:].tolist() == np.clip(a[:8], -1.0, 0.5).tolist()
+
+
+@entry_point
+def first_eight(array):
+    """The sum of the first eight doubles."""
+    return summed_up(eight(array, 0))
+
+
+def test_strided_arrays_are_refused():
+    """A vector is eight successive doubles of memory: those of a view are others."""
+    numbers = np.arange(32.0)
+    assert first_eight(numbers) == 28.0
+    if not hasattr(first_eight, "dispatcher"):
+        pytest.skip("Python takes any array")
+    with pytest.raises(Exception, match="eight"):
+        first_eight(numbers[::2])

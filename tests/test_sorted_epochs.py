@@ -54,6 +54,14 @@ def test_any_order_gives_the_same_doubles(small, seed):
     np.testing.assert_array_equal(directions(small, seconds[::-1], low[::-1]), found[:, ::-1])
 
 
+def test_views_of_epochs(small):
+    """Epochs that do not follow each other in memory, whose neighbours there lie in one piece."""
+    seconds, low = np.linspace(0.0, SPAN, 4002), np.linspace(0.0, 1e-9, 4002)
+    found = directions(small, seconds, low)
+    for part in (slice(None, None, 2), slice(None, None, -1), slice(1, None, 3)):
+        np.testing.assert_array_equal(directions(small, seconds[part], low[part]), found[:, part])
+
+
 def test_few_and_missing_epochs(small):
     seconds = np.linspace(0.0, SPAN, 33)
     found = directions(small, seconds)

@@ -56,17 +56,17 @@ def _lowered(function):
 
 @_typed(simd.eight)
 def _eight_type(array, i):
-    return LanesType(8)
+    return LanesType(8) if array.is_contig else None
 
 
 @_typed(simd.four)
 def _four_type(array, i):
-    return LanesType(4)
+    return LanesType(4) if array.is_contig else None
 
 
 @_typed(simd.sixteen)
 def _sixteen_type(array, i):
-    return LanesType(16)
+    return LanesType(16) if array.is_contig else None
 
 
 @_lowered(simd.four)
@@ -81,7 +81,7 @@ def _eight(context, builder, signature, arguments):
 
 @_typed(simd.put_eight)
 def _put_eight_type(array, i, a):
-    return types.void(array, types.intp, a)
+    return types.void(array, types.intp, a) if array.is_contig else None
 
 
 @_lowered(simd.put_eight)

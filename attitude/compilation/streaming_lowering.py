@@ -13,7 +13,7 @@ _INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), streaming.LINE)
 
 @type_callable(streaming.past_line)
 def _past_line_type(context):
-    return lambda array: types.intp(array)
+    return lambda array: types.intp(array) if array.is_contig else None
 
 
 @lower_builtin(streaming.past_line, types.VarArg(types.Any))
@@ -26,6 +26,8 @@ def _past_line(context, builder, signature, arguments):
 @type_callable(streaming.copy_line)
 def _copy_line_type(context):
     def typer(source, i, target, j):
+        if not (source.is_contig and target.is_contig):
+            return None
         return types.void(source, types.intp, target, types.intp)
 
     return typer

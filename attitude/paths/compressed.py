@@ -104,6 +104,8 @@ class Compressed(Path):
         from attitude.paths import chebyshev_loops
 
         pieces = self.pieces
+        # SIMD reads eight successive doubles: a view of every second epoch is copied.
+        hi, lo = np.ascontiguousarray(hi), np.ascontiguousarray(lo)
         at = read_only(hi), read_only(lo), *since(instant, pieces.start)
         cells = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
         given = *at, *cells, pieces.records, self._rows, pieces.count, sign
