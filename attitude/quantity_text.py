@@ -41,7 +41,7 @@ _SPELLINGS = {
 _TIMES = {"s": 1.0, "min": 60.0, "h": 3600.0, "hour": 3600.0, "d": 86400.0, "day": 86400.0}
 _TURNS = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "cycle": 2.0 * math.pi}
 _COMMON = {
-    "rad": {**_TURNS, "arcmin": math.pi / 10800.0, "arcsec": 4.84813681109536e-06},
+    "rad": {**_TURNS, "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0},
     "s": {**_TIMES, "ms": 1e-3, "week": 604800.0, "yr": 31557600.0},
     "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3},
     "m/s": {"m/s": 1.0, "km/s": 1e3},

@@ -71,13 +71,13 @@ def test_the_block_is_what_celestia_parses():
 
 def test_its_files_and_axes_are_those_of_the_motion(tmp_path, monkeypatch):
     """Beginning and end lie within the C-kernel that the page's command writes."""
+    spiceypy = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
     command = shlex.split(re.search(r"^attitude (convert toutatis data/.*)$", PAGE, re.M)[1])
     monkeypatch.chdir(tmp_path)
     (tmp_path / "data").mkdir()
     assert cli.main(command) == 0
     spin = body()["SpiceRotation"]
     assert sorted(spin["Kernel"]) == sorted(file.name for file in (tmp_path / "data").iterdir())
-    spiceypy = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
     history = catalog.entry("toutatis").motion().at(["1992-12-02T01:00", "1992-12-29T12:00"])
     with spiceypy.KernelPool([str(tmp_path / "data" / name) for name in spin["Kernel"]]):
         since_j2000 = history.epoch.seconds + history.seconds

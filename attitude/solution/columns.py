@@ -193,7 +193,7 @@ def epochs_again(out, count):
 
 @force_inlined
 def stream_rows(x, y, z, out, head, spans):
-    """Store three rows as `_stream_row`, to rows (3, T)."""
+    """Store three rows as `_stream_row`, to three rows (T,)."""
     _stream_row(x, out[0], head, spans)
     _stream_row(y, out[1], head, spans)
     _stream_row(z, out[2], head, spans)

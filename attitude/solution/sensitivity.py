@@ -151,11 +151,11 @@ def _stream(d, b, block, spans, attitude):
     head = max(start - LINE, first)
     for j in range(min(attitude.shape[2], TURNS)):
         x, y, z = still_rows(j, stop - head, block)
-        stream_rows(x, y, z, attitude[row, :, j], head, spans)
+        stream_rows(x, y, z, rows_of(attitude, row, j, 0, attitude.shape[3]), head, spans)
     x, y, z = found_rows(block, stop - head)
     for j in range(TURNS, attitude.shape[2]):
         attitude_column(d, j, block, x, y, z)
-        stream_rows(x, y, z, attitude[row, :, j], head, spans)
+        stream_rows(x, y, z, rows_of(attitude, row, j, 0, attitude.shape[3]), head, spans)
 
 
 @force_inlined
@@ -165,11 +165,11 @@ def _stream_rates(d, b, block, spans, omega):
     head = max(start - LINE, first)
     for j in range(min(omega.shape[2], TURNS)):
         x, y, z = still_rows(-1, stop - head, block)
-        stream_rows(x, y, z, omega[row, :, j], head, spans)
+        stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
     x, y, z = found_rows(block, stop - head)
     for j in range(TURNS, omega.shape[2]):
         rate_column(d, j, block, x, y, z)
-        stream_rows(x, y, z, omega[row, :, j], head, spans)
+        stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
 
 
 @force_inlined
