@@ -11,12 +11,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pandas
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude.published.dynamic_inertia import longest_P_phi
-from attitude.survey import LightCurve
 from benchmarks.tables import Table, markdown
 
 OBJECTS, VISITS = 5000, 160
@@ -40,6 +38,8 @@ def main():
 
 def measured():
     """Kinds of objects, and seconds for one of them."""
+    from attitude.survey import LightCurve
+
     for kind in ("relaxed", "tumbling"):
         rows = observations(parameters(kind == "relaxed"))
         found = []
@@ -52,6 +52,8 @@ def measured():
 
 def parameters(relaxed):
     """The table of parameters of the objects."""
+    import pandas
+
     random = np.random.default_rng(1)
     b, c = random.uniform(0.6, 1.0, OBJECTS), random.uniform(0.4, 0.6, OBJECTS)
     table = {
@@ -85,6 +87,8 @@ def parameters(relaxed):
 
 def observations(table):
     """The rows of all objects at all visits, with twenty columns that are not read."""
+    import pandas
+
     random = np.random.default_rng(2)
     count = OBJECTS * VISITS
     rows = table.loc[np.repeat(np.arange(OBJECTS), VISITS)].reset_index(drop=True)
