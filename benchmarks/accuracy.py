@@ -18,7 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, propagate
-from benchmarks.tables import Table, printed
+from benchmarks.doc_tables import Table, printed
 from tests import oracle, states
 
 REVOLUTIONS = (10, 1e3, 1e6, 1e9)

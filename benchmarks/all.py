@@ -6,7 +6,7 @@
     python benchmarks/all.py --quick --dry     # print and compare; write nothing
 
 Each script runs in a process of its own, on one thread, compiled from the first call.  Ratios
-(benchmarks/tables.py) that differ from those of benchmarks/ratios.json by more than 10 % are
+(benchmarks/doc_tables.py) that differ from those of benchmarks/ratios.json by more than 10 % are
 listed, and the record then takes the new ones.  Tables that --quick cannot afford, or whose
 programs are not installed, stay as they are, and are named.
 """
@@ -22,7 +22,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from benchmarks import pictures, tables
+from benchmarks import doc_tables as tables
+from benchmarks import pictures
 from benchmarks.record import ROOT
 
 SETTINGS = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude import Body, Ensemble, FreeRotation, Impulse, Spin, propagate
 from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 
 EPOCH, VISITS = "2026-01-01", 160
 RNG = np.random.default_rng(17)

@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, events
 from attitude.compilation.decorators import entry_point
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 from tests import states
 
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")

@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 
 MAKES = ("first use",)
 MOTION = """

@@ -31,7 +31,7 @@ from attitude import (
     quaternion,
 )
 from attitude import representations as forms
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 
 EPOCH, NOISE = "2026-01-01", 1e-3
 T = np.linspace(0.0, 300.0, 1000)

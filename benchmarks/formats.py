@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude import Body, FreeRotation, Spin, epochs, quaternion
 from attitude.formats import aem, stk
 from attitude.formats import tables as columns
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 
 MAKES = ("formats",)
 NEEDS = ("pyarrow",)

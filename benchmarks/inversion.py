@@ -27,7 +27,7 @@ from attitude.frames import matrix_to_icrf
 from attitude.inversion import aliases, ellipsoid_magnitudes, search
 from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion_cases, inversion_passes
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
 
 MAKES = ("inversion", "inversion of synthetic curves")

@@ -33,8 +33,8 @@ from attitude.light_curve import Visibility, brightness, brightness_by_rays, str
 from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
 from attitude.shape.geodesic import unit_sphere
+from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
-from benchmarks.tables import Table, markdown
 
 FACET_LAWS = (
     ("Hapke, rough", Hapke(), ">= 500 M"),

@@ -22,8 +22,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude.light_curve import Visibility, brightness
 from attitude.light_curve.clusters import clusters_of
 from attitude.shape import Ellipsoid, Mesh
+from benchmarks.doc_tables import Table, markdown
 from benchmarks.light_curve import directions, peanut, row
-from benchmarks.tables import Table, markdown
 
 MAKES = ("meshes",)
 

@@ -5,8 +5,8 @@ import subprocess
 import sys
 from importlib.util import find_spec
 
+from benchmarks.doc_tables import pages
 from benchmarks.record import FIGURES, ROOT
-from benchmarks.tables import pages
 
 # Arguments of the interpreter, the files of docs/figures, whether --quick runs the command, and the
 # packages that it needs.

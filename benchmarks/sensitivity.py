@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude import Body, FreeRotation, Spin, evaluation, propagate
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 from tests.differences import sensitivity
 from tests.test_sensitivity import STATES, WXYZ
 

@@ -20,8 +20,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, propagate
+from benchmarks.doc_tables import Table, printed
 from benchmarks.record import processor
-from benchmarks.tables import Table, printed
 
 MOMENTS, WXYZ = np.array([10.0, 20.0, 26.0]), np.array([1.0, 0.0, 0.0, 0.0])
 STARTS = (

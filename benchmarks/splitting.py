@@ -42,8 +42,8 @@ from attitude.solution.march import march
 from attitude.solution.step import advance, gains, loaded, stored
 from attitude.splitting import SCHEMES, TorquedRotation
 from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
+from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor, writable_folder
-from benchmarks.tables import Table, markdown
 from tests import torque_cases
 from tests.gragg import EccentricOrbit, integrate
 from tests.oracle import Oracle, conjugate, multiply, rotation_error

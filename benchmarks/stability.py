@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import propagate
 from benchmarks import peers, record
-from benchmarks.tables import Table
+from benchmarks.doc_tables import Table
 from tests import oracle
 
 NEAR = (10, 1e9)

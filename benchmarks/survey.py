@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude.published.dynamic_inertia import longest_P_phi
-from benchmarks.tables import Table, markdown
+from benchmarks.doc_tables import Table, markdown
 
 OBJECTS, VISITS = 5000, 160
 MAKES = ("survey",)

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Scene, catalog, shape
 from attitude.viewer import page, view
-from benchmarks.tables import Table, printed
+from benchmarks.doc_tables import Table, printed
 from tests import browser
 
 DAY = 86400.0

@@ -5,7 +5,8 @@ import json
 
 import pytest
 
-from benchmarks import pictures, tables
+from benchmarks import doc_tables as tables
+from benchmarks import pictures
 from benchmarks.record import FIGURES, ROOT
 
 
