@@ -63,6 +63,16 @@ class Sensitivity(Derivatives):
             body.principal_wxyz[None],
             constants,
         )
+        self._last: tuple[FloatArray, columns.Factored] | None = None
+
+    def _factored(self, given: FloatArray) -> columns.Factored:
+        """The factors for a covariance (9, 9); those of the last one are kept."""
+        last = self._last
+        if last is None or not np.array_equal(last[0], given):
+            factors = covariances.factor(given)[None]
+            last = given.copy(), columns.factored(self._constants, self._tangents, factors)
+            self._last = last
+        return last[1]
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
@@ -87,8 +97,7 @@ class Sensitivity(Derivatives):
         t, t_low = _row(seconds), None if low is None else _row(low)
         size = 6 if rates else 3
         out = np.empty((1, size, size, t.size))
-        factors = covariances.factor(given)[None]
-        columns.covariances(self._constants, self._tangents, factors, t, t_low, out)
+        columns.covariances(self._constants, self._tangents, self._factored(given), t, t_low, out)
         found: FloatArray = np.moveaxis(out[0], -1, 0).reshape(*seconds.shape, size, size)
         return found
 
