@@ -171,6 +171,12 @@ def epochs_again(out, count):
 
 
 @force_inlined
+def has_whole_lines(flat, length):
+    """Whether rows of one length are stored past the caches and start with a line of them."""
+    return flat.size >= STREAMED and length % LINE == 0 and past_line(flat) == 0
+
+
+@force_inlined
 def stream_rows(x, y, z, out, head, spans):
     """Store three rows as `_stream_row`, to three rows (T,)."""
     _stream_row(x, out[0], head, spans)

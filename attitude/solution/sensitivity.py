@@ -28,6 +28,7 @@ from attitude.solution.columns import (
     attitude_column,
     copy_sums,
     epochs_again,
+    has_whole_lines,
     fill_still_rows,
     found_rows,
     keep_near_sums,
@@ -216,6 +217,7 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
 def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
     rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
+    streams = has_whole_lines(flat, length)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -236,9 +238,9 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
             if not (near or rates):
                 whole = n - n % 8
                 places = places_of_rows(9 * o * length + start, length)
-                sums_of_columns(c, d, block, 0, whole, places, flat)
+                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
                 if whole < n:
-                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block)
+                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
                     copy_sums(block, o, whole, start + whole, stop, out)
                 continue
             trigonometric_attitudes_block(c, n, block)
@@ -246,7 +248,7 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
                 trigonometric_rates_block(c, n, block)
             _sum(d, short, b, near, block, n, rates)
             keep_near_sums(n, block)
-            sums_of_columns(c, d, block, 0, n, places_of_sums(), block)
+            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if near:
                 use_near_sums(n, short[b].reach, block)
             if again:
@@ -261,6 +263,7 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
 def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
     rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
+    streams = has_whole_lines(flat, length)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -281,9 +284,9 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
             if not (near or rates):
                 whole = n - n % 8
                 places = places_of_rows(9 * o * length + start, length)
-                sums_of_columns(c, d, block, 0, whole, places, flat)
+                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
                 if whole < n:
-                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block)
+                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
                     copy_sums(block, o, whole, start + whole, stop, out)
                 continue
             hyperbolic_attitudes_block(c, n, block)
@@ -291,7 +294,7 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
                 hyperbolic_rates_block(c, n, block)
             _sum(d, short, b, near, block, n, rates)
             keep_near_sums(n, block)
-            sums_of_columns(c, d, block, 0, n, places_of_sums(), block)
+            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if near:
                 use_near_sums(n, short[b].reach, block)
             if again:

@@ -202,10 +202,14 @@ def hyperbolic_block(c, d, t, t_low, block):
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx = s + lo
         e, over, _ = hyperbolic_arguments(dx, decay, 1.0)
-        arguments = e, nome * over, nome * e
-        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
-        change = _by_y(series_by_y, ratio, dx, half_turns, arguments)
-        other = hyperbolic_pair(by_nome, ratio, dx, half_turns, (e, unit * over, unit * e))
+        f, g = nome * over, nome * e
+        f, g = (f, f * f), (g, g * g)
+        even, odd = (e, 1.0), (-e, -1.0 if dx < 0.0 else 1.0)
+        factor = negated_if_odd(-ratio, half_turns)
+        pair = _pair(alpha, even, odd, f, g, factor)
+        change = _pair(series_by_y, odd, even, f, g, factor)
+        f, g = unit * over, unit * e
+        other = _pair(by_nome, even, odd, (f, f * f), (g, g * g), factor)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)
@@ -241,17 +245,29 @@ def hyperbolic_block(c, d, t, t_low, block):
 
 
 @subroutine
-def _by_y(alpha, ratio, dx, half_turns, arguments):
-    """The derivative by y of `solution.series.hyperbolic_pair`."""
-    cosines, sines = alpha
-    e, f, g = arguments
-    sign = -1.0 if dx < 0.0 else 1.0
-    ar = sign * fma(-e, cubic(cosines, g), cubic(cosines, f))
-    ai = fma(e, cubic(sines, g), cubic(sines, f))
-    factor = negated_if_odd(-ratio, half_turns)
-    br = factor * fma(e, cubic(cosines, -g), cubic(cosines, -f))
-    bi = factor * sign * fma(-e, cubic(sines, -g), cubic(sines, -f))
-    return ar, ai, br, bi
+def _at_both(c, x):
+    """c0 + ... + c3 x^3 at x and at -x; x with its square."""
+    even, odd = fma(c[2], x[1], c[0]), fma(c[3], x[1], c[1])
+    return fma(x[0], odd, even), fma(-x[0], odd, even)
+
+
+@subroutine
+def _pair(series, even, odd, f, g, factor):
+    """As `solution.series.hyperbolic_pair` with half of the products, or its derivative by y.
+
+    Given
+        even, odd  (e, 1) and (-e, sign of dx); the other way round for the derivative, whose series
+                   are those of sinh for cosh
+        f, g       F and G, each with its square
+    """
+    cosines_f, cosines_g = _at_both(series[0], f), _at_both(series[0], g)
+    sines_f, sines_g = _at_both(series[1], f), _at_both(series[1], g)
+    return (
+        even[1] * fma(even[0], cosines_g[0], cosines_f[0]),
+        odd[1] * fma(odd[0], sines_g[0], sines_f[0]),
+        factor * (odd[1] * fma(odd[0], cosines_g[1], cosines_f[1])),
+        factor * (even[1] * fma(even[0], sines_g[1], sines_f[1])),
+    )
 
 
 @force_inlined

@@ -11,6 +11,7 @@ Given
     n          epochs of the block
     block      rows that solution.tangents filled
     first      multiple of 8
+    streams    whether the lines of the cache of `out` start at the places and are stored past it
 Filled
     out        flat array: the sums xx, xy, xz, yx, yy, yz, zx, zy, zz of the epochs first to n - 1,
                rounded up to eight, of the block, at nine places + the number of the epoch
@@ -19,6 +20,7 @@ Filled
 from attitude.compilation.decorators import subroutine
 from attitude.compilation.instructions import fma
 from attitude.compilation.simd import eight, put_eight
+from attitude.compilation.streaming import put_line
 from attitude.solution import codes
 from attitude.solution.tangent_record import (
     BASIS,
@@ -110,7 +112,21 @@ def _store(sums, places, out, i):
 
 
 @subroutine
-def sums_of_columns(c, d, block, first, n, places, out):
+def _stream(sums, places, out, i):
+    xx, xy, yy, xz, yz, zz = sums
+    put_line(out, places[0] + i, xx)
+    put_line(out, places[1] + i, xy)
+    put_line(out, places[2] + i, xz)
+    put_line(out, places[3] + i, xy)
+    put_line(out, places[4] + i, yy)
+    put_line(out, places[5] + i, yz)
+    put_line(out, places[6] + i, xz)
+    put_line(out, places[7] + i, yz)
+    put_line(out, places[8] + i, zz)
+
+
+@subroutine
+def sums_of_columns(c, d, block, first, n, places, out, streams):
     """Fill the sums of epochs of a block; see the module docstring."""
     w, still, passes = d.weights, _still_sums(d), c.form == codes.HYPERBOLIC and c.winds != 0.0
     axis = d.invariant[0, 2], d.invariant[1, 2], d.invariant[2, 2]
@@ -136,4 +152,7 @@ def sums_of_columns(c, d, block, first, n, places, out):
         v = _added(second_3, two, _added(third_3, three, offset_3))
         sums = _with_products(v, sums)
         sums = _with_products(_added(third_4, three, offset_4), sums)
-        _store(sums, places, out, i)
+        if streams:
+            _stream(sums, places, out, i)
+        else:
+            _store(sums, places, out, i)
