@@ -105,8 +105,8 @@ ORBIT = paths.kepler(
 
 
 def _percentages(shown, label):
-    """The percentages of the only line."""
-    (states,) = _lines(shown)
+    """The percentages of the last line; parts of the first step may have had their own before."""
+    states = _lines(shown)[-1]
     assert all(each.startswith(f"attitude: {label} [") for each in states)
     return [int(each.rpartition("]")[2].split()[0]) for each in states]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     aliases,
+    blas_threads,
     curve_problem,
     ellipsoid_search,
     known_states,
@@ -109,7 +109,7 @@ def spin_states(
         most = _checked_turns(curve, max_frequency)
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
-        with _linear_algebra(number), timed(_LABEL, seconds, progress) as report:
+        with blas_threads.limited(number), timed(_LABEL, seconds, progress) as report:
             given = curve, most, shape, law, moments, seconds, seed, report
             return SpinStates(*known_states.found(*given))
     if law is not None:
@@ -120,7 +120,7 @@ def spin_states(
     _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
-    with _linear_algebra(threads), timed(_LABEL, seconds, progress) as report:
+    with blas_threads.limited(threads), timed(_LABEL, seconds, progress) as report:
         found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, report)
         offsets = _offsets(found)
         if zero_points == "auto" and curve_problem.are_free(offsets):
@@ -169,16 +169,6 @@ def _checked(curve, max_frequency, modes, shape, moments):
         validation.one_of(mode, "modes", _MODES)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, ties.of(moments)
-
-
-def _linear_algebra(threads: int) -> AbstractContextManager[object]:
-    """Limit the threads of BLAS: matrices here are so small that threads only wait."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return nullcontext()
-    limits: AbstractContextManager[object] = threadpool_limits(threads)
-    return limits
 
 
 def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
