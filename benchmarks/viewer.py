@@ -21,8 +21,8 @@ from tests import browser
 DAY = 86400.0
 MAKES = ("viewer",)
 NEEDS = ("playwright",)
-# Milliseconds of the script of a frame, with calls that draw left out, of the whole frame, and of one
-# in which the camera alone moves; draw calls and triangles of both.
+# Milliseconds of the script of a frame, with calls that draw left out, of the whole frame, and of
+# one in which the camera alone moves; draw calls and triangles of both.
 TIMED = """count => {
   const { stage, clock, drawAt } = attitudeViewer;
   clock.play(false);

@@ -11,7 +11,7 @@ import pytest
 from attitude import FreeRotation, Spin, propagate
 from attitude.body import Body
 from attitude.compilation import choice
-from attitude.compilation.decorators import sized_entry_point
+from attitude.compilation.decorators import sized_entry_point, slowly_compiled
 
 START = """
 import json, sys
@@ -95,6 +95,38 @@ def test_small_work_needs_no_compiler(folder):
     spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
     expected = FreeRotation(Body(moments=(10, 20, 26)), spin).at(np.arange(18.0)).wxyz
     assert np.array_equal(wxyz, expected)
+
+
+def test_small_derivatives_need_no_compiler(folder):
+    """With the bits of compiled code."""
+    found, loaded, compiled, _ = run(
+        "from types import SimpleNamespace\n"
+        "found = SimpleNamespace(wxyz=motion.sensitivity_at(np.arange(5.0)))\n"
+        "FreeRotation(body, spin.with_covariance({'attitude': 0.1})).covariance_at(np.arange(5.0))",
+        folder,
+        ATTITUDE_COMPILE="automatic",
+    )
+    assert not loaded and compiled == []
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    assert np.array_equal(found, motion.sensitivity_at(np.arange(5.0)))
+
+
+def test_working_memory_is_not_work(monkeypatch):
+    """Of an argument named block the size does not count."""
+    monkeypatch.setattr(choice, "MODE", "automatic")
+    monkeypatch.setattr(choice, "_spent", 0.0)
+    seen = []
+    monkeypatch.setattr(choice, "is_worth_python", lambda *given: seen.append(given) or True)
+
+    @slowly_compiled
+    def doubled(x, block, out):
+        for i in range(len(x)):
+            out[i] = 2.0 * x[i]
+
+    doubled(np.arange(3.0), np.empty(10**6), np.empty(3))
+    predicted, _, to_compile = seen[0]
+    assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
 
 
 @pytest.mark.parametrize("mode", ["automatic", "always"])
