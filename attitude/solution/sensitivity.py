@@ -18,7 +18,7 @@ Returned
     -1, or the first body with an epoch beyond its reach
 """
 
-from attitude.compilation.decorators import entry_point, force_inlined
+from attitude.compilation.decorators import force_inlined, slowly_compiled
 from attitude.compilation.streaming import LINE, finish_stores
 from attitude.solution import codes
 from attitude.solution.columns import (
@@ -61,7 +61,7 @@ from attitude.solution.uniform_tangents import (
 )
 
 
-@entry_point
+@slowly_compiled
 def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     fill_still_rows(block)
@@ -96,7 +96,7 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
     return -1
 
 
-@entry_point
+@slowly_compiled
 def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     fill_still_rows(block)
@@ -187,7 +187,7 @@ def _store_rates(d, short, b, near, block, span, omega):
             near_rate_column(short[b], j, block, x, y, z)
 
 
-@entry_point
+@slowly_compiled
 def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
     columns = attitude.shape[2]
@@ -213,7 +213,7 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
     return -1
 
 
-@entry_point
+@slowly_compiled
 def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
     rates = out.shape[1] == 6
@@ -242,7 +242,7 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
     return -1
 
 
-@entry_point
+@slowly_compiled
 def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
     rates = out.shape[1] == 6
@@ -315,7 +315,7 @@ def _sum(d, short, b, near, block, n, rates):
             add_products_of_rates(n, block)
 
 
-@entry_point
+@slowly_compiled
 def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the uniform form; see the module docstring."""
     rates = out.shape[1] == 6
