@@ -62,6 +62,7 @@ ORDERS = {
             "wide",
             "error_free",
             "simd_lowering",
+            "simd_array_lowering",
             "streaming_lowering",
             "wide_lowering",
             "pointers",
