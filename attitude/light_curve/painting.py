@@ -134,12 +134,14 @@ def _look_around(
         side = _BELOW
         if _highest(boxes, np.uint64(node), normal) > plane + 0.5 * _RISE * size:
             side = side_shown(boxes, fronts, node, middle)
-        if side >= (-1 if both else 0):
+        if side == 0 and node < leaves:
+            inside = True
+        elif side >= (-1 if both else 0):
             faces = faces_met(boxes, node, middle, among)
             if side != 0 and faces >> FACES == 0:
                 mark = faces | (FRONT if side > 0 else BACK) if faces != 0 else 0
             elif node < leaves:
-                inside = faces != 0
+                inside = True
             elif faces != 0 and show(
                 corners, facing, node - leaves, normal, lowest, flat, first, both, shown
             ):
