@@ -49,6 +49,7 @@ _0, _1, _2, _3, _4, _5 = (np.uint64(k) for k in range(6))
 _LOW_BITS, _HIGH_BITS = np.uint64(0x7F7F7F7F7F7F7F7F), np.uint64(0x8080808080808080)
 _GATHER, _TO_LOWEST, _TOP_BYTE = np.uint64(0x0102040810204080), np.uint64(7), np.uint64(56)
 _ALL = np.uint8(255)
+_LEAF, _WIDTH = np.uint64(LEAF), np.uint64(_LANES)
 # Tangents, over the distance across, of what lies beside a point: beyond all faces.  What has the
 # height of the point to the last digit counts as above it.
 _BESIDE, _UPWARD = 1e250, 1e150
@@ -117,60 +118,80 @@ def _place(tangent, half, offset, least, most):
 
 
 @reduction_inlined
-def draw_edges(
-    edges, sides, begin, end, flat, first, up, shifts, resolution, frames, marks, shown, counts,
-    drawn,
+def draw_groups(
+    found, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
+    frames, marks, shown, counts, drawn,
 ):  # fmt: skip
-    """Add the changes along edges[begin:end] to `counts`.
+    """Add the changes along the outlines of the nodes found[:groups] to `counts`.
 
     The points are flat[first : first + 24], as in `painting`.  An edge between two groups that show
     the same side changes nothing, and one between others is drawn once.  `drawn` keeps the first
     row of each face with changes and the one after the last.
     """
+    leaves = len(marks) - 1
     half = 0.5 * resolution
     beside, above = 0.5 - eight(shifts, 0), 0.5 - eight(shifts, _LANES)
-    for e in range(np.uint64(begin), np.uint64(end)):
-        left, right = sides[e, _0], sides[e, _1]
-        own, other = marks[left // LEAF], marks[right // LEAF]
-        if other != 0 and right < left and left // LEAF != right // LEAF:
-            continue
-        if own == other and own & DIVIDED == 0:
-            continue
-        of_own, of_other = _side(own, left, shown), _side(other, right, shown)
-        for face in range(FACES):
-            if not (own | other) >> face & 1:
+    for q in range(groups):
+        node = found[q]
+        if node >= leaves and marks[node - leaves] & DIVIDED != 0:
+            mark = marks[node - leaves] & ~DIVIDED
+            if mark >> FACES != 0:
+                begin_in(
+                    corners, node - leaves, mark, flat, first, resolution, frames, shown, counts,
+                    drawn,
+                )  # fmt: skip
+            node += leaves
+        # No function here takes an array: counting references would cost more than the edges.
+        for e in range(np.uint64(first_edges[node]), np.uint64(first_edges[node + 1])):
+            left, right = np.uint64(sides[e, _0]), np.uint64(sides[e, _1])
+            own, other = marks[left // _LEAF], marks[right // _LEAF]
+            if other != 0 and right < left and left // _LEAF != right // _LEAF:
                 continue
-            sign = 1.0 - 2.0 * (face % 2)
-            change = of_own * (sign * (own >> face & 1)) - of_other * (sign * (other >> face & 1))
-            if positive_bits(change * change) != 0:
+            if own == other and own & DIVIDED == 0:
+                continue
+            of_own = _side(own, eight(shown, left * _WIDTH))
+            of_other = _side(other, eight(shown, right * _WIDTH))
+            for face in range(FACES):
+                sign = 1.0 - 2.0 * (face % 2)
+                here, there = sign * (own >> face & 1), sign * (other >> face & 1)
+                change = of_own * here - of_other * there
+                if positive_bits(change * change) == 0:
+                    continue
                 w, u, v = axes_of(face)
                 pw, pu = eight(flat, first + 8 * w), eight(flat, first + 8 * u)
                 pv = eight(flat, first + 8 * v)
-                aw, au, av = (edges[e, w] - pw) * sign, edges[e, u] - pu, edges[e, v] - pv
-                bw = (edges[e, _3 + w] - pw) * sign
-                bu, bv = edges[e, _3 + u] - pu, edges[e, _3 + v] - pv
-                _draw(
-                    aw, au, av, bw, bu, bv, change, face, half, beside, above, up, resolution,
-                    frames, counts, drawn,
+                x0, y0, slope, ra, rb = _line(
+                    (edges[e, w] - pw) * sign, edges[e, u] - pu, edges[e, v] - pv,
+                    (edges[e, _3 + w] - pw) * sign, edges[e, _3 + u] - pu, edges[e, _3 + v] - pv,
+                    half, above, 1.0 * frames[4 * face], 1.0 * frames[4 * face + 1],
                 )  # fmt: skip
+                way = rb - ra
+                if positive_bits(way * way) == 0:
+                    continue
+                low = int(-largest_lane(at_least(ra * -1.0, rb * -1.0)))
+                high = int(largest_lane(at_least(ra, rb)))
+                drawn[2 * face] = min(low, drawn[2 * face])
+                drawn[2 * face + 1] = max(high, drawn[2 * face + 1])
+                most_left, most_right = 1.0 * frames[4 * face + 2], 1.0 * frames[4 * face + 3]
+                for row in range(low, high):
+                    x = x0 + (eight(up, row * _LANES) - y0) * slope
+                    column = _place(x, half, beside, most_left, most_right)
+                    place = (face * resolution + row) * (resolution + 1) * _LANES
+                    add_in_columns(counts, place, column, _changed(ra, rb, row + 0.5, change))
 
 
 @reduction_within
-def _side(mark, place, shown):
-    """Which side a facet in a place of the tree shows to each point, as in `shown`."""
-    found = eight(shown, _LANES * place)
+def _side(mark, looked_at):
+    """Which side a facet shows to each point, as in `shown`, where each was looked at."""
+    found = looked_at
     if mark & DIVIDED == 0:
-        found = every(1.0 if mark & FRONT != 0 else (-1.0 if mark != 0 else 0.0), found)
+        found = every(1.0 if mark & FRONT != 0 else (-1.0 if mark != 0 else 0.0), looked_at)
     return found
 
 
-@reduction_inlined
-def _draw(
-    aw, au, av, bw, bu, bv, change, face, half, beside, above, up, resolution, frames,
-    counts, drawn,
-):  # fmt: skip
-    """Add the changes along an edge; a group to the left of one that goes up counts `change`."""
-    least, most = 1.0 * frames[4 * face], 1.0 * frames[4 * face + 1]
+@reduction_within
+def _line(aw, au, av, bw, bu, bv, half, above, least, most):
+    """A place on an edge and its slope, as tangents, and the first rows beyond both ends."""
     xa, ya, ra = _seen(aw, au, av, half, above, least, most)
     xb, yb, rb = _seen(bw, bu, bv, half, above, least, most)
     if positive_bits(at_most(aw, bw)) != _EVERY_LANE:
@@ -182,25 +203,17 @@ def _draw(
         xa, ya, ra = chosen(aw, xa, x), chosen(aw, ya, y), chosen(aw, ra, beyond)
         xb, yb, rb = chosen(bw, xb, x), chosen(bw, yb, y), chosen(bw, rb, beyond)
         rb = chosen(at_least(aw, bw), rb, ra)
-    way = rb - ra
-    if positive_bits(way * way) != 0:
-        slope = (xb - xa) / (yb - ya)
-        # Tangents of the end that is farther ahead have the smaller errors.
-        farther = aw - bw
-        x0 = chosen(farther, xa, xb) - chosen(farther, ya, yb) * slope
-        low = int(-largest_lane(at_least(ra * -1.0, rb * -1.0)))
-        high = int(largest_lane(at_least(ra, rb)))
-        drawn[2 * face] = low if low < drawn[2 * face] else drawn[2 * face]
-        drawn[2 * face + 1] = high if high > drawn[2 * face + 1] else drawn[2 * face + 1]
-        nothing = every(0.0, ra)
-        left, right = 1.0 * frames[4 * face + 2], 1.0 * frames[4 * face + 3]
-        for row in range(low, high):
-            column = _place(x0 + eight(up, row * _LANES) * slope, half, beside, left, right)
-            here = row + 0.5
-            after_a = chosen(ra - here, nothing, change)
-            after_b = chosen(rb - here, nothing, change)
-            place = (face * resolution + row) * (resolution + 1) * _LANES
-            add_in_columns(counts, place, column, after_a - after_b)
+    # Tangents of the end that is farther ahead have the smaller errors.
+    farther = aw - bw
+    slope = (xb - xa) / (yb - ya)
+    return chosen(farther, xa, xb), chosen(farther, ya, yb), slope, ra, rb
+
+
+@reduction_within
+def _changed(ra, rb, row, change):
+    """How a row changes that an edge crosses upward, between rows `ra` and `rb`, or downward."""
+    nothing = every(0.0, ra)
+    return chosen(ra - row, nothing, change) - chosen(rb - row, nothing, change)
 
 
 @reduction_within

@@ -17,8 +17,7 @@ from attitude.light_curve.outline_painting import (
     DIVIDED,
     FACES,
     FRONT,
-    begin_in,
-    draw_edges,
+    draw_groups,
     faces_met,
     fill,
     frame,
@@ -92,20 +91,10 @@ def paint(
                 boxes, fronts, corners, facing, normals[k], flat, 24 * k, middles[k], size, both,
                 faces, marks, found, shown,
             )  # fmt: skip
-            for q in range(groups):
-                node = found[q]
-                own = node - leaves
-                mark = marks[_first_leaf(node, leaves)]
-                if mark & DIVIDED != 0:
-                    begin_in(
-                        corners, own, mark & ~DIVIDED, flat, 24 * k, resolution, frames, shown,
-                        changes, drawn,
-                    )  # fmt: skip
-                    node += leaves
-                draw_edges(
-                    edges, sides, first_edges[node], first_edges[node + 1], flat, 24 * k, up,
-                    shifts, resolution, frames, marks, shown, changes, drawn,
-                )  # fmt: skip
+            draw_groups(
+                found, groups, edges, sides, first_edges, corners, flat, 24 * k, up, shifts,
+                resolution, frames, marks, shown, changes, drawn,
+            )  # fmt: skip
             for q in range(groups):
                 _mark(marks, found[q], leaves, 0)
             fill(normals[k], across, up, resolution, frames, counts, drawn, sky, m, count)
@@ -152,14 +141,6 @@ def _look_around(
             count += 1
         node = 2 * node if inside else _after(node)
     return count
-
-
-@reduction_inlined
-def _first_leaf(node, leaves):
-    """The number of the first leaf of a node."""
-    while node < leaves:
-        node *= 2
-    return node - leaves
 
 
 @reduction_inlined
