@@ -63,6 +63,7 @@ ORDERS = {
             "wide",
             "error_free",
             "simd_lowering",
+            "simd_array_lowering",
             "streaming_lowering",
             "wide_lowering",
             "pointers",
