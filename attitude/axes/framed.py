@@ -195,7 +195,7 @@ def obliquity(
     if known.center == "ssb":
         known = relative(known, "sun")
     lo, pole = np.broadcast_to(lo, hi.shape), np.atleast_2d(pole).T
-    found = np.empty(hi.size)
+    angles = np.empty(hi.size)
     for begin in range(0, hi.size, _BLOCK):
         part = slice(begin, begin + _BLOCK)
         position, velocity = known.state(instant, hi[part], lo[part])
@@ -203,8 +203,8 @@ def obliquity(
         own = pole if pole.shape[1] == 1 else pole[:, part]
         x, y, z = _cross(own, normal)
         along = own[0] * normal[0] + own[1] * normal[1] + own[2] * normal[2]
-        found[part] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
-    return found
+        angles[part] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
+    return angles
 
 
 def _cross(a, b):
