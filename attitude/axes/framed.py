@@ -174,7 +174,7 @@ def _orbit_of(orbit: Any, kind: str, frame: str) -> Path | None:
 def obliquity(
     pole: FloatArray, orbit: Any, instant: epochs.Instant, hi: FloatArray, lo: FloatArray
 ) -> FloatArray:
-    """Angles (N,) between a pole and the momentum of an orbit, 0 to pi rad.
+    """Angles, of the shape of hi, between a pole and the momentum of an orbit, 0 to pi rad.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def obliquity(
     orbit : Path or skyfield object
         About its center; one about the barycentre of the solar system is taken about the Sun.
     instant, hi, lo
-        Epochs: TDB seconds hi + lo (N,) since the instant.
+        Epochs: TDB seconds hi + lo, () or (N,), since the instant.
     """
     found = place_of(orbit, "orbit")
     known = orbit if found is None else found
@@ -194,7 +194,8 @@ def obliquity(
         )
     if known.center == "ssb":
         known = relative(known, "sun")
-    lo, pole = np.broadcast_to(lo, hi.shape), np.atleast_2d(pole).T
+    shape, pole = np.shape(hi), np.atleast_2d(pole).T
+    hi, lo = np.ravel(hi), np.ravel(np.broadcast_to(lo, shape))
     angles = np.empty(hi.size)
     for begin in range(0, hi.size, _BLOCK):
         part = slice(begin, begin + _BLOCK)
@@ -204,7 +205,7 @@ def obliquity(
         x, y, z = _cross(own, normal)
         along = own[0] * normal[0] + own[1] * normal[1] + own[2] * normal[2]
         angles[part] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
-    return angles
+    return angles.reshape(shape)
 
 
 def _cross(a, b):
