@@ -21,6 +21,7 @@ _PACKAGE = _ROOT.name
 # Of no effect on machine code.
 _TYPES = f"{_PACKAGE}.annotations"
 # All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
+_COMMENT = re.compile("#.*")
 _IMPORT = re.compile(
     rf"^[ \t]*from[ \t]+({_PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
     rf"|^[ \t]*import[ \t]+({_PACKAGE}\.[\w.]*)",
@@ -94,8 +95,8 @@ def _imported(text: str) -> Iterator[str]:
     for module, names, whole in _IMPORT.findall(text):
         if whole:
             yield whole
-        for each in names.strip("()").split(","):
-            word = each.partition("#")[0].split()
+        for each in _COMMENT.sub("", names).strip("()").split(","):
+            word = each.split()
             if word:
                 inner = f"{module}.{word[0]}"
                 if module != _TYPES:
