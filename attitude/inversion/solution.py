@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, jackknife, refinement, search, states
+from attitude.inversion import aliases, blas_threads, jackknife, refinement, search, states
 from attitude.inversion.curve_fit import CurveFit
 
 if TYPE_CHECKING:
@@ -82,7 +82,8 @@ class Solution(CurveFit):
         problem = self._problem
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)
-        return states.covariance(self.weighted, groups, self.tie)
+        with blas_threads.limited():
+            return states.covariance(self.weighted, groups, self.tie)
 
     @property
     def covariance(self) -> FloatArray:
