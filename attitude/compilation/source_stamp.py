@@ -20,8 +20,8 @@ _ROOT = Path(__file__).parent.parent
 _PACKAGE = _ROOT.name
 # Of no effect on machine code.
 _TYPES = f"{_PACKAGE}.annotations"
-# All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
 _COMMENT = re.compile("#.*")
+# All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
 _IMPORT = re.compile(
     rf"^[ \t]*from[ \t]+({_PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
     rf"|^[ \t]*import[ \t]+({_PACKAGE}\.[\w.]*)",
