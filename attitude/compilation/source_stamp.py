@@ -20,6 +20,7 @@ _ROOT = Path(__file__).parent.parent
 _PACKAGE = _ROOT.name
 # Of no effect on machine code.
 _TYPES = f"{_PACKAGE}.annotations"
+_COMMENT = re.compile("#.*")
 # All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
 _IMPORT = re.compile(
     rf"^[ \t]*from[ \t]+({_PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
@@ -94,8 +95,8 @@ def _imported(text: str) -> Iterator[str]:
     for module, names, whole in _IMPORT.findall(text):
         if whole:
             yield whole
-        for each in names.strip("()").split(","):
-            word = each.partition("#")[0].split()
+        for each in _COMMENT.sub("", names).strip("()").split(","):
+            word = each.split()
             if word:
                 inner = f"{module}.{word[0]}"
                 if module != _TYPES:
