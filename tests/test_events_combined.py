@@ -77,9 +77,9 @@ def test_glints_are_searched_where_the_rest_leaves_them_open(scene, monkeypatch)
     spans = []
     original = combined.crossings
 
-    def recorded(source, channels, start, stop):
+    def recorded(source, channels, start, stop, advance):
         spans.append(stop[0] - start[0])
-        yield from original(source, channels, start, stop)
+        yield from original(source, channels, start, stop, advance)
 
     monkeypatch.setattr(combined, "crossings", recorded)
     up = scene.quantity("elevation") > "10 deg"
