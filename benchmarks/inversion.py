@@ -132,8 +132,7 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
 def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
     """The angle of the mirror pole in the plane of the scene to the true pole, deg."""
     normal = aliases.plane_of(found.weighted.problem)
-    pole = search.pole(found.state)
-    mirror = matrix_to_icrf("ecliptic").T @ (pole - 2.0 * (pole @ normal) * normal)
+    mirror = matrix_to_icrf("ecliptic").T @ aliases.mirrored(search.pole(found.state), normal)
     return math.degrees(math.acos(max(-1.0, min(1.0, float(mirror @ case.pole)))))
 
 

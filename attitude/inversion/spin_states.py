@@ -185,7 +185,7 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
         tuple(modes),
         tie,
         _shifts(curve),
-        np.random.default_rng(seed),
+        validation.generator(seed),
         deadline,
         progress or (lambda text: None),
         is_ellipsoid=shape == "ellipsoid",
