@@ -135,9 +135,9 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -held.by_ratios / tie.tolerance
         strain = float(r[3:8] @ r[3:8])
-    width = widths(moments is None)
-    r[8:] = shape / width
-    by[range(8, count), range(motion, size)] = 1.0 / width
+    wide = widths(moments is None)
+    r[8:] = shape / wide
+    by[range(8, count), range(motion, size)] = 1.0 / wide
     return r, by, strain
 
 
