@@ -34,6 +34,8 @@ from examples import toutatis_photometry
 
 # Difference of evidence within which a solution counts as listed; wall time of a search, s.
 LISTED, BUDGET = 20.0, 900.0
+# Angle, deg, beyond which a pole of a rotator about one axis is another one, not its error.
+LOBE = 60.0
 
 MAKES = ("inversion", "inversion of synthetic curves")
 
@@ -184,7 +186,7 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     ]
     rank = right[0] if right else None
     pole, own = min(listed, default=180.0), judgements[0][1] if judgements else 180.0
-    known = rank == 0 and (own < 15.0 or case.mode == "PA")
+    known = rank == 0 and own < (LOBE if case.mode == "PA" else 15.0)
     errors = errors_of(found[0], case) if known else np.zeros(0)
     print(
         f"{case.mode} P_phi {case.P_phi:.4f} P_psi {case.P_psi:.4f} N {len(curve)}: "
