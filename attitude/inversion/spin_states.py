@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     aliases,
+    blas,
     curve_problem,
     ellipsoid_search,
     known_states,
@@ -106,7 +106,7 @@ def spin_states(
         most = _checked_turns(curve, max_frequency)
         length = validation.positive(budget, "budget", unit="s")
         given = curve, most, shape, law, moments, length, seed, progress
-        with _linear_algebra(validation.count(threads, "threads")):
+        with blas.limited(validation.count(threads, "threads")):
             return SpinStates(*known_states.found(*given))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
@@ -116,7 +116,7 @@ def spin_states(
     _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
-    with _linear_algebra(threads):
+    with blas.limited(threads):
         found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
         offsets = _offsets(found)
         if zero_points == "auto" and curve_problem.are_free(offsets):
@@ -165,16 +165,6 @@ def _checked(curve, max_frequency, modes, shape, moments):
         validation.one_of(mode, "modes", _MODES)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, ties.of(moments)
-
-
-def _linear_algebra(threads: int) -> AbstractContextManager[object]:
-    """Limit the threads of BLAS: matrices here are so small that threads only wait."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return nullcontext()
-    limits: AbstractContextManager[object] = threadpool_limits(threads)
-    return limits
 
 
 def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
