@@ -114,7 +114,7 @@ def covariance(
         return _difference(again.state, state)
 
     here = refinement.model(problem, state)
-    formal = None if is_axial(state) else density_of_motion.covariance(found, tie)
+    formal = density_of_motion.covariance(found, tie)
     made = jackknife.errors(found, here, groups, 8, refitted, formal)
     if is_axial(state):
         others = [
