@@ -18,6 +18,7 @@ import numpy as np
 
 from attitude import pairs, validation
 from attitude.errors import AttitudeError
+from attitude.memory import components_first, components_last
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -70,7 +71,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> FloatArray:
             _turn(q[part], v[part], turned[:, part])
     else:
         _turn(q, v, turned)
-    return turned.T if turned.ndim <= 2 else np.moveaxis(turned, 0, -1)
+    return components_last(turned)
 
 
 def _turn(q, v, turned):
@@ -295,4 +296,4 @@ def _letters(sequence):
 def _parts(array):
     """The components along the last axis, one array each."""
     array = np.asarray(array, dtype=np.float64)
-    return tuple(array.T if array.ndim <= 2 else np.moveaxis(array, -1, 0))  # .T is much faster
+    return tuple(components_first(array))

@@ -109,13 +109,14 @@ def costs_of(moments, omega, count=10**5):
     three, six = np.empty((1, 3, 3, t.size)), np.empty((1, 6, 6, t.size))
     factors = covariances.factor(np.diag(np.linspace(1.0, 2.0, 9)))[None]
     given = constants, _ = _constants(moments, omega)
+    factored = columns.factored(*given, factors)
     calls = {
         "attitude": lambda: evaluation.evaluate(constants, t, None, attitude, None),
         "attitude and rates": lambda: evaluation.evaluate(constants, t, None, attitude, rates),
         "nine columns": lambda: columns.evaluate(*given, t, None, nine),
         "nine columns, and of the rates": lambda: columns.evaluate(*given, t, None, nine, more),
-        "covariance of the attitude": lambda: columns.covariances(*given, factors, t, None, three),
-        "covariance with rates": lambda: columns.covariances(*given, factors, t, None, six),
+        "covariance of the attitude": lambda: columns.covariances(*given, factored, t, None, three),
+        "covariance with rates": lambda: columns.covariances(*given, factored, t, None, six),
     }
     return {what: best(call) / t.size for what, call in calls.items()}
 

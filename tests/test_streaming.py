@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from attitude.compilation.decorators import entry_point
-from attitude.compilation.streaming import LINE, copy_line, finish_stores, past_line
+from attitude.compilation.simd import eight
+from attitude.compilation.streaming import LINE, copy_line, finish_stores, past_line, put_line
 
 
 @entry_point
@@ -17,7 +18,21 @@ def copied(source, target):
     return skipped
 
 
-@pytest.mark.parametrize("run", [copied, copied.py_func], ids=["compiled", "python"])
+@entry_point
+def put(source, target):
+    """As `copied`, by vectors."""
+    skipped = -past_line(target) % LINE
+    for i in range(skipped, len(target) - LINE + 1, LINE):
+        put_line(target, i, eight(source, i))
+    finish_stores()
+    return skipped
+
+
+@pytest.mark.parametrize(
+    "run",
+    [copied, copied.py_func, put, put.py_func],
+    ids=["compiled", "python", "compiled vectors", "vectors in python"],
+)
 @pytest.mark.parametrize("shift", range(9))
 def test_whole_lines(run, shift):
     memory, source = np.zeros(64), np.arange(1.0, 65.0)

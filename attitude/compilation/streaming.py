@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
+    from attitude.compilation.simd import Lanes
 
 LINE = 8  # doubles in a line of the cache
 
@@ -32,5 +33,14 @@ def copy_line(source: FloatArray, i: int, target: FloatArray, j: int) -> None:
     target[j : j + LINE] = source[i : i + LINE]
 
 
+def put_line(array: FloatArray, i: int, a: Lanes) -> None:
+    """Store a vector of eight doubles as the line of the cache that starts at array[i].
+
+    As `copy_line`.
+    """
+    i = int(i)
+    array[i : i + LINE] = a.lanes
+
+
 def finish_stores() -> None:
-    """Complete the stores of `copy_line` before all later ones."""
+    """Complete the stores of `copy_line` and `put_line` before all later ones."""

@@ -41,8 +41,26 @@ def _copy_line(context, builder, signature, arguments):
         place = builder.gep(data, [arguments[k + 1]])
         places.append(builder.bitcast(place, _LINE.as_pointer()))
     source, target = places
-    stored = builder.store(builder.load(source, align=8), target, align=8 * streaming.LINE)
+    _store_line(builder, builder.load(source, align=8), target)
+    return context.get_dummy_value()
+
+
+def _store_line(builder, line, target):
+    stored = builder.store(line, target, align=8 * streaming.LINE)
     stored.set_metadata("nontemporal", builder.module.add_metadata([ir.IntType(32)(1)]))
+
+
+@type_callable(streaming.put_line)
+def _put_line_type(context):
+    return lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None
+
+
+@lower_builtin(streaming.put_line, types.VarArg(types.Any))
+def _put_line(context, builder, signature, arguments):
+    array, i, line = arguments
+    data = context.make_array(signature.args[0])(context, builder, array).data
+    place = builder.bitcast(builder.gep(data, [i]), _LINE.as_pointer())
+    _store_line(builder, line, place)
     return context.get_dummy_value()
 
 

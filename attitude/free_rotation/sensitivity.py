@@ -10,6 +10,8 @@ import numpy as np
 from attitude import quaternion
 from attitude import representations as forms
 from attitude.body import Body
+from attitude.compilation.streaming import LINE
+from attitude.memory import new_array
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
 from attitude.sensitivities.elements import inputs_by_elements
@@ -63,6 +65,16 @@ class Sensitivity(Derivatives):
             body.principal_wxyz[None],
             constants,
         )
+        self._last: tuple[FloatArray, columns.Factored] | None = None
+
+    def _factored(self, given: FloatArray) -> columns.Factored:
+        """The factors for a covariance (9, 9); those of the last one are kept."""
+        last = self._last
+        if last is None or not np.array_equal(last[0], given):
+            factors = covariances.factor(given)[None]
+            last = given.copy(), columns.factored(self._constants, self._tangents, factors)
+            self._last = last
+        return last[1]
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
@@ -86,11 +98,11 @@ class Sensitivity(Derivatives):
         """As `Derivatives.covariance_at`, in one loop over the epochs."""
         t, t_low = _row(seconds), None if low is None else _row(low)
         size = 6 if rates else 3
-        out = np.empty((1, size, size, t.size))
-        factors = covariances.factor(given)[None]
-        columns.covariances(self._constants, self._tangents, factors, t, t_low, out)
-        found: FloatArray = np.moveaxis(out[0], -1, 0).reshape(*seconds.shape, size, size)
-        return found
+        # Rows of whole lines of the cache are stored faster.
+        out = new_array(1, size, size, -(-t.size // LINE) * LINE)
+        columns.covariances(self._constants, self._tangents, self._factored(given), t, t_low, out)
+        found: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
+        return found.reshape(*seconds.shape, size, size)
 
 
 def of_momentum(body: Body, spin: Spin) -> FloatArray:

@@ -23,6 +23,7 @@ from attitude import pairs
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
 from attitude.errors import AttitudeError
+from attitude.memory import components_last
 from attitude.paths.place import Place
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ class Path(Place):
             rows = method(instant, hi, lo)
         else:
             rows = self._without_nan(instant, hi, lo, method)
-        return tuple(np.moveaxis(row.reshape(3, *shape), 0, -1) for row in rows)
+        return tuple(components_last(row.reshape(3, *shape)) for row in rows)
 
     def _without_nan(self, instant, hi, lo, method):
         """Results (3, N) of a method, NaN where the epoch is NaN."""
@@ -176,6 +177,10 @@ class Path(Place):
         if self.span is None or not hi.size:
             return
         first, last = (since(each, instant) for each in self.span)
+        # Mostly the sums of the extremes lie within, and no other sum is needed.
+        least, most = (hi.min(), lo.min()), (hi.max(), lo.max())
+        if _later(least, first) > 0.0 and _later(last, most) > 0.0:
+            return
         for bound, side in ((first, 1.0), (last, -1.0)):
             # The sum is rounded once, which matters between neighbouring doubles only.
             beyond = side * ((hi - bound[0]) + (lo - bound[1]))
@@ -185,6 +190,11 @@ class Path(Place):
     def __repr__(self) -> str:
         center = self.center if isinstance(self.center, str) else self.center.name
         return f"<path of {self.name} from {center}: {self.source}>"
+
+
+def _later(one, other):
+    """Seconds from another epoch to one, each in two parts, rounded once or twice."""
+    return (one[0] - other[0]) + (one[1] - other[1])
 
 
 def since(instant: Instant, start: Instant) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from attitude import epochs, paths
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen, read_only
-from attitude.memory import new_array
+from attitude.memory import components_first, components_last, new_array
 from attitude.paths.path import Path
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S
 from attitude.scene import angles, lines_of_sight, shadow
@@ -169,11 +169,11 @@ class Geometry(Immutable):
         """A flat array (k, N) or (k, 1) as (S, k)."""
         if array.shape[1] != self.seconds.size:
             array = np.broadcast_to(array, (len(array), self.seconds.size))
-        return np.moveaxis(array.reshape(len(array), *self.shape), 0, -1)
+        return components_last(array.reshape(len(array), *self.shape))
 
     def _flat(self, vectors: FloatArray) -> FloatArray:
         """A quantity (S, k) as (k, N)."""
-        return np.moveaxis(vectors, -1, 0).reshape(vectors.shape[-1], -1)
+        return components_first(vectors).reshape(vectors.shape[-1], -1)
 
     def _numbers(self, array: FloatArray) -> FloatArray:
         """A flat array (N,) or (1,) as S."""

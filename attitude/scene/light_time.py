@@ -24,6 +24,7 @@ import numpy as np
 
 from attitude import pairs
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 from attitude.paths import relative
 from attitude.paths.bodies import SSB
 from attitude.paths.path import Path, common_span, since, spelled
@@ -132,23 +133,21 @@ class Sightline(Path):
 
     def _solved(self, instant, hi, lo):
         """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
+        from attitude.scene import loops
+
         at = self._near if self.is_near else self._far
         vectors_at, size = at(instant, hi, lo)
-        seen, light = vectors_at(None), np.zeros(hi.size)
-        limit = _ROUNDINGS * _EPS * (size + np.max(np.abs(seen), initial=0.0))
-        found = _length(seen) / SPEED_OF_LIGHT_M_S
-        used, speed, slope = light, np.zeros(hi.size), np.zeros(hi.size)
+        seen, epochs = vectors_at(None, (hi, lo)), (read_only(hi), read_only(lo))
+        found, light, before, speed, slope = np.zeros((5, hi.size))
+        largest = loops.light_times(_whole(seen), SPEED_OF_LIGHT_M_S, found)
+        limit = _ROUNDINGS * _EPS * (size + largest)
+        least = _NOISE * limit / SPEED_OF_LIGHT_M_S
         for _ in range(_MOST_PASSES):
-            light = used + (found - used) / (1.0 - slope)
-            before, seen = seen, vectors_at(light)
-            change, found_before = light - used, found
-            found, used = _length(seen) / SPEED_OF_LIGHT_M_S, light
-            # At an epoch that has converged the differences are rounding: the last slope is kept.
-            moves = np.abs(change) > _NOISE * limit / SPEED_OF_LIGHT_M_S
-            np.divide(_length(seen - before), np.abs(change), out=speed, where=moves)
-            np.divide(found - found_before, change, out=slope, where=moves)
-            # The error of `seen` is the way of the target in the error of the light time.
-            if not np.max(speed * np.abs(found - light), initial=0.0) > limit:
+            emitted = np.empty((2, hi.size))
+            loops.secant_step(*epochs, found, slope, light, before, *emitted)
+            old, seen = seen, vectors_at(light, emitted)
+            given = _whole(seen), _whole(old), light, before, least, SPEED_OF_LIGHT_M_S
+            if not loops.secant_slopes(*given, found, speed, slope) > limit:
                 return seen, light
         raise AttitudeError(
             f"the light time of {self.name} does not converge near "
@@ -157,30 +156,31 @@ class Sightline(Path):
         )
 
     def _far(self, instant, hi, lo):
-        """A function of light times (N,), or None for none: vectors from barycentric positions.
+        """A function that returns the vectors (3, N) from barycentric positions.
 
+        Its arguments are light times (N,), or None for none, and the epochs of emission (2, N).
         And the largest number that enters these differences, m.
         """
         own = self.viewer._position(instant, hi, lo)
 
-        def vectors_at(light):
+        def vectors_at(light, emitted):
             if light is None:
                 return self._guess(instant, hi, lo, self.target) - own
-            return self.target._position(instant, *_earlier(hi, lo, light)) - own
+            return self.target._position(instant, *emitted) - own
 
-        return vectors_at, np.max(np.abs(own), initial=0.0)
+        return vectors_at, np.abs(own).max(initial=0.0)
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
         known: list[FloatArray] = []
 
-        def vectors_at(light):
+        def vectors_at(light, emitted):
             if light is None:
                 return self._guess(instant, hi, lo, self.geometric)
-            seen = self.geometric._position(instant, *_earlier(hi, lo, light))
+            seen = self.geometric._position(instant, *emitted)
             if not known or np.max(np.abs(light - known[0]) * light, initial=0.0) > _SAME:
                 middle = _earlier(hi, lo, 0.5 * light)
-                known[:] = light, self.viewer._state(instant, *middle)[1]
+                known[:] = light.copy(), self.viewer._state(instant, *middle)[1]
             return seen - light * known[1]
 
         return vectors_at, 0.0
@@ -200,6 +200,11 @@ class Sightline(Path):
 
 def _earlier(hi, lo, light):
     return pairs.add((hi, lo), -light)
+
+
+def _whole(vectors):
+    """Vectors (3, N) as compiled loops take them."""
+    return read_only(np.ascontiguousarray(vectors))
 
 
 def _length(vectors):

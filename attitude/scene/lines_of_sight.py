@@ -161,7 +161,7 @@ def _evaluated(path, instant, hi, lo, sign):
     for begin in range(0, hi.size, _BLOCK):
         part = slice(begin, begin + _BLOCK)
         low = lo if lo.size == 1 and hi.size > 1 else lo[part]
-        vectors = np.ascontiguousarray(np.moveaxis(path.position(instant, hi[part], low), -1, 0))
+        vectors = np.ascontiguousarray(path.position(instant, hi[part], low).T)
         loops.normalised(read_only(vectors), sign, begin, unit, distance)
     return _line(path, instant, hi, unit, distance)
 

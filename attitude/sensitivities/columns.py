@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -103,10 +103,30 @@ def evaluate(
     _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
 
 
+class Factored(NamedTuple):
+    """What `covariances` needs of B motions and the covariances of their parameters.
+
+    Attributes
+    ----------
+    factors : (B, 9, 9) array
+        W of covariances W W^T, such that W^T makes the columns triangular.
+    tangents : (B,) structured array
+        Those of parameters of which the given ones are combinations by the factors.
+    """
+
+    factors: FloatArray
+    tangents: NDArray[Any]
+
+
+def factored(constants: NDArray[Any], tangents: NDArray[Any], factors: FloatArray) -> Factored:
+    """The `Factored` of motions for factors W (B, 9, 9) of covariances W W^T."""
+    return Factored(*_triangular(constants, tangents, factors))
+
+
 def covariances(
     constants: NDArray[Any],
     tangents: NDArray[Any],
-    factors: FloatArray,
+    of: Factored,
     t: FloatArray,
     t_low: FloatArray | None,
     out: FloatArray,
@@ -117,8 +137,8 @@ def covariances(
     ----------
     constants, tangents, t, t_low : arrays
         As in `evaluate`.
-    factors : (B, 9, 9) array
-        W of covariances W W^T of the parameters.
+    of : Factored
+        Of the motions and of the covariances of their parameters.
     out : (B, 3, 3, T) or (B, 6, 6, T) array
         Filled: of the rotation vector of the attitude (rad2, inertial axes), and with 6 of the
         angular velocity too (rad/s, body axes).
@@ -129,10 +149,9 @@ def covariances(
         As `evaluate`.
     """
     short = _short_of(constants, tangents, t, None)
-    turned, mixed = _triangular(constants, tangents, factors)
     if len(short):
-        short["series"] = np.moveaxis(turned, 1, 2)[:, None] @ short["series"]
-    _in_blocks(constants, mixed, short, t, t_low, 2, (out,), None)
+        short["series"] = np.moveaxis(of.factors, 1, 2)[:, None] @ short["series"]
+    _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
 
 
 def _short_of(constants, tangents, t, edges):
@@ -155,19 +174,16 @@ def _short_of(constants, tangents, t, edges):
 
 def _triangular(constants, tangents, factors):
     """Factors W Q with an orthogonal Q, and records with the zeros of solution.triangular."""
-    turned, orders = factors.copy(), []
-    for form, rows in _orders().items():
-        members = np.flatnonzero(constants["form"] == form)
-        if members.size:
-            orders.append((members, rows))
-            weights, offset = tangents["weights"][members], tangents["offset"][members]
-            stacked = np.concatenate([weights[:, rows], offset], axis=1) @ factors[members]
-            turns = np.linalg.qr(np.swapaxes(stacked, 1, 2), mode="complete")[0]
-            turned[members] = factors[members] @ turns
+    turned, order = factors.copy(), _order()
+    members = np.flatnonzero(constants["form"] != codes.UNIFORM)
+    if members.size:
+        weights, offset = tangents["weights"][members], tangents["offset"][members]
+        stacked = np.concatenate([weights[:, order], offset], axis=1) @ factors[members]
+        turns = np.linalg.qr(np.swapaxes(stacked, 1, 2), mode="complete")[0]
+        turned[members] = factors[members] @ turns
     mixed = _mixed(tangents, turned)
-    for members, rows in orders:
-        for column, row in enumerate(rows):  # what is zero but for rounding
-            mixed["weights"][members, row, column + 1 :] = 0.0
+    for column, row in enumerate(order):  # what is zero but for rounding
+        mixed["weights"][members, row, column + 1 :] = 0.0
     return turned, mixed
 
 
@@ -248,15 +264,12 @@ def _short():
 
 
 @cache
-def _orders():
-    """The rows of the weights, in the order in which columns lose them, by the form."""
+def _order():
+    """The rows of the weights in the order in which columns lose them."""
     with uncollected():
         from attitude.solution import triangular
 
-    return {
-        codes.TRIGONOMETRIC: list(triangular.TRIGONOMETRIC_ROWS),
-        codes.HYPERBOLIC: list(triangular.HYPERBOLIC_ROWS),
-    }
+    return list(triangular.ORDER)
 
 
 @cache

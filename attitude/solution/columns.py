@@ -19,7 +19,6 @@ from attitude.solution.tangent_record import (
     NEAR_SUMS,
     OMEGA,
     ONES,
-    PASSAGE,
     PASSED,
     PHASE,
     RATE,
@@ -28,12 +27,10 @@ from attitude.solution.tangent_record import (
     SUMS,
     THIRD,
     TIME,
-    TURN,
     TURNED,
     WIND,
     WXYZ,
     ZEROS,
-    Y,
 )
 
 # Results of as many doubles, 4 MB, are stored past the caches: they do not stay there.
@@ -80,29 +77,12 @@ def attitude_column(d, j, block, x, y, z):
     """Fill the change of attitude of a motion that tumbles."""
     weights = d.weights
     time, rate, start = weights[TIME, j], weights[RATE, j], weights[PHASE, j]
-    second, third, turn = weights[SECOND, j], weights[THIRD, j], weights[TURN, j]
-    passage, wind = weights[PASSAGE, j], weights[WIND, j]
+    second, third, wind = weights[SECOND, j], weights[THIRD, j], weights[WIND, j]
     lx, ly, lz = d.invariant[0, 2], d.invariant[1, 2], d.invariant[2, 2]
     ox, oy, oz = d.offset[0, j], d.offset[1, j], d.offset[2, j]
-    if turn == 0.0 and passage == 0.0 and wind == 0.0:
-        # the trigonometric form: no passages
-        for i in range(len(x)):
-            seconds = block[SECONDS + i]
-            a, along = fma(rate, seconds, start), time * seconds
-            u = fma(block[BASIS + 6 * BLOCK + i], third, lx * along)
-            v = fma(block[BASIS + 7 * BLOCK + i], third, ly * along)
-            w = fma(block[BASIS + 8 * BLOCK + i], third, lz * along)
-            u = fma(block[BASIS + i], a, fma(block[BASIS + 3 * BLOCK + i], second, u))
-            v = fma(block[BASIS + BLOCK + i], a, fma(block[BASIS + 4 * BLOCK + i], second, v))
-            w = fma(block[BASIS + 2 * BLOCK + i], a, fma(block[BASIS + 5 * BLOCK + i], second, w))
-            x[i] = u + ox
-            y[i] = v + oy
-            z[i] = w + oz
-        return
     for i in range(len(x)):
-        seconds, passed = block[SECONDS + i], block[PASSED + i]
-        a = fma(-turn, block[Y + i], fma(-passage, passed, fma(rate, seconds, start)))
-        along = fma(time, seconds, wind * passed)
+        seconds = block[SECONDS + i]
+        a, along = fma(rate, seconds, start), fma(time, seconds, wind * block[PASSED + i])
         u = fma(block[BASIS + 6 * BLOCK + i], third, lx * along)
         v = fma(block[BASIS + 7 * BLOCK + i], third, ly * along)
         w = fma(block[BASIS + 8 * BLOCK + i], third, lz * along)
@@ -122,8 +102,8 @@ def rate_column(d, j, block, x, y, z):
     left out of eta, so that its growth with time costs no digits.
     """
     weights = d.weights
-    rate, start, turn = weights[RATE, j], weights[PHASE, j], weights[TURN, j]
-    second, third, passage = weights[SECOND, j], weights[THIRD, j], weights[PASSAGE, j]
+    rate, start = weights[RATE, j], weights[PHASE, j]
+    second, third = weights[SECOND, j], weights[THIRD, j]
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     ox, oy, oz = d.offset[0, j], d.offset[1, j], d.offset[2, j]
     ix, iy, iz = d.impulse[0, j], d.impulse[1, j], d.impulse[2, j]
@@ -134,8 +114,7 @@ def rate_column(d, j, block, x, y, z):
     one, two, three = inverse[0], inverse[1], inverse[2]
     m0, m1, m2 = d.of_moment[0, j], d.of_moment[1, j], d.of_moment[2, j]
     for i in range(len(x)):
-        a = fma(-passage, block[PASSED + i], fma(rate, block[SECONDS + i], start))
-        a = fma(-turn, block[Y + i], a)
+        a = fma(rate, block[SECONDS + i], start)
         u = fma(block[BASIS + 3 * BLOCK + i], second, block[BASIS + 6 * BLOCK + i] * third)
         v = fma(block[BASIS + 4 * BLOCK + i], second, block[BASIS + 7 * BLOCK + i] * third)
         w = fma(block[BASIS + 5 * BLOCK + i], second, block[BASIS + 8 * BLOCK + i] * third)
@@ -189,6 +168,12 @@ def epochs_again(out, count):
     than the row before it; a block that reaches back by a line holds all epochs of each of them.
     """
     return LINE if out.size >= STREAMED and count >= 4 * BLOCK else 0
+
+
+@force_inlined
+def has_whole_lines(flat, length):
+    """Whether rows of one length are stored past the caches and start with a line of them."""
+    return flat.size >= STREAMED and length % LINE == 0 and past_line(flat) == 0
 
 
 @force_inlined
@@ -296,14 +281,17 @@ def use_near_sums(n, reach, block):
 
 
 @force_inlined
-def copy_sums(block, row, start, stop, out):
-    """Copy the sums, a lower triangle, to epochs of symmetric matrices (B, D, D, T)."""
+def copy_sums(block, row, skip, start, stop, out):
+    """Copy the sums, a lower triangle, to epochs of symmetric matrices (B, D, D, T).
+
+    Those of the epoch `start` are `skip` places after the begin of their rows.
+    """
     number = 0
     for k in range(out.shape[1]):
         for j in range(k + 1):
             below, above = out[row, k, j], out[row, j, k]
             below, above = below[start:stop], above[start:stop]
-            first = SUMS + number * BLOCK
+            first = SUMS + number * BLOCK + skip
             sums = block[first : first + len(below)]
             for i in range(len(below)):
                 below[i] = sums[i]

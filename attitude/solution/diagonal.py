@@ -37,8 +37,9 @@ _SMALL, _TINY = BITS - 150, BITS // 2 - 1
 # Numbers of the results of one body, in an array of words: moments, ascending, and columns, the
 # components over the body axes of the first axis, of the second, of the third.
 VALUES, COLUMNS, KEPT = 0, 3, 12
-# The array in which a tensor is diagonalised: the matrix, and the axes as its columns.
-_MATRIX, _AXES, NEEDED = 0, 9, 18
+# The array in which a tensor is diagonalised: the upper half of the matrix, the axes as columns of
+# a matrix, and memory for other numbers.
+MATRIX, AXES, SCRATCH, NEEDED = 0, 9, 18, 27
 
 
 # The functions of `compilation.wide` as subroutines: inlined, their hundreds of instructions would
@@ -52,7 +53,7 @@ def product_of(a, b):
 
 
 @subroutine
-def _product(a, b):
+def quick_product(a, b):
     """`product`."""
     return product(a, b)
 
@@ -82,7 +83,7 @@ def length_of(n):
 
 
 @subroutine
-def _one():
+def one():
     """The number 1."""
     return shifted(wide(1), BITS)
 
@@ -114,11 +115,11 @@ def _root_reciprocal(x):
     start = div(ONE, sqrt(quick_two_sum(high * 2.0**-61, low * 2.0**-61)))
     y = shifted(wide(np.int64(start[0] * 2.0**61)), BITS - 61)
     y = y + shifted(wide(np.int64(start[1] * 2.0**113)), BITS - 113)
-    e = _one() - _product(x, _product(y, y))
+    e = one() - quick_product(x, quick_product(y, y))
     part = shifted(wide(5), BITS - 3) + _half(shifted(e, 5) + e + e + e, 6)  # 5/8 + 35 e/64
-    part = shifted(wide(3), BITS - 2) + _product(e, part)
-    part = _half(_product(e, _one() + _product(e, part)), 1)
-    return y + _product(y, part)
+    part = shifted(wide(3), BITS - 2) + quick_product(e, part)
+    part = _half(quick_product(e, one() + quick_product(e, part)), 1)
+    return y + quick_product(y, part)
 
 
 @subroutine
@@ -129,7 +130,7 @@ def _rotate(w, p, q):
     2 |o| / h, h^2 = d^2 + 4 o^2.  The larger of d and 2 o is brought into [1/2, 1) first, so that
     near neighbours lose no digit.
     """
-    pp, qq, pq = _MATRIX + 4 * p, _MATRIX + 4 * q, _MATRIX + 3 * p + q
+    pp, qq, pq = MATRIX + 4 * p, MATRIX + 4 * q, MATRIX + 3 * p + q
     off = load(w, pq)
     difference = load(w, qq) - load(w, pp)
     rest, twice = magnitude(difference), magnitude(off) + magnitude(off)
@@ -138,27 +139,27 @@ def _rotate(w, p, q):
     small = length_of(twice) <= _SMALL
     if small:
         # a = |o / d|, its sine and its tangent differ by less than the last bit
-        scale = _root_reciprocal(_product(rest, rest))
-        sine = _product(_half(twice, 1), scale)
-        secant = _one()
-        cosine = secant - _half(_product(sine, sine), 1)
+        scale = _root_reciprocal(quick_product(rest, rest))
+        sine = quick_product(_half(twice, 1), scale)
+        secant = one()
+        cosine = secant - _half(quick_product(sine, sine), 1)
     else:
-        scale = _root_reciprocal(_product(rest, rest) + _product(twice, twice))
-        square = _half(_one() + _product(rest, scale), 1)  # cos^2 a
+        scale = _root_reciprocal(quick_product(rest, rest) + quick_product(twice, twice))
+        square = _half(one() + quick_product(rest, scale), 1)  # cos^2 a
         secant = _root_reciprocal(square)
-        sine = _half(_product(_product(twice, scale), secant), 1)
-        cosine = _product(square, secant)
+        sine = _half(quick_product(quick_product(twice, scale), secant), 1)
+        cosine = quick_product(square, secant)
     if length_of(difference) > 0 and negative(difference) != negative(off):
         sine = wide(0) - sine
-    tangent = sine if small else _product(sine, secant)
-    change = _product(tangent, off)
+    tangent = sine if small else quick_product(sine, secant)
+    change = quick_product(tangent, off)
     store(w, pp, load(w, pp) - change)
     store(w, qq, load(w, qq) + change)
     store(w, pq, wide(0))
     r = 3 - p - q
-    _mix(w, _MATRIX + 3 * min(r, p) + max(r, p), _MATRIX + 3 * min(r, q) + max(r, q), cosine, sine)
+    _mix(w, MATRIX + 3 * min(r, p) + max(r, p), MATRIX + 3 * min(r, q) + max(r, q), cosine, sine)
     for k in range(2):
-        _mix(w, _AXES + 3 * k + p, _AXES + 3 * k + q, cosine, sine)
+        _mix(w, AXES + 3 * k + p, AXES + 3 * k + q, cosine, sine)
 
 
 @subroutine
@@ -166,11 +167,11 @@ def _mix(w, i, j, cosine, sine):
     """Turn the pair of numbers i and j."""
     x, y = load(w, i), load(w, j)
     if length_of(sine) <= _TINY:  # the cosine is 1
-        store(w, i, x - _product(sine, y))
-        store(w, j, y + _product(sine, x))
+        store(w, i, x - quick_product(sine, y))
+        store(w, j, y + quick_product(sine, x))
         return
-    store(w, i, _product(cosine, x) - _product(sine, y))
-    store(w, j, _product(sine, x) + _product(cosine, y))
+    store(w, i, quick_product(cosine, x) - quick_product(sine, y))
+    store(w, j, quick_product(sine, x) + quick_product(cosine, y))
 
 
 @subroutine
@@ -208,17 +209,22 @@ def largest_of(a, b, c):
 
 
 @subroutine
-def diagonalise(tensor, exponent, w):
-    """Fill the matrix with the moments on its diagonal, and the axes (columns) of a tensor."""
+def put_tensor(tensor, exponent, w):
+    """Fill the matrix with a tensor over 2**exponent, and the axes with those of the body."""
     for i in range(3):
         for j in range(3):
-            store(w, _MATRIX + 3 * i + j, integer_of(tensor[i, j], exponent))
-            store(w, _AXES + 3 * i + j, _one() if i == j else wide(0))
+            store(w, MATRIX + 3 * i + j, integer_of(tensor[i, j], exponent))
+            store(w, AXES + 3 * i + j, one() if i == j else wide(0))
+
+
+@subroutine
+def diagonalise(w):
+    """Turn the axes until the matrix has the moments on its diagonal."""
     for _ in range(_SWEEPS):
         busy = False
         for r in range(2, -1, -1):
             p, q = (0, 1) if r == 2 else ((0, 2) if r == 1 else (1, 2))
-            if length_of(load(w, _MATRIX + 3 * p + q)) > _NEGLIGIBLE:
+            if length_of(load(w, MATRIX + 3 * p + q)) > _NEGLIGIBLE:
                 _rotate(w, p, q)
                 busy = True
         if not busy:
@@ -226,29 +232,29 @@ def diagonalise(tensor, exponent, w):
     # The third row of a rotation is the cross product of the others, which alone are turned.
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        one = _product(load(w, _AXES + j), load(w, _AXES + 3 + k))
-        other = _product(load(w, _AXES + k), load(w, _AXES + 3 + j))
-        store(w, _AXES + 6 + i, one - other)
+        first = quick_product(load(w, AXES + j), load(w, AXES + 3 + k))
+        other = quick_product(load(w, AXES + k), load(w, AXES + 3 + j))
+        store(w, AXES + 6 + i, first - other)
 
 
 @subroutine
 def sort_axes(w, kept):
     """Fill the moments, ascending, and their axes with positive largest components."""
     for k in range(3):
-        store(w, _MATRIX + 4 * k, rounded(load(w, _MATRIX + 4 * k)))
+        store(w, MATRIX + 4 * k, rounded(load(w, MATRIX + 4 * k)))
     a, b, c = 0, 1, 2
-    if negative(load(w, _MATRIX + 4 * b) - load(w, _MATRIX + 4 * a)):
+    if negative(load(w, MATRIX + 4 * b) - load(w, MATRIX + 4 * a)):
         a, b = b, a
-    if negative(load(w, _MATRIX + 4 * c) - load(w, _MATRIX + 4 * b)):
+    if negative(load(w, MATRIX + 4 * c) - load(w, MATRIX + 4 * b)):
         b, c = c, b
-        if negative(load(w, _MATRIX + 4 * b) - load(w, _MATRIX + 4 * a)):
+        if negative(load(w, MATRIX + 4 * b) - load(w, MATRIX + 4 * a)):
             a, b = b, a
     for k in range(3):
         axis = a if k == 0 else (b if k == 1 else c)
-        store(kept, VALUES + k, load(w, _MATRIX + 4 * axis))
+        store(kept, VALUES + k, load(w, MATRIX + 4 * axis))
         largest = wide(0)
         for i in range(3):
-            n = rounded(load(w, _AXES + 3 * i + axis))
+            n = rounded(load(w, AXES + 3 * i + axis))
             store(kept, COLUMNS + 3 * k + i, n)
             if negative(magnitude(largest) - magnitude(n)):
                 largest = n

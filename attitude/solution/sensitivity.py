@@ -28,6 +28,7 @@ from attitude.solution.columns import (
     attitude_column,
     copy_sums,
     epochs_again,
+    has_whole_lines,
     fill_still_rows,
     found_rows,
     keep_near_sums,
@@ -52,7 +53,7 @@ from attitude.solution.tangents import (
     trigonometric_block,
     trigonometric_rates_block,
 )
-from attitude.solution.triangular import hyperbolic_sums, trigonometric_sums
+from attitude.solution.triangular import places_of_rows, places_of_sums, sums_of_columns
 from attitude.solution.uniform_tangents import (
     uniform_block,
     uniform_column,
@@ -215,7 +216,8 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
 @entry_point
 def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
-    rates = out.shape[1] == 6
+    rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
+    streams = has_whole_lines(flat, length)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -224,28 +226,35 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        again = epochs_again(out, end - first)
+        again = epochs_again(out, end - first) if rates else 0
+        o = b if len(out) > 1 else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
+            n = stop - head
             times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or rates:
-                trigonometric_attitudes_block(c, stop - head, block)
+            if not (near or rates):
+                whole = n - n % 8
+                places = places_of_rows(9 * o * length + start, length)
+                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
+                if whole < n:
+                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
+                    copy_sums(block, o, whole, start + whole, stop, out)
+                continue
+            trigonometric_attitudes_block(c, n, block)
             if rates:
-                trigonometric_rates_block(c, stop - head, block)
-            if near or rates:
-                _sum(d, short, b, near, block, stop - head, rates)
-                keep_near_sums(stop - head, block)
-            trigonometric_sums(d, stop - head, block)
+                trigonometric_rates_block(c, n, block)
+            _sum(d, short, b, near, block, n, rates)
+            keep_near_sums(n, block)
+            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if near:
-                use_near_sums(stop - head, short[b].reach, block)
-            o = b if len(out) > 1 else 0
+                use_near_sums(n, short[b].reach, block)
             if again:
                 stream_sums(block, o, (first, start, stop, end), out)
             else:
-                copy_sums(block, o, start, stop, out)
+                copy_sums(block, o, 0, start, stop, out)
     finish_stores()
     return -1
 
@@ -253,7 +262,8 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
 @entry_point
 def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
-    rates = out.shape[1] == 6
+    rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
+    streams = has_whole_lines(flat, length)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -262,28 +272,35 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
         lows = None if t_low is None else t_low[k, first:end]
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
-        again = epochs_again(out, end - first)
+        again = epochs_again(out, end - first) if rates else 0
+        o = b if len(out) > 1 else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
+            n = stop - head
             times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or rates:
-                hyperbolic_attitudes_block(c, stop - head, block)
+            if not (near or rates):
+                whole = n - n % 8
+                places = places_of_rows(9 * o * length + start, length)
+                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
+                if whole < n:
+                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
+                    copy_sums(block, o, whole, start + whole, stop, out)
+                continue
+            hyperbolic_attitudes_block(c, n, block)
             if rates:
-                hyperbolic_rates_block(c, stop - head, block)
-            if near or rates:
-                _sum(d, short, b, near, block, stop - head, rates)
-                keep_near_sums(stop - head, block)
-            hyperbolic_sums(c, d, stop - head, block)
+                hyperbolic_rates_block(c, n, block)
+            _sum(d, short, b, near, block, n, rates)
+            keep_near_sums(n, block)
+            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if near:
-                use_near_sums(stop - head, short[b].reach, block)
-            o = b if len(out) > 1 else 0
+                use_near_sums(n, short[b].reach, block)
             if again:
                 stream_sums(block, o, (first, start, stop, end), out)
             else:
-                copy_sums(block, o, start, stop, out)
+                copy_sums(block, o, 0, start, stop, out)
     finish_stores()
     return -1
 
@@ -333,5 +350,5 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
                     keep_turn(n, block)
                     uniform_rate_column(d, j, block, x, y, z)
                     add_products_of_rates(n, block)
-            copy_sums(block, o, start, stop, out)
+            copy_sums(block, o, 0, start, stop, out)
     return -1

@@ -12,13 +12,11 @@ from attitude.solution.tangent_record import (
     BLOCK,
     COLUMNS,
     FOUND,
-    PASSAGE,
     PHASE,
     RATE,
     SECOND,
     THIRD,
     TIME,
-    TURN,
     WIND,
 )
 from attitude.solution.tangent_series import fill_hyperbolic, fill_trigonometric
@@ -59,7 +57,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             _state(c, d, of_moments, four(wxyz[b]), to_body)
             derive(math.frexp(max(of_moments[0], of_moments[1], of_moments[2]))[1], c, d.by_input)
             _invariant(c.frame, d.invariant)
-            _weights(c, d.by_input, d.weights)
+            _weights(c, d)
             epoch = block[FOUND : FOUND + 1]
             epoch[0] = 0.0
             if c.form == codes.TRIGONOMETRIC:
@@ -130,8 +128,9 @@ def _invariant(frame, invariant):
 
 
 @subroutine
-def _weights(c, by_input, weights):
-    """Fill the weights of the six columns of angular velocity and moments."""
+def _weights(c, d):
+    """Fill the weights of the six columns of angular velocity and moments, and `by_third`."""
+    by_input, weights, largest = d.by_input, d.weights, 0.0
     for k in range(6):
         j = 3 + k
         weights[TIME, j] = by_input[0, k]
@@ -140,10 +139,13 @@ def _weights(c, by_input, weights):
         if c.form == codes.TRIGONOMETRIC:
             weights[SECOND, j] = by_input[3, k]
             weights[THIRD, j] = by_input[4, k]
-        else:
-            weights[TURN, j] = by_input[3, k]
-            weights[SECOND, j] = by_input[4, k]
-            weights[THIRD, j] = by_input[5, k]
-            if c.winds != 0.0:  # on the exact separatrix nothing passes
-                weights[PASSAGE, j] = by_input[6, k]
-                weights[WIND, j] = 4.0 * by_input[4, k]
+            continue
+        weights[SECOND, j] = by_input[4, k]
+        third = weights[THIRD, j] = by_input[5, k]
+        winds = c.winds != 0.0  # on the exact separatrix nothing passes
+        weights[WIND, j] = 4.0 * by_input[4, k] if winds else 0.0
+        if abs(third) > largest:
+            # ln K' and K pi/(2K') depend on Q' alone: the ratio is that of all columns
+            largest = abs(third)
+            d.by_third[0] = by_input[3, k] / third
+            d.by_third[1] = by_input[6, k] / third if winds else 0.0

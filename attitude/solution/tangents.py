@@ -11,8 +11,8 @@ Given
     t, t_low   (n,) seconds, n <= BLOCK; `t_low` may be None
 Filled
     block      (ROWS BLOCK,) rows of solution.tangent_record: seconds, three vectors over inertial
-               axes, y and k of the hyperbolic form, and the arguments from which the attitudes and
-               the angular velocities follow
+               axes, the number of the passage, and the arguments from which the attitudes and the
+               angular velocities follow
 """
 
 import math
@@ -39,7 +39,6 @@ from attitude.solution.tangent_record import (
     PASSED,
     SECONDS,
     WXYZ,
-    Y,
 )
 from attitude.solution.twofloat import two_sum
 
@@ -181,6 +180,7 @@ def trigonometric_block(c, d, t, t_low, block):
         block[ARGUMENTS + BLOCK + i] = cn
         block[ARGUMENTS + 2 * BLOCK + i] = sine
         block[ARGUMENTS + 3 * BLOCK + i] = cosine
+        block[PASSED + i] = 0.0
 
 
 @force_inlined
@@ -191,20 +191,25 @@ def hyperbolic_block(c, d, t, t_low, block):
     xh, xl = c.nutation0[0], c.nutation0[1]
     winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
     alpha = four(c.alpha[0]), four(c.alpha[1])
-    by_y = four(d.series[0, 0]), four(d.series[0, 1])
+    series_by_y = four(d.series[0, 0]), four(d.series[0, 1])
     by_nome = four(d.series[1, 0]), four(d.series[1, 1])
     invariant = _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
     unit = nome if winds != 0.0 else 1.0
+    by_y, by_passed = -length * d.by_third[0], -d.by_third[1]
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx = s + lo
         e, over, _ = hyperbolic_arguments(dx, decay, 1.0)
-        arguments = e, nome * over, nome * e
-        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
-        change = _by_y(by_y, ratio, dx, half_turns, arguments)
-        other = hyperbolic_pair(by_nome, ratio, dx, half_turns, (e, unit * over, unit * e))
+        f, g = nome * over, nome * e
+        f, g = (f, f * f), (g, g * g)
+        even, odd = (e, 1.0), (-e, -1.0 if dx < 0.0 else 1.0)
+        factor = negated_if_odd(-ratio, half_turns)
+        pair = _pair(alpha, even, odd, f, g, factor)
+        change = _pair(series_by_y, odd, even, f, g, factor)
+        f, g = unit * over, unit * e
+        other = _pair(by_nome, even, odd, (f, f * f), (g, g * g), factor)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)
@@ -212,7 +217,8 @@ def hyperbolic_block(c, d, t, t_low, block):
         to = _precessed(invariant, sine, cosine)
         block[SECONDS + i] = time + low
         turn = _rotation(pair, change)
-        x, y, z = _applied(to, turn)
+        first = _applied(to, turn)
+        x, y, z = first
         block[BASIS + i] = x
         block[BASIS + 1 * BLOCK + i] = y
         block[BASIS + 2 * BLOCK + i] = z
@@ -224,13 +230,14 @@ def hyperbolic_block(c, d, t, t_low, block):
         block[BASIS + 3 * BLOCK + i] = x
         block[BASIS + 4 * BLOCK + i] = y
         block[BASIS + 5 * BLOCK + i] = z
-        x, y, z = _applied(to, _rotation(pair, other))
-        block[BASIS + 6 * BLOCK + i] = x
-        block[BASIS + 7 * BLOCK + i] = y
-        block[BASIS + 8 * BLOCK + i] = z
-        block[Y + i] = length * dx
         # The number of the passage: whole turns of 2 x, which parity alone does not tell.
-        block[PASSED + i] = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
+        passed = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
+        block[PASSED + i] = passed
+        by_first = fma(by_passed, passed, by_y * dx)
+        x, y, z = _applied(to, _rotation(pair, other))
+        block[BASIS + 6 * BLOCK + i] = fma(by_first, first[0], x)
+        block[BASIS + 7 * BLOCK + i] = fma(by_first, first[1], y)
+        block[BASIS + 8 * BLOCK + i] = fma(by_first, first[2], z)
         block[ARGUMENTS + i] = dx
         block[ARGUMENTS + BLOCK + i] = half_turns
         block[ARGUMENTS + 2 * BLOCK + i] = sine
@@ -238,17 +245,29 @@ def hyperbolic_block(c, d, t, t_low, block):
 
 
 @subroutine
-def _by_y(alpha, ratio, dx, half_turns, arguments):
-    """The derivative by y of `solution.series.hyperbolic_pair`."""
-    cosines, sines = alpha
-    e, f, g = arguments
-    sign = -1.0 if dx < 0.0 else 1.0
-    ar = sign * fma(-e, cubic(cosines, g), cubic(cosines, f))
-    ai = fma(e, cubic(sines, g), cubic(sines, f))
-    factor = negated_if_odd(-ratio, half_turns)
-    br = factor * fma(e, cubic(cosines, -g), cubic(cosines, -f))
-    bi = factor * sign * fma(-e, cubic(sines, -g), cubic(sines, -f))
-    return ar, ai, br, bi
+def _at_both(c, x):
+    """c0 + ... + c3 x^3 at x and at -x; x with its square."""
+    even, odd = fma(c[2], x[1], c[0]), fma(c[3], x[1], c[1])
+    return fma(x[0], odd, even), fma(-x[0], odd, even)
+
+
+@subroutine
+def _pair(series, even, odd, f, g, factor):
+    """As `solution.series.hyperbolic_pair` with half of the products, or its derivative by y.
+
+    Given
+        even, odd  (e, 1) and (-e, sign of dx); the other way round for the derivative, whose series
+                   are those of sinh for cosh
+        f, g       F and G, each with its square
+    """
+    cosines_f, cosines_g = _at_both(series[0], f), _at_both(series[0], g)
+    sines_f, sines_g = _at_both(series[1], f), _at_both(series[1], g)
+    return (
+        even[1] * fma(even[0], cosines_g[0], cosines_f[0]),
+        odd[1] * fma(odd[0], sines_g[0], sines_f[0]),
+        factor * (odd[1] * fma(odd[0], cosines_g[1], cosines_f[1])),
+        factor * (even[1] * fma(even[0], sines_g[1], sines_f[1])),
+    )
 
 
 @force_inlined
@@ -261,8 +280,6 @@ def trigonometric_attitudes_block(c, n, block):
         sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
         pair = trigonometric_pair(alpha, beta, sn, cn)
         _store_attitude(frame, turned(pair, sine, cosine), block, i)
-        block[Y + i] = 0.0
-        block[PASSED + i] = 0.0
 
 
 @force_inlined
