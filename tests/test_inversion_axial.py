@@ -1,12 +1,21 @@
 """Rotation about one axis: poles, their mirror images, errors of several minima, and a search."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from attitude import inversion
-from attitude.inversion import aliases, ellipsoid_search, pole_map, refinement, search
+from attitude.inversion import (
+    aliases,
+    convex,
+    ellipsoid_search,
+    pole_map,
+    refinement,
+    robust,
+    search,
+)
 from attitude.inversion.problem import CurveProblem
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
@@ -120,3 +129,21 @@ def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
     )
     assert alike.sum() == len(poles)
     assert "best" in found[0].relation and all(each.relation for each in found)
+
+
+def test_a_wider_prior_changes_the_evidence_as_laplace_says():
+    """Of parameters whose cost is a parabola: the minimum and the determinant in closed form."""
+    generator = np.random.default_rng(9)
+    stiff = generator.uniform(1.0, 50.0, convex.SIZE)
+    middle = generator.normal(size=convex.SIZE)
+    own, wide = (convex.widths(each) ** -2.0 for each in (True, False))
+    normal = np.eye(refinement.SIZE)
+    normal[8:, 8:] = np.diag(stiff + own)
+    state = np.zeros(refinement.WIDTH)
+    state[-convex.SIZE :] = stiff * middle / (stiff + own)
+    found = SimpleNamespace(
+        refined=SimpleNamespace(normal=normal, state=state), problem=np.zeros(100)
+    )
+    costs = [stiff * each / (stiff + each) @ middle**2 for each in (own, wide)]
+    volume = np.sum(np.log((stiff + wide) / (stiff + own)))
+    assert robust.widened(found) == pytest.approx(costs[1] - costs[0] + volume)
