@@ -9,6 +9,7 @@ import numpy as np
 from attitude import evaluation, validation
 from attitude.blocks import in_rectangles
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 from attitude.sensitivities import columns
 from attitude.solution.principal import ASYMMETRY, PrincipalAxes
 
@@ -104,7 +105,8 @@ class Batch(NamedTuple):
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
         span = length if sensitivity else evaluation.EPOCHS
-        in_rectangles(work, count, length, _BLOCK, max(span, 1), evaluation.EPOCHS, threads)
+        bar = ProgressBar("attitudes")
+        in_rectangles(work, count, length, _BLOCK, max(span, 1), evaluation.EPOCHS, threads, bar)
 
     def _fill(
         self,

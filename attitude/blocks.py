@@ -70,6 +70,7 @@ def in_rectangles(
     most_epochs: int,
     rows: int,
     threads: int,
+    progress: Callable[[int, int], object] | None = None,
 ) -> None:
     """Call ``work(part, (first, end))`` for rectangles of bodies and epochs that cover all.
 
@@ -80,7 +81,7 @@ def in_rectangles(
     bodies, epochs : int
     most_bodies, most_epochs, rows : int
         Upper bounds of a rectangle: its bodies, its epochs, and their product.
-    threads : int
+    threads, progress
         As of `in_blocks`.
     """
     if not bodies:
@@ -95,4 +96,4 @@ def in_rectangles(
             part = slice(block * size, min((block + 1) * size, bodies))
             work(part, (piece * span, min((piece + 1) * span, epochs)))
 
-    in_blocks(rectangles, pieces * -(-bodies // size), 1, threads)
+    in_blocks(rectangles, pieces * -(-bodies // size), 1, threads, progress)

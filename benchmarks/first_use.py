@@ -33,6 +33,13 @@ PROPAGATE = [
     *("-m", "attitude", "propagate", "data/spin/toutatis.toml", "--start", "1992-12-02"),
     *("--stop", "1992-12-19", "--step", "1 d", "--output"),
 ]
+ENVISAT = [
+    *("-m", "attitude", "lightcurve", "data/mission/envisat-glints.toml"),
+    *("--start", "2013-10-23T19:18:00", "--stop", "2013-10-23T19:21:00", "--step", "1 s"),
+]
+CURVE = "data/light_curve/toutatis-1992-photometry.csv"
+PERIODS = "--min", "1 d", "--max", "40 d"
+INVERT = "--max-frequency", "0.75 /d", "--budget", "2 s"
 BASE = "import numpy"
 SMALL = {
     BASE: "import numpy",
@@ -40,6 +47,34 @@ SMALL = {
     "one attitude of a FreeRotation": MOTION + "motion.at(60.0)",
     "`attitude describe toutatis`": ["-m", "attitude", "describe", "toutatis"],
     "`attitude propagate`, 18 epochs": PROPAGATE,
+    "`attitude view toutatis`": ["-m", "attitude", "view", "toutatis", "--output"],
+    "`attitude lightcurve`, Envisat, 181 epochs": ENVISAT,
+    "`attitude periods`, 370 points": ["-m", "attitude", "periods", CURVE, *PERIODS],
+    "`attitude invert`, a search of 2 s": ["-m", "attitude", "invert", CURVE, *INVERT],
+    "passes over a site, two days": """
+from attitude import Scene, events, paths
+orbit = paths.kepler(
+    epoch="2026-01-01", center="earth", semi_major_axis=7e6, eccentricity=0.01, inclination=1.0,
+    node=0.1, pericenter_argument=0.2, mean_anomaly=0.3,
+)
+scene = Scene(None, orbit, observer=paths.site("10 deg", "45 deg"))
+events.passes(scene, "2026-01-01", "2026-01-03")
+""",
+    "a covariance at eleven epochs": MOTION
+    + """
+FreeRotation(body, spin.with_covariance({"attitude": 0.1})).covariance_at(np.linspace(0, 100, 11))
+""",
+    "a fit to 101 attitudes": MOTION
+    + """
+from attitude import AttitudeTable, fit
+t = np.linspace(0, 60, 101)
+fit(AttitudeTable("2026-01-01", t, motion.at(t).wxyz))
+""",
+    "an ensemble of 100 members": MOTION
+    + """
+from attitude.ensemble import Ensemble
+Ensemble.of([motion] * 100).at(np.linspace(0, 100, 11))
+""",
 }
 LARGE = {
     "2e5 attitudes": MOTION + "motion.at(np.arange(2e5))",
@@ -120,7 +155,9 @@ def least(code, rounds, fresh, always=False):
             cache = os.path.join(folder, str(number) if fresh else "kept")
             command = [sys.executable, *(code if isinstance(code, list) else ["-c", code])]
             if command[-1] == "--output":
-                command.append(os.path.join(folder, "out.csv"))
+                command.append(
+                    os.path.join(folder, "view.html" if "view" in command else "out.csv")
+                )
             choice = {"ATTITUDE_COMPILE": "always" if always else "automatic"}
             begin = resource.getrusage(resource.RUSAGE_CHILDREN)
             subprocess.run(

@@ -2,8 +2,9 @@
 
     python benchmarks/meshes.py
 
-One thread.  The concave bodies have a waist and twelve craters; convex ones are ellipsoids.  Times
-are the least of three in CPU seconds, first those of a mesh that nothing is known of.
+One thread.  The concave bodies have a waist and twelve craters; others are a rough random body, one
+with a large crater, and a divided box with a wing.  Convex ones are ellipsoids.  Times are the
+least of three in CPU seconds, first those of a mesh that nothing is known of.
 """
 
 import os
@@ -21,7 +22,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude.light_curve import Visibility, brightness
 from attitude.light_curve.clusters import clusters_of
-from attitude.shape import Ellipsoid, Mesh
+from attitude.shape import Ellipsoid, Mesh, box_wing
+from attitude.shape.geodesic import unit_sphere
 from benchmarks.doc_tables import Table, markdown
 from benchmarks.light_curve import directions, peanut, row
 
@@ -71,12 +73,35 @@ def convex():
         yield f"{len(made):,}, convex", checks, seconds, None, 0
 
 
+def rough(frequency):
+    """A body whose logarithm of the radius is a sum of random waves: 20 f^2 facets."""
+    rng = np.random.default_rng(3)
+    vertices, facets = unit_sphere(frequency)
+    waves = np.zeros(len(vertices))
+    for _ in range(120):
+        along = rng.normal(size=3)
+        count = rng.integers(2, 9)
+        phases = 1.7 * count * (vertices @ along) / np.linalg.norm(along)
+        waves += rng.normal() * np.cos(phases + rng.uniform(0.0, 2.0 * np.pi)) / count
+    return Mesh(vertices * np.exp(0.35 * waves / np.std(waves))[:, None], facets)
+
+
+def crater(frequency):
+    """A ball with one deep crater: 20 f^2 facets."""
+    vertices, facets = unit_sphere(frequency)
+    from_axis = np.arccos(np.clip(vertices[:, 2], -1.0, 1.0))
+    return Mesh(vertices * (1.0 - 0.55 * np.exp(-((from_axis / 0.5) ** 4)))[:, None], facets)
+
+
 def concave():
-    for frequency in (10, 16, 32, 64):
-        mesh = peanut(frequency)
+    wing = box_wing((2, 3, 4), (5, 2), gap=0.5)
+    made = [("concave", peanut(frequency)) for frequency in (10, 16, 32, 64)]
+    made += [("rough", rough(frequency)) for frequency in (16, 32)]
+    made += [("a crater", crater(32)), ("box with wing", wing.divided(5))]
+    for name, mesh in made:
         seconds, answer = took(lambda m=mesh: Mesh(m.vertices, m.facets).is_convex)
         assert not answer
-        row(f"{len(mesh)} facets, concave: checks and is_convex", f"{seconds:.3f} s")
+        row(f"{len(mesh)} facets, {name}: checks and is_convex", f"{seconds:.3f} s")
         checks = seconds
         seconds, _ = took(lambda m=mesh: clusters_of(Mesh(m.vertices, m.facets)), 1)
         row("  clusters", f"{seconds:.2f} s")
@@ -85,7 +110,7 @@ def concave():
         seconds, table = took(lambda m=mesh: Visibility.of(m, keep=False), rounds)
         required = "<= 5" if 20_000 <= len(mesh) <= 23_000 else ""
         row(f"  table of {table.resolution} cells", f"{seconds:.2f} s", required)
-        yield f"{len(mesh):,}, concave", checks, grouped, seconds, table.resolution
+        yield f"{len(mesh):,}, {name}", checks, grouped, seconds, table.resolution
         sun, observer = directions(2000, 90.0)
         seconds, _ = took(
             lambda m=mesh, t=table, s=sun, o=observer: brightness(m, "lambert", s, o, shadows=t)

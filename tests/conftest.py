@@ -32,6 +32,11 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
 # Small calls are compiled too; tests/test_choice.py tests those that run in Python.
 os.environ.setdefault("ATTITUDE_COMPILE", "always")
 
+# Matrices of the tests are small, and each worker of xdist has a core: threads of BLAS that wait
+# for each other take ten times the processor time.  Read when numpy is loaded.
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
 # Tables of shadows are computed in each test; those that test the files name a folder.
 os.environ["ATTITUDE_CACHE"] = "off"
 

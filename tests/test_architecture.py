@@ -4,6 +4,7 @@ import ast
 import importlib
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,7 @@ ORDERS = {
             "wide",
             "error_free",
             "simd_lowering",
+            "simd_array_lowering",
             "streaming_lowering",
             "wide_lowering",
             "pointers",
@@ -107,14 +109,26 @@ MODULES = _modules()
 TYPES = "attitude.annotations"
 
 
+@cache
+def _tree(name):
+    """The syntax tree of a module."""
+    return ast.parse(MODULES[name].read_text())
+
+
+@cache
+def _nodes(name):
+    """All nodes of the tree of a module."""
+    return list(ast.walk(_tree(name)))
+
+
+@cache
 def _imports(name, *, lazy=True, typed=True):
     """Modules of the package that a module imports.
 
     Those inside functions only if lazy, those for annotations (`if TYPE_CHECKING:`) only if typed.
     """
-    tree = ast.parse(MODULES[name].read_text())
-    nodes = ast.walk(tree) if lazy else _executed(tree)
-    hidden = () if typed else list(_for_type_checkers(tree))
+    nodes = _nodes(name) if lazy else _executed(_tree(name))
+    hidden = () if typed else list(_for_type_checkers(name))
     found = set()
     for node in nodes:
         if node in hidden:
@@ -130,7 +144,7 @@ def _imports(name, *, lazy=True, typed=True):
                 if alias.name != "__version__"
             }
     found.discard(TYPES)
-    return {each for each in found if each == "attitude" or each.startswith("attitude.")}
+    return frozenset(each for each in found if each == "attitude" or each.startswith("attitude."))
 
 
 def _executed(tree):
@@ -193,18 +207,17 @@ def test_every_name_of_the_order_exists():
             assert (PACKAGE / room / f"{name}.py").is_file(), name
 
 
-def _for_type_checkers(tree):
-    """The statements inside of `if TYPE_CHECKING:`."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+def _for_type_checkers(name):
+    """The statements inside of `if TYPE_CHECKING:` of a module."""
+    for node in _nodes(name):
+        if isinstance(node, ast.If) and getattr(node.test, "id", None) == "TYPE_CHECKING":
             yield from node.body
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_annotations_are_imported_by_type_checkers_only(name):
-    tree = ast.parse(MODULES[name].read_text())
-    hidden = list(_for_type_checkers(tree))
-    for node in ast.walk(tree):
+    hidden = list(_for_type_checkers(name))
+    for node in _nodes(name):
         if isinstance(node, ast.ImportFrom) and node.module == TYPES:
             assert node in hidden, f"{name} imports {TYPES} when it runs"
 
@@ -212,7 +225,7 @@ def test_annotations_are_imported_by_type_checkers_only(name):
 @pytest.mark.parametrize("name", ["attitude", "attitude.torques"])
 def test_type_checkers_see_the_lazy_names(name):
     """The names that are imported on first use, from the modules that define them."""
-    imports = list(_for_type_checkers(ast.parse(MODULES[name].read_text())))
+    imports = list(_for_type_checkers(name))
     modules = [node for node in imports if isinstance(node, ast.Import)]
     offered = {
         f"attitude.{each}" for each in getattr(importlib.import_module(name), "_MODULES", ())
@@ -228,7 +241,7 @@ COMPILERS = ("numba", "llvmlite")
 
 @pytest.mark.parametrize("name", [name for name in MODULES if _room(name) != "compilation"])
 def test_only_the_compilation_knows_the_compiler(name):
-    for node in ast.walk(ast.parse(MODULES[name].read_text())):
+    for node in _nodes(name):
         found = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         found += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         for each in found:
@@ -265,7 +278,7 @@ ALLOWED_ACCESS = {
 def _text_access(name):
     """Parsers that a module imports, and functions that open files it names."""
     found = set()
-    for node in ast.walk(ast.parse(MODULES[name].read_text())):
+    for node in _nodes(name):
         if isinstance(node, ast.Import):
             found |= {alias.name.partition(".")[0] for alias in node.names} & {*PARSERS}
         elif isinstance(node, ast.ImportFrom):

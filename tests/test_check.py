@@ -1,8 +1,6 @@
 """The self-test: it passes here, it can fail, and its stored answers are those of the oracle."""
 
-import os
 import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -69,34 +67,6 @@ def test_a_wrong_installation_fails(monkeypatch, capsys, fault):
     monkeypatch.setattr(selftest, "propagate", broken)
     assert cli.main(["check"]) == 1
     assert "FAILED" in capsys.readouterr().out
-
-
-_TWO_HALVES = """
-from numba.core import event
-from attitude import selftest
-from attitude.solution import warm_up
-
-class Count(event.Listener):
-    names = []
-    def on_start(self, happening):
-        self.names.append(happening.data["dispatcher"].py_func.__name__)
-    def on_end(self, happening):
-        pass
-
-event.register("numba:compile", Count())
-warm_up._cores = lambda: 2
-warm_up.compile_ahead()
-assert "classify_all" in Count.names and "hyperbolic" not in Count.names, Count.names
-Count.names.clear()
-assert selftest.check().passed
-assert not Count.names, Count.names
-"""
-
-
-def test_two_processes_compile_all_that_the_check_needs(tmp_path):
-    """Half of it in the first, the rest in the other, and nothing afterwards."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    subprocess.run([sys.executable, "-c", _TWO_HALVES], env=environment, check=True)
 
 
 def test_a_single_core_compiles_at_the_first_use(monkeypatch):

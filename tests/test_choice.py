@@ -11,7 +11,7 @@ import pytest
 from attitude import FreeRotation, Spin, propagate
 from attitude.body import Body
 from attitude.compilation import choice
-from attitude.compilation.decorators import sized_entry_point
+from attitude.compilation.decorators import sized_entry_point, slowly_compiled
 
 START = """
 import json, sys
@@ -44,7 +44,46 @@ def run(code, folder, **more):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """An empty folder of machine code, later with that of one loop."""
     return tmp_path_factory.mktemp("cache")
+
+
+_TWO_HALVES = """
+from numba.core import event
+from attitude import cli, selftest
+from attitude.solution import warm_up
+
+class Count(event.Listener):
+    names = []
+    def on_start(self, happening):
+        self.names.append(happening.data["dispatcher"].py_func.__name__)
+    def on_end(self, happening):
+        pass
+
+event.register("numba:compile", Count())
+warm_up._cores = lambda: 2
+warm_up.compile_ahead()
+assert "classify_all" in Count.names and "hyperbolic" not in Count.names, Count.names
+Count.names.clear()
+assert selftest.check().passed
+assert not Count.names, Count.names
+cli.main(["warm-up"])
+"""
+
+
+@pytest.fixture(scope="module")
+def warmed(tmp_path_factory):
+    """What `attitude warm-up` prints, and a folder with machine code of every propagation.
+
+    Two processes compile what the check needs: half of it in the first, the rest in the other.
+    """
+    filled = tmp_path_factory.mktemp("warmed")
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(filled)}
+    ran = subprocess.run(
+        [sys.executable, "-c", _TWO_HALVES], env=environment, capture_output=True, text=True
+    )
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout, filled
 
 
 def test_small_work_needs_no_compiler(folder):
@@ -58,11 +97,43 @@ def test_small_work_needs_no_compiler(folder):
     assert np.array_equal(wxyz, expected)
 
 
+def test_small_derivatives_need_no_compiler(folder):
+    """With the bits of compiled code."""
+    found, loaded, compiled, _ = run(
+        "from types import SimpleNamespace\n"
+        "found = SimpleNamespace(wxyz=motion.sensitivity_at(np.arange(5.0)))\n"
+        "FreeRotation(body, spin.with_covariance({'attitude': 0.1})).covariance_at(np.arange(5.0))",
+        folder,
+        ATTITUDE_COMPILE="automatic",
+    )
+    assert not loaded and compiled == []
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    assert np.array_equal(found, motion.sensitivity_at(np.arange(5.0)))
+
+
+def test_working_memory_is_not_work(monkeypatch):
+    """Of an argument named block the size does not count."""
+    monkeypatch.setattr(choice, "MODE", "automatic")
+    monkeypatch.setattr(choice, "_spent", 0.0)
+    seen = []
+    monkeypatch.setattr(choice, "is_worth_python", lambda *given: seen.append(given) or True)
+
+    @slowly_compiled
+    def doubled(x, block, out):
+        for i in range(len(x)):
+            out[i] = 2.0 * x[i]
+
+    doubled(np.arange(3.0), np.empty(10**6), np.empty(3))
+    predicted, _, to_compile = seen[0]
+    assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
+
+
 @pytest.mark.parametrize("mode", ["automatic", "always"])
-def test_large_work_is_compiled(folder, mode):
-    size = "200000" if mode == "automatic" else "2"
+def test_large_work_is_compiled(folder, warmed, mode):
+    size, where = ("200000", folder) if mode == "automatic" else ("2", warmed[1])
     wxyz, loaded, compiled, _ = run(
-        f"found = motion.at(np.arange({size}.0))[:2]", folder, ATTITUDE_COMPILE=mode
+        f"found = motion.at(np.arange({size}.0))[:2]", where, ATTITUDE_COMPILE=mode
     )
     assert loaded and "attitude.solution.kernel.hyperbolic" in compiled
     spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
@@ -113,12 +184,14 @@ def test_an_entry_point_measures_its_pace(monkeypatch):
     assert doubled._dispatcher is not None
 
 
-def test_warm_up_compiles_what_a_later_process_loads(tmp_path):
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "ATTITUDE_COMPILE": "automatic"}
-    command = [sys.executable, "-m", "attitude", "warm-up"]
-    ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    assert "entry points in" in ran.stdout and str(tmp_path) in ran.stdout
-    assert list(tmp_path.glob("*/kernel.trigonometric-*.nbi"))
+def test_warm_up_compiles_what_a_later_process_loads(warmed):
+    """After the check's functions, with no other compiled between, the rest of the propagation."""
+    shown, filled = warmed
+    assert "entry points in" in shown and str(filled) in shown
+    assert list(filled.glob("*/kernel.trigonometric-*.nbi"))
+    before = {each.name for each in filled.glob("*/*.nbc")}
+    run("found = motion.at(60.0)", filled, ATTITUDE_COMPILE="always")
+    assert {each.name for each in filled.glob("*/*.nbc")} == before
 
 
 def test_propagate_of_one_body_is_the_same_in_python():

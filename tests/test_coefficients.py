@@ -24,17 +24,23 @@ def test_stored_numbers_are_those_remade(table):
     assert table.broken_claims(table.measure()) == []
 
 
-def test_every_computed_number_of_the_package_has_a_table():
+@pytest.fixture(scope="module")
+def long_constants():
+    """The computed and measured numbers of the package."""
+    return sources.long_constants()
+
+
+def test_every_computed_number_of_the_package_has_a_table(long_constants):
     """Floats of more than ten digits are remade by the script, or are measured ones it names."""
     known = {(each.file, owner) for each in TABLES for owner in each.owners}
-    found = sources.long_constants()
+    found = long_constants
     missing = found - known - make_coefficients.MEASURED
     assert not missing, f"give {missing} a table in benchmarks/coefficients, or add to MEASURED"
     assert found - known >= make_coefficients.MEASURED
 
 
-def test_the_search_finds_names_literals_and_series():
-    found = sources.long_constants()
+def test_the_search_finds_names_literals_and_series(long_constants):
+    found = long_constants
     for file, owner in (
         ("solution/flow.py", "_GAUSS"),  # an array
         ("solution/phases.py", "_SIN_1_LOW"),  # one of two names in one statement

@@ -22,8 +22,8 @@ from astropy.utils.masked import Masked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from attitude import epochs, pairs
-from attitude.epochs import readers, time_scales
+from attitude import Body, FreeRotation, Spin, epochs, pairs
+from attitude.epochs import inputs, readers, time_scales
 from attitude.epochs.inputs import instant, seconds_since
 from attitude.errors import AttitudeError
 
@@ -719,3 +719,38 @@ def test_lengths_of_time_as_text():
     np.testing.assert_array_equal(seconds_since(start, ["1 h", "2 min"])[0], [3600.0, 120.0])
     with pytest.raises(AttitudeError, match="give it in s"):
         seconds_since(start, "3 km")
+
+
+@pytest.mark.parametrize("seconds", [60.0, -0.0, 1e300, np.nan, np.inf])
+def test_a_float_of_seconds_is_not_read_by_the_reader_of_all_types(monkeypatch, seconds):
+    """A call with one epoch costs a third as much; the array is that of the general reader."""
+    general = epochs.plain_seconds([seconds])[0]
+
+    def refuse(*given):
+        raise AssertionError("read by the general reader")
+
+    monkeypatch.setattr(inputs.kinds, "entries", refuse)
+    found, low = epochs.plain_seconds(seconds)
+    assert low is None and found.shape == () and found.dtype == np.float64
+    assert found.tobytes() == general.tobytes()
+    with pytest.raises(AssertionError, match="general reader"):
+        epochs.plain_seconds("60")
+    monkeypatch.undo()
+    found, low = epochs.plain_seconds(seconds, 1e-9)
+    assert found.tobytes() == general.tobytes() and low.shape == () and low == 1e-9
+    with pytest.raises(AttitudeError, match=r"low has shape \(2,\), seconds has \(\)"):
+        epochs.plain_seconds(seconds, [0.0, 0.0])
+
+
+@pytest.mark.parametrize("seconds", [np.nan, np.inf, -np.inf])
+def test_a_float_that_is_not_finite_gives_what_an_array_of_it_gives(seconds):
+    body = Body(moments=(1.0, 2.0, 3.0))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 2, 3))
+    motion = FreeRotation(body, spin)
+    said = []
+    for form in (seconds, np.array(seconds), [seconds]):
+        try:
+            said.append(np.ravel(motion.angular_velocity_at(form)).tobytes())
+        except AttitudeError as err:
+            said.append(str(err))
+    assert len(set(said)) == 1

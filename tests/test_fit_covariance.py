@@ -1,4 +1,6 @@
-"""Covariances of fits, against the spread of fits to 300 sets of noisy records."""
+"""Covariances of fits, against the spread of fits to 150 sets of noisy records."""
+
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from attitude import representations as forms
 EPOCH = "2026-01-01"
 T = np.linspace(0.0, 60.0, 101)
 TURN = forms.to_matrix(forms.from_axis_angle((1, 2, -1), 0.4))
-NOISE, FITS = 1e-3, 300
+NOISE, FITS = 1e-3, 150
 LATER = 100.0
 STARS = np.resize([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8], [0.0, 0.8, -0.6]], (len(T), 3))
 
@@ -66,6 +68,14 @@ WAYS = {
 }
 
 
+@cache
+def fitted(name):
+    """The fits of one way to sets of records, each with its own noise."""
+    free, way = WAYS[name]
+    random = np.random.default_rng(16)
+    return [way(truth(free), random) for _ in range(FITS)]
+
+
 def shape_of(body, free):
     """Logarithms of the second moments of mass, as documented."""
     second = 0.5 * np.trace(body.tensor) * np.eye(3) - body.tensor
@@ -101,10 +111,8 @@ def check(errors, covariances):
 
 @pytest.mark.parametrize("name", WAYS)
 def test_covariances_are_those_of_many_fits(name):
-    free, way = WAYS[name]
-    given = truth(free)
-    random = np.random.default_rng(16)
-    found = [way(given, random) for _ in range(FITS)]
+    free, _ = WAYS[name]
+    given, found = truth(free), fitted(name)
     known = np.arange(3 * (name == "rates"), len(found[0].covariance))
     errors = np.array(
         [parameters(each.motion, given, len(each.covariance), free)[known] for each in found]
@@ -114,13 +122,11 @@ def test_covariances_are_those_of_many_fits(name):
 
 @pytest.mark.parametrize("name", ["attitudes", "a known body", "directions"])
 def test_the_errors_of_the_fitted_motion_are_those_of_its_history(name):
-    free, way = WAYS[name]
-    given = truth(free)
-    random = np.random.default_rng(17)
+    free, _ = WAYS[name]
     errors, covariances = [], []
-    expected = given.at(LATER)
-    for _ in range(FITS):
-        later = way(given, random).motion.at(LATER)
+    expected = truth(free).at(LATER)
+    for each in fitted(name):
+        later = each.motion.at(LATER)
         turn = quaternion.multiply(later.wxyz, quaternion.conjugate(expected.wxyz))
         rates = later.angular_velocity - expected.angular_velocity
         errors.append(np.concatenate([forms.to_rotation_vector(turn), rates]))
@@ -129,13 +135,12 @@ def test_the_errors_of_the_fitted_motion_are_those_of_its_history(name):
 
 
 def test_with_free_axes_the_history_has_the_errors_of_the_principal_axes():
-    free, way = WAYS["free axes"]
+    free, _ = WAYS["free axes"]
     given = truth(free)
-    random = np.random.default_rng(18)
     errors, covariances = [], []
     axes = given.body.principal_axes
-    for _ in range(FITS):
-        motion = way(given, random).motion
+    for each in fitted("free axes"):
+        motion = each.motion
         later = motion.at(LATER)
         turn = later.matrix @ motion.body.principal_axes @ (given.at(LATER).matrix @ axes).T
         errors.append(forms.to_rotation_vector(quaternion.from_matrix(turn)))
@@ -146,10 +151,8 @@ def test_with_free_axes_the_history_has_the_errors_of_the_principal_axes():
 def test_moments_of_the_spin_are_those_of_the_body():
     """Errors of the moments, whose sum is 1 exactly, in the order of the moments of the body."""
     for name in ("attitudes", "free axes"):
-        free, way = WAYS[name]
-        given = truth(free)
-        random = np.random.default_rng(19)
-        found = [way(given, random).motion for _ in range(FITS)]
+        given = truth(WAYS[name][0])
+        found = [each.motion for each in fitted(name)]
         moments = given.body.moments / given.body.moments.sum()
         errors = np.array([each.body.moments - moments for each in found])
         covariances = np.array([each.spin.covariance[6:, 6:] for each in found])

@@ -1,9 +1,12 @@
 """A disk that fills up while a file is written: a sentence, no half file, the old one as it was."""
 
+import importlib.util
+import json
 import os
 import re
 import subprocess
 import sys
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -50,15 +53,12 @@ def fill_up(ending, folder):
 
     Runs in a process of its own, of which the limit holds everywhere.
     """
-    import resource
-
     path = Path(folder, f"file.{ending}")
     WRITERS[ending](path)
     before = {each.name: each.read_bytes() for each in Path(folder).iterdir()}
     size = len(before[path.name])
-    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     for limit in (0, size // 3, size - 1):
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
+        limit_files(limit)
         with pytest.raises(AttitudeError, match=r"cannot be written: File too large|Is the disk"):
             WRITERS[ending](path)
         assert {each.name: each.read_bytes() for each in Path(folder).iterdir()} == before
@@ -70,19 +70,53 @@ def fill_up(ending, folder):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("ending", WRITERS)
-def test_it_is_full_in_the_middle(tmp_path, ending):
+def limit_files(size=None):
+    """Set the largest file that this process may write, bytes; None for the system's."""
+    import resource
+
+    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+    resource.setrlimit(resource.RLIMIT_FSIZE, (hard if size is None else size, hard))
+
+
+def fill_up_with(endings, folder):
+    """Print what went wrong with each ending, "" if nothing: in a process of its own."""
+    found = {}
+    for ending in endings:
+        own = Path(folder, ending)
+        own.mkdir()
+        try:
+            fill_up(ending, own)
+        except BaseException:
+            found[ending] = traceback.format_exc()
+        finally:
+            limit_files()
+    print(json.dumps({ending: found.get(ending, "") for ending in endings}))
+
+
+@pytest.fixture(scope="module")
+def filled_up(tmp_path_factory):
+    """What went wrong with each ending; one process tries them all."""
     pytest.importorskip("resource", reason="limits of files are those of Unix")
+    absent = {
+        ending
+        for ending, package in (("parquet", "pyarrow"), ("bc", "spiceypy"))
+        if importlib.util.find_spec(package) is None
+    }
+    given = [each for each in WRITERS if each not in absent], str(tmp_path_factory.mktemp("disk"))
+    code = f"from tests.test_formats_full_disk import fill_up_with; fill_up_with(*{given!r})"
+    run = [sys.executable, "-c", code]
+    found = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert found.returncode == 0, found.stderr
+    return json.loads(found.stdout)
+
+
+@pytest.mark.parametrize("ending", WRITERS)
+def test_it_is_full_in_the_middle(filled_up, ending):
     if ending == "parquet":
         pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     if ending == "bc":
         pytest.importorskip("spiceypy", reason="spiceypy is not installed")
-    code = (
-        f"from tests.test_formats_full_disk import fill_up; fill_up({ending!r}, {str(tmp_path)!r})"
-    )
-    run = [sys.executable, "-c", code]
-    found = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, timeout=120)
-    assert found.returncode == 0, found.stderr
+    assert filled_up[ending] == ""
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is a device of Linux")

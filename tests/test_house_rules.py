@@ -140,6 +140,7 @@ COMPILED = {
     *(
         "entry_point",
         "sized_entry_point",
+        "slowly_compiled",
         "inlined_entry_point",
         "subroutine",
         "force_inlined",

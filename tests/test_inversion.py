@@ -12,6 +12,7 @@ from attitude.inversion import (
     curve_problem,
     ellipsoid_magnitudes,
     facets,
+    jackknife,
     many_starts,
     minkowski,
     moments_of_elements,
@@ -261,8 +262,11 @@ def test_a_tumbler_is_found(solved):
     assert len(found[0].residuals) == len(curve)
 
 
-def test_what_a_solution_offers(solved, tmp_path):
+def test_what_a_solution_offers(solved, tmp_path, monkeypatch):
     from attitude.formats import spin_file
+
+    # of a fit each second without one, of which dozens would be made
+    monkeypatch.setattr(jackknife, "_REFITS", 1)
 
     case, curve, found = solved
     best = found[0]

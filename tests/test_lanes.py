@@ -8,6 +8,7 @@ import pytest
 from attitude.compilation.decorators import entry_point
 from attitude.compilation.instructions import fma
 from attitude.compilation.simd import (
+    add_in_columns,
     at_least,
     at_most,
     bits_set_in_bytes,
@@ -161,6 +162,23 @@ def test_eight_are_written_to_any_place(run):
     array, out = np.array([np.nan, *EIGHT]), np.full(11, -1.0)
     run(array, out)
     np.testing.assert_array_equal(out, [-1.0, -1.0, *(2.0 * np.array(EIGHT)), -1.0])
+
+
+@entry_point
+def added(array, rows, amounts):
+    add_in_columns(array, 2, eight(rows, 0), eight(amounts, 0))
+
+
+@pytest.mark.parametrize("run", [added, added.py_func])
+def test_bytes_are_added_in_the_column_of_each_lane(run):
+    array = np.full(34, 250, np.uint8)
+    rows = np.array([0.0, 3.0, 1.0, 0.0, 2.0, 2.0, 3.0, 1.0])
+    amounts = np.array([1.0, -1.0, 0.0, 7.0, 1.0, -2.0, 3.0, 1.0])
+    run(array, rows, amounts)
+    expected = np.full((4, 8), 250)
+    expected[rows.astype(int), np.arange(8)] += amounts.astype(int)
+    assert array[2:].tolist() == (expected % 256).reshape(-1).tolist()
+    assert array[:2].tolist() == [250, 250]
 
 
 def test_lanes_moved_and_numbers_taken_apart():

@@ -216,12 +216,19 @@ def test_relations_of_periods_in_words():
 # Two periods --------------------------------------------------------------------------------------
 
 
-def test_two_periods_blind(tmp_path):
+LIMITS = {"min_period": "2 h", "max_period": "40 h"}
+
+
+@pytest.fixture(scope="module")
+def blind():
+    """Epochs and brightness of a tumbler, and its pairs of periods."""
     t = nights(14, 30)
     y = tumbler(t)
-    found = photometry.two_periods(
-        t, y, np.full(t.size, 0.01), min_period="2 h", max_period="40 h", count=8
-    )
+    return t, y, photometry.two_periods(t, y, np.full(t.size, 0.01), **LIMITS, count=8)
+
+
+def test_two_periods_blind(blind, tmp_path):
+    t, y, found = blind
     # lines at i/P_phi + 2 j/P_psi: the lattice of 1/P_phi and 2/P_psi
     base = np.array([1 / (17.9 * HOUR), 2 / (5.31 * HOUR)])
     pair = found.pairs[0]
@@ -243,13 +250,11 @@ def test_two_periods_blind(tmp_path):
         photometry.two_periods(t, y, min_period="1 s")
 
 
-def test_many_pairs_are_ranked_by_their_powers_first(monkeypatch):
+def test_many_pairs_are_ranked_by_their_powers_first(blind, monkeypatch):
     """With a limit of a fifth of the pairs the best one is the same."""
-    t = nights(14, 30)
-    y = tumbler(t)
-    whole = photometry.two_periods(t, y, min_period="3 h", max_period="40 h", count=3)
+    t, y, whole = blind
     monkeypatch.setattr(pair_search, "MOST", whole.tried // 5)
-    part = photometry.two_periods(t, y, min_period="3 h", max_period="40 h", count=3)
+    part = photometry.two_periods(t, y, np.full(t.size, 0.01), **LIMITS, count=3)
     assert part.pairs[0].left == pytest.approx(whole.pairs[0].left, rel=1e-6)
 
 

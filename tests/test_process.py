@@ -149,6 +149,13 @@ assert attitude.__file__.startswith(sys.argv[1]), attitude.__file__
 wxyz = propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])
 spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
 motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+from attitude.compilation.choice import compiling
+from attitude.scene.loops import earlier
+early = np.zeros((2, 1))
+with compiling():
+    earlier(np.array([10.0]), np.zeros(1), np.array([6.0]), 2.0, early[0], early[1])
+assert early[0, 0] == 7.0
+assert "attitude.scene.loops.earlier" in attitude.compilation_status().compiled
 print(np.concatenate([wxyz.ravel(), motion.at(120.0).wxyz]).tobytes().hex())
 """
 
@@ -167,7 +174,10 @@ def _copy_of_the_package(folder):
 
 
 def test_a_read_only_installation_without_a_home_works(tmp_path):
-    """Compiled anew in each process; nothing is written, no warning is given."""
+    """Compiled anew in each process; nothing is written, no warning is given.
+
+    One small loop is compiled; the rest runs in Python.
+    """
     package = _copy_of_the_package(tmp_path)
     before = sorted(tmp_path.rglob("*"))
     environment = {
@@ -177,6 +187,7 @@ def test_a_read_only_installation_without_a_home_works(tmp_path):
     }
     nowhere = str(tmp_path / "attitude" / "__pycache__" / "home")  # below a file: cannot be made
     environment.update(HOME=nowhere, PYTHONDONTWRITEBYTECODE="1", PYTHONPATH=str(tmp_path))
+    environment["ATTITUDE_COMPILE"] = "automatic"
     run = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(package)],
         env=environment,

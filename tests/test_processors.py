@@ -63,7 +63,10 @@ print(json.dumps([fused_here, *bits, fused.tobytes().hex(), whole.tobytes().hex(
 """
 
 
-@pytest.mark.parametrize(("name", "features"), [("sandybridge", NO_FMA), ("generic", "")])
+@pytest.mark.parametrize(
+    ("name", "features"),
+    [pytest.param("sandybridge", NO_FMA, marks=pytest.mark.slow), ("generic", "")],
+)
 def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features):
     if platform.machine().lower() not in ("x86_64", "amd64"):
         pytest.skip("the names of processors are those of x86")

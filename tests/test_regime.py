@@ -73,14 +73,15 @@ def test_periods_at_a_millionth_of_a_millionth_from_the_separatrix(side):
     check_periods(moments, omega, 1e-15)
 
 
+@pytest.mark.parametrize("count", [4, pytest.param(20, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", STATES)
-def test_periods_are_those_of_the_measured_motion_over_20_periods(name):
+def test_periods_are_those_of_the_measured_motion_over_many_periods(name, count):
     moments, omega = STATES[name]
-    period, turned = measured(moments, omega, turns=20)
+    period, turned = measured(moments, omega, turns=count)
     found = regimes(moments, omega)
     assert abs(float(period / found.P_psi) - 1.0) <= 1e-14
     for P_phi in (found.P_phi_L, found.P_phi_S):
-        turns = 20.0 * found.P_psi / P_phi
+        turns = count * found.P_psi / P_phi
         # a part of a turn, relative to all of them; the quaternions at both ends are doubles
         off = (turns - turned + 0.5) % 1.0 - 0.5
         assert abs(off) / turns <= 1e-14

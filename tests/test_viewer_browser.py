@@ -158,3 +158,53 @@ def test_impulses_jump(chromium, tmp_path):
         poses = page.evaluate("times => times.map(t => attitudeViewer.pose(t))", list(times))
         assert known(errors) == []
     assert angle(np.array(poses), arcs.at(times).wxyz).max() < 0.2
+
+
+def test_frames_draw_what_changed(chromium, tmp_path):
+    """The shadows are drawn again where pose or light changed; a paused page draws nothing."""
+    wing = shape.box_wing((10, 4, 4), (14, 5), wings=1)
+    scene = Scene(toutatis(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=wing)
+    path = tmp_path / "wing.html"
+    view(scene, stop=DAY, output=path)
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        found = page.evaluate(
+            """() => {
+              const { stage, clock, drawAt, panel } = attitudeViewer;
+              clock.play(false);
+              const drawn = [];
+              const draw = (time, change = () => {}) => {
+                change();
+                drawAt(time);
+                const { calls, triangles } = stage.renderer.info.render;
+                drawn.push([calls, triangles]);
+              };
+              panel.choose("inertial");
+              draw(1000);
+              draw(1000, () => stage.camera.position.multiplyScalar(1.2));
+              draw(5000);
+              draw(5000, () => panel.toggle("shadows"));
+              draw(5000, () => panel.toggle("shadows"));
+              return drawn;
+            }"""
+        )
+        (first, moved, later, without, again) = found
+        facets = len(wing.facets)
+        assert first == later == again
+        assert first[1] - moved[1] == first[1] - without[1] == facets
+        assert first[0] - moved[0] == 1
+        page.wait_for_timeout(100)
+        counts = page.evaluate(
+            """async () => {
+              const { frames, clock } = attitudeViewer;
+              const pause = () => new Promise((done) => setTimeout(done, 300));
+              await pause();
+              const before = { ...frames };
+              await pause();
+              const paused = frames.drawn - before.drawn, passed = frames.count - before.count;
+              clock.play(true);
+              await pause();
+              return [passed, paused, frames.drawn - before.drawn];
+            }"""
+        )
+        assert counts[0] > 1 and counts[1] == 0 and counts[2] > 1
+        assert known(errors) == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import TYPE_CHECKING, Any
 
 from attitude.cli import orbit, output
@@ -76,7 +75,6 @@ def run(arguments: argparse.Namespace) -> None:
         **_geometry(arguments),
     )
     moments = _moments(arguments.moments)
-    progress = _print_progress if sys.stderr.isatty() else None
     found = inversion.spin_states(
         curve,
         arguments.max_frequency,
@@ -84,10 +82,7 @@ def run(arguments: argparse.Namespace) -> None:
         moments=moments,
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
-        progress=progress,
     )
-    if progress is not None:
-        print(file=sys.stderr)
     print(curve)
     print(found)
     _write(found, arguments)
@@ -161,7 +156,3 @@ def _site(text: str) -> Any:
         both = validation.real(", ".join(parts[:2]), "--site", shape=(2,), unit="rad")
         return paths.site(*both.tolist(), *parts[2:])
     return paths.site(*parts)
-
-
-def _print_progress(text: str) -> None:
-    print(f"\rattitude: {text:<70.70s}", end="", file=sys.stderr, flush=True)

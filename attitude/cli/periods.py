@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from attitude.cli import orbit, output
 from attitude.errors import AttitudeError
-from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from attitude.photometry import Periodogram, Photometry, TwoPeriods
@@ -146,7 +145,6 @@ def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
         max_period=arguments.max,
         order=arguments.order,
         count=max(arguments.count, _ROWS),
-        progress=ProgressBar("pairs of periods"),
     )
     print(f"{found.tried} pairs; by chance 1 of 100 leaves {found.false_alarm:.3f} of chi-squared")
     print(f"{'':4}{'first, h':>12}{'+-':>9}{'second, h':>13}{'+-':>9}{'left':>8}  relation")

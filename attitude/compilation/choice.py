@@ -22,6 +22,8 @@ from typing import Final
 # and loading the loops of a propagation, and compiling them.
 TO_LOAD: Final = 0.5
 TO_COMPILE: Final = 2.0
+# The same of the loops of derivatives: setup and columns of one form.
+TO_COMPILE_DERIVATIVES: Final = 10.0
 
 
 def mode() -> str:
@@ -40,10 +42,10 @@ _running = threading.local()
 _forced = 0
 
 
-def is_worth_python(predicted: float, kept: bool) -> bool:
+def is_worth_python(predicted: float, kept: bool, to_compile: float = TO_COMPILE) -> bool:
     """Whether a call that takes `predicted` seconds in Python is to run there.
 
-    `kept` tells whether machine code is on the disk.
+    `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
     """
     if _forced:
         return False
@@ -52,7 +54,7 @@ def is_worth_python(predicted: float, kept: bool) -> bool:
         return True
     if "numba" in sys.modules and kept:
         return False
-    return _spent + predicted <= (TO_LOAD if kept else TO_COMPILE)
+    return _spent + predicted <= (TO_LOAD if kept else to_compile)
 
 
 @contextmanager

@@ -58,6 +58,8 @@ if hasattr(os, "register_at_fork"):
 UNCOMPILED: bool = choice.MODE == "never"
 # Seconds for each number of the arguments in Python, until a call was measured.
 _FIRST_GUESS = 1e-4
+# The name of arguments that are working memory, whose size says nothing about the work.
+_MEMORY = "block"
 
 
 class Compilable:
@@ -141,8 +143,10 @@ class EntryPoint(Compilable):
         options: Mapping[str, Any],
         kept: bool = True,
         sized: bool = False,
+        to_compile: float = choice.TO_COMPILE,
     ) -> None:
         super().__init__(python, options, kept)
+        self._to_compile = to_compile
         self.run: Callable[..., Any] = self._first
         if UNCOMPILED:
             self.run = self._in_python
@@ -154,13 +158,24 @@ class EntryPoint(Compilable):
 
     def _by_size(self, *arguments: Any) -> Any:
         """The result, computed in Python where that pays; the size of the largest array counts."""
-        size = 1 + max((each.size for each in arguments if isinstance(each, np.ndarray)), default=0)
-        if not choice.is_worth_python(size * self._pace, self._is_on_disk):
+        arrays = [
+            each
+            for each, name in zip(arguments, self._names, strict=True)
+            if isinstance(each, np.ndarray) and name != _MEMORY
+        ]
+        size = 1 + max((each.size for each in arrays), default=0)
+        if not choice.is_worth_python(size * self._pace, self._is_on_disk, self._to_compile):
             return self._first(*arguments)
         with choice.InPython() as run:
             result = self._in_python(*arguments)
         self._pace = run.seconds / size
         return result
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        """The names of the arguments."""
+        code = self.py_func.__code__
+        return code.co_varnames[: code.co_argcount]
 
     @cached_property
     def _is_on_disk(self) -> bool:
@@ -215,6 +230,11 @@ def entry_point(function: Callable[..., Any]) -> EntryPoint:
 def sized_entry_point(function: Callable[..., Any]) -> EntryPoint:
     """As `entry_point`, for loops over entries of arrays: few run in Python (`choice`)."""
     return EntryPoint(function, _EXACT, sized=True)
+
+
+def slowly_compiled(function: Callable[..., Any]) -> EntryPoint:
+    """As `sized_entry_point`, for functions of derivatives, which take longer to compile."""
+    return EntryPoint(function, _EXACT, sized=True, to_compile=choice.TO_COMPILE_DERIVATIVES)
 
 
 def inlined_entry_point(function: Callable[..., Any]) -> EntryPoint:

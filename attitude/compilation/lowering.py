@@ -18,6 +18,7 @@ from attitude.compilation import (
     error_free,
     instructions,
     pointers,
+    simd_array_lowering,  # noqa: F401  registers its instructions
     simd_lowering,
     streaming_lowering,  # noqa: F401  registers its instructions
 )

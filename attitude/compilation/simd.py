@@ -6,7 +6,8 @@ four of NEON) that compiled code adds, multiplies and divides with the usual ope
 on either side; `instructions.fma` takes such values too.  Products and sums are fused only where
 the caller is compiled with that option (`decorators.reduction`).
 
-The functions below are the definitions in Python; `simd_lowering` has the vector instructions.
+The functions below are the definitions in Python; `simd_lowering` and
+`simd_array_lowering` have the vector instructions.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ from attitude.compilation.instructions import fma
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray
 
@@ -102,6 +106,16 @@ def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
     """Store a vector as array[i], ..., array[i + 7] of a contiguous array of doubles."""
     i = int(i)
     array[i : i + 8] = a.lanes
+
+
+def add_in_columns(array: NDArray[np.uint8], i: int, rows: Lanes, amounts: Lanes) -> None:
+    """Add amounts[k] to array[i + 8 rows[k] + k] for each lane k, modulo 256.
+
+    `array` is flat, of bytes; the rows are whole numbers from 0 on.
+    """
+    for k, (row, amount) in enumerate(zip(rows.lanes, amounts.lanes, strict=True)):
+        place = int(i) + 8 * int(row) + k
+        array[place] = (int(array[place]) + int(amount)) % 256
 
 
 def lanes(numbers: tuple[float, ...]) -> Lanes:

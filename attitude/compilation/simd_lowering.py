@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -36,7 +36,7 @@ class _LanesModel(models.PrimitiveModel):
         super().__init__(manager, kind, kind.vector)
 
 
-def _typed(function):
+def typed(function: Callable[..., Any]) -> Callable[..., Any]:
     """Register a typer: a function from the argument types of a function of `simd` to its type."""
 
     def register(typer):
@@ -49,56 +49,17 @@ def _typed(function):
     return register
 
 
-def _lowered(function):
+def lowered(function: Callable[..., Any]) -> Callable[..., Any]:
     """Register the instructions of a function of `simd`."""
     return lower_builtin(function, types.VarArg(types.Any))
 
 
-@_typed(simd.eight)
-def _eight_type(array, i):
-    return LanesType(8) if array.is_contig else None
-
-
-@_typed(simd.four)
-def _four_type(array, i):
-    return LanesType(4) if array.is_contig else None
-
-
-@_typed(simd.sixteen)
-def _sixteen_type(array, i):
-    return LanesType(16) if array.is_contig else None
-
-
-@_lowered(simd.four)
-@_lowered(simd.sixteen)
-@_lowered(simd.eight)
-def _eight(context, builder, signature, arguments):
-    kind = signature.return_type
-    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    here = builder.gep(data, [arguments[1]])
-    return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
-
-
-@_typed(simd.put_eight)
-def _put_eight_type(array, i, a):
-    return types.void(array, types.intp, a) if array.is_contig else None
-
-
-@_lowered(simd.put_eight)
-def _put_eight(context, builder, signature, arguments):
-    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    here = builder.gep(data, [arguments[1]])
-    numbers = arguments[2]
-    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
-    return context.get_dummy_value()
-
-
-@_typed(simd.lanes)
+@typed(simd.lanes)
 def _lanes_type(numbers):
     return LanesType(len(numbers))
 
 
-@_lowered(simd.lanes)
+@lowered(simd.lanes)
 def _lanes(context, builder, signature, arguments):
     kind = signature.return_type
     made = ir.Constant(kind.vector, ir.Undefined)
@@ -108,24 +69,24 @@ def _lanes(context, builder, signature, arguments):
     return made
 
 
-@_typed(simd.doubles_of)
+@typed(simd.doubles_of)
 def _doubles_type(a):
     return types.UniTuple(types.float64, a.count)
 
 
-@_lowered(simd.doubles_of)
+@lowered(simd.doubles_of)
 def _doubles(context, builder, signature, arguments):
     count = range(signature.return_type.count)
     found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
     return context.make_tuple(builder, signature.return_type, found)
 
 
-@_typed(simd.bits_set_in_bytes)
+@typed(simd.bits_set_in_bytes)
 def _bits_type(word):
     return LanesType(8)(types.uint64)
 
 
-@_lowered(simd.bits_set_in_bytes)
+@lowered(simd.bits_set_in_bytes)
 def _bits(context, builder, signature, arguments):
     kind = signature.return_type
     parts = builder.bitcast(arguments[0], ir.VectorType(ir.IntType(8), kind.count))
@@ -133,66 +94,66 @@ def _bits(context, builder, signature, arguments):
     return builder.uitofp(counted, kind.vector)
 
 
-@_typed(simd.every)
+@typed(simd.every)
 def _every_type(number, like):
     return like(types.float64, like)
 
 
-@_lowered(simd.every)
+@lowered(simd.every)
 def _every_lane(context, builder, signature, arguments):
     return _spread(builder, signature.return_type, arguments[0])
 
 
-@_typed(simd.at_least)
+@typed(simd.at_least)
 def _at_least_type(a, least):
     return a
 
 
-@_lowered(simd.at_least)
+@lowered(simd.at_least)
 def _at_least(context, builder, signature, arguments):
     arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
-@_typed(simd.at_most)
+@typed(simd.at_most)
 def _at_most_type(a, most):
     return a
 
 
-@_lowered(simd.at_most)
+@lowered(simd.at_most)
 def _at_most(context, builder, signature, arguments):
     arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
 
 
-@_typed(simd.chosen)
+@typed(simd.chosen)
 def _chosen_type(by, a, b):
     return a
 
 
-@_lowered(simd.chosen)
+@lowered(simd.chosen)
 def _chosen(context, builder, signature, arguments):
     return builder.select(_above_zero(builder, arguments[0]), *arguments[1:])
 
 
-@_typed(simd.root)
+@typed(simd.root)
 def _root_type(a):
     return a
 
 
-@_lowered(simd.root)
+@lowered(simd.root)
 def _root(context, builder, signature, arguments):
     kind = signature.return_type
     function = _function(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
     return builder.call(function, arguments)
 
 
-@_typed(simd.packed)
+@typed(simd.packed)
 def _packed_type(a, by):
     return a
 
 
-@_lowered(simd.packed)
+@lowered(simd.packed)
 def _packed(context, builder, signature, arguments):
     kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
     shape = ir.FunctionType(kind, [kind, mask.type, kind])
@@ -205,36 +166,36 @@ def _packed(context, builder, signature, arguments):
 _WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
 
 
-@_typed(simd.truncated)
+@typed(simd.truncated)
 def _truncated_type(a):
     return a
 
 
-@_lowered(simd.truncated)
+@lowered(simd.truncated)
 def _truncated(context, builder, signature, arguments):
     kind = signature.return_type
     whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
     return builder.sitofp(whole, kind.vector)
 
 
-@_typed(simd.nearest_eighth)
+@typed(simd.nearest_eighth)
 def _nearest_type(a):
     return a
 
 
-@_lowered(simd.nearest_eighth)
+@lowered(simd.nearest_eighth)
 def _nearest_eighth(context, builder, signature, arguments):
     kind = signature.return_type
     total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
     return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
 
 
-@_typed(simd.inverse_power)
+@typed(simd.inverse_power)
 def _power_type(a):
     return a
 
 
-@_lowered(simd.inverse_power)
+@lowered(simd.inverse_power)
 def _inverse_power(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -250,12 +211,12 @@ def _inverse_power(context, builder, signature, arguments):
     return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
 
 
-@_typed(simd.halved)
+@typed(simd.halved)
 def _halved_type(a, times):
     return a
 
 
-@_lowered(simd.halved)
+@lowered(simd.halved)
 def _halved(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -265,12 +226,12 @@ def _halved(context, builder, signature, arguments):
     return builder.bitcast(bits, kind.vector)
 
 
-@_typed(simd.exponent)
+@typed(simd.exponent)
 def _exponent_type(a):
     return a
 
 
-@_lowered(simd.exponent)
+@lowered(simd.exponent)
 def _exponent(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -296,13 +257,13 @@ def _all(kind, number):
     return ir.Constant(kind.vector, [number] * kind.count)
 
 
-@_typed(simd.largest_lane)
-@_typed(simd.summed_up)
+@typed(simd.largest_lane)
+@typed(simd.summed_up)
 def _one_lane_type(a):
     return types.float64
 
 
-@_lowered(simd.summed_up)
+@lowered(simd.summed_up)
 def _summed_up(context, builder, signature, arguments):
     (left,) = arguments
     half = signature.args[0].count // 2
@@ -314,7 +275,7 @@ def _summed_up(context, builder, signature, arguments):
     return builder.extract_element(left, _INDEX(0))
 
 
-@_lowered(simd.largest_lane)
+@lowered(simd.largest_lane)
 def _largest(context, builder, signature, arguments):
     (left,) = arguments
     half = signature.args[0].count // 2
@@ -325,12 +286,12 @@ def _largest(context, builder, signature, arguments):
     return builder.extract_element(left, _INDEX(0))
 
 
-@_typed(simd.positive_bits)
+@typed(simd.positive_bits)
 def _positive_type(a):
     return types.int64
 
 
-@_lowered(simd.positive_bits)
+@lowered(simd.positive_bits)
 def _positive(context, builder, signature, arguments):
     above = builder.bitcast(_above_zero(builder, arguments[0]), ir.IntType(signature.args[0].count))
     return builder.zext(above, ir.IntType(64))
@@ -380,7 +341,7 @@ def _picked(places):
 def _operator(symbol, instruction):
     """Register the instruction of an operator on vectors, and on a vector and a double."""
 
-    @_typed(symbol)
+    @typed(symbol)
     def typer(a, b):
         kind = lanes_among((a, b))
         return kind and kind(*(each if each == kind else types.float64 for each in (a, b)))

@@ -15,6 +15,7 @@ from attitude.ensemble.answer import EnsembleHistory
 from attitude.ensemble.chains import Chains, Failed, are_alike
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, read_only
+from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -155,4 +156,4 @@ class ArcsEnsemble(Immutable):
         if only is not None:
             work(only, only + 1)
         else:
-            in_blocks(work, len(self), 64, threads)
+            in_blocks(work, len(self), 64, threads, ProgressBar("chains of arcs"))

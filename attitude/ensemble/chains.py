@@ -17,6 +17,7 @@ from attitude.compilation.deferral import uncollected
 from attitude.ensemble import evaluate
 from attitude.ensemble.members import BLOCK
 from attitude.immutable import read_only
+from attitude.progress import ProgressBar
 from attitude.solution.principal import PrincipalAxes
 from attitude.solution.record import CONSTANTS
 
@@ -104,7 +105,8 @@ class Chains:
                 raise Failed(part.start + failed)
 
         most = evaluation.EPOCHS
-        in_rectangles(work, len(wxyz), t.size, BLOCK, most, most, threads)
+        bar = ProgressBar("attitudes")
+        in_rectangles(work, len(wxyz), t.size, BLOCK, most, most, threads, bar)
 
 
 def _records(

@@ -11,6 +11,7 @@ from attitude.ensemble import evaluate
 from attitude.ensemble.members import BLOCK
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
+from attitude.progress import ProgressBar
 from attitude.sensitivities import columns
 
 if TYPE_CHECKING:
@@ -99,7 +100,8 @@ class MemberDerivatives:
 
         length = t.shape[1]
         if length:
-            in_rectangles(work, len(attitude), length, BLOCK, length, _ROWS, threads)
+            bar = ProgressBar("derivatives")
+            in_rectangles(work, len(attitude), length, BLOCK, length, _ROWS, threads, bar)
 
     def _fill(
         self,

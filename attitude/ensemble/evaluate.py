@@ -14,6 +14,7 @@ from attitude.compilation.deferral import uncollected
 from attitude.ensemble.members import BLOCK
 from attitude.errors import AttitudeError
 from attitude.immutable import read_only
+from attitude.progress import ProgressBar
 from attitude.solution.phases import LONGEST
 
 if TYPE_CHECKING:
@@ -86,7 +87,8 @@ def grid(
         evaluation.evaluated(constants, *near, *out, *epochs)
 
     most = evaluation.EPOCHS
-    in_rectangles(work, count, length, BLOCK, most, most, threads)
+    bar = ProgressBar("attitudes")
+    in_rectangles(work, count, length, BLOCK, most, most, threads, bar)
 
 
 def ragged(
@@ -138,7 +140,8 @@ def ragged(
         for whole, part in zip(given, found, strict=True):
             np.moveaxis(whole, -1, 0)[some] = np.moveaxis(part, -1, 0)
 
-    in_blocks(direct if order is None else gathered, len(member), ROWS, threads)
+    bar = ProgressBar("rows")
+    in_blocks(direct if order is None else gathered, len(member), ROWS, threads, bar)
 
 
 class Runs:

@@ -17,6 +17,7 @@ from attitude.immutable import read_only
 from attitude.light_curve.brightness import kernel_of, require_ellipsoid_form
 from attitude.light_curve.magnitudes import of_brightness
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M
+from attitude.progress import ProgressBar
 from attitude.scattering import law as known_law
 from attitude.shape import Ellipsoid, Mesh
 
@@ -103,7 +104,7 @@ class Light:
                     found += _modulus(*both)
                 out[piece.place] = found
 
-        in_blocks(work, len(parts), _PIECES, threads)
+        in_blocks(work, len(parts), _PIECES, threads, ProgressBar("light curves"))
 
     def _of(self, piece: Piece, sun: FloatArray, observer: FloatArray) -> FloatArray:
         found = np.empty(len(piece.member))

@@ -13,6 +13,7 @@ from attitude.ensemble.answer import EnsembleHistory
 from attitude.ensemble.attitudes import Evaluated
 from attitude.ensemble.members import Kept
 from attitude.errors import AttitudeError
+from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -108,7 +109,7 @@ class Reduced(Evaluated):
             out[:, epochs] = _percentiles(values, wanted, known.finished)
 
         if len(self):
-            in_blocks(work, length, size, threads)
+            in_blocks(work, length, size, threads, ProgressBar("percentiles"))
         return out
 
     def histograms(
@@ -140,6 +141,7 @@ class Reduced(Evaluated):
         known, grid = quantities.known(quantity, scene, self, t, low)
         bins, length = len(bounds) - 1, grid.t.shape[1]
         counts = np.zeros(length * bins, dtype=np.int64)
+        bar, done = ProgressBar("histograms"), 0
         for which, epochs in grid.pieces(_HELD >> 2):
             values = known.finished(self._measured(known, grid, self._members, which, epochs))
             place = np.searchsorted(bounds, values, side="right") - 1
@@ -148,6 +150,8 @@ class Reduced(Evaluated):
             row = np.broadcast_to(np.arange(epochs.start, epochs.stop), values.shape)
             index = (row * bins + place)[inside]
             counts += np.bincount(index, minlength=len(counts))
+            done += values.size
+            bar(done, len(self) * length)
         return counts.reshape(length, bins)
 
     def coverage(
@@ -195,7 +199,7 @@ class Reduced(Evaluated):
             times = grid.t[which] if len(grid.t) > 1 else grid.t
             fraction[which], gap[which] = _covered(within, times)
 
-        in_blocks(work, len(self), size, threads)
+        in_blocks(work, len(self), size, threads, ProgressBar("coverage"))
         return Coverage(fraction, gap)
 
     def _measured(

@@ -13,6 +13,7 @@ from attitude.blocks import in_blocks
 from attitude.ensemble.answer import EnsembleHistory
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
+from attitude.progress import ProgressBar
 from attitude.solution.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude.splitting import schemes
 from attitude.splitting.steps import whole_steps
@@ -205,6 +206,7 @@ class TorquedEnsemble(Immutable):
         order = np.lexsort((np.abs(parts), number))
         which, number, parts = which[order], number[order], parts[order]
         size = max(1, _TAKEN // _STEPS)
+        bar = ProgressBar("torqued members")
         for start in range(0, int(number[-1]) + 1, _STEPS):
             steps = min(_STEPS, int(number[-1]) - start)
             final = start + _STEPS > number[-1]
@@ -218,6 +220,7 @@ class TorquedEnsemble(Immutable):
                 out[place] = self._marched(begin, some, start, h, here, samples)  # noqa: B023
 
             in_blocks(work, len(self), size, threads)
+            bar(start + steps + 1, int(number[-1]) + 1)
 
     def _label(self, first: int, k: int) -> str:
         return self.ensemble.label(first + k)

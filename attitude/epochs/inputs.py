@@ -202,6 +202,8 @@ def plain_seconds(
     """
     if isinstance(seconds, np.ndarray) and seconds.dtype == np.float64:
         return seconds, _low(low, seconds.shape, name)
+    if type(seconds) is float:
+        return np.array(seconds), _low(low, (), name)
     kind, leaves, shape = kinds.entries(seconds, name, "plain seconds")
     if kind != "number":
         raise AttitudeError(

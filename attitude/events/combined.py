@@ -17,6 +17,7 @@ from attitude.conditions.logic import undecided
 from attitude.conditions.moments import same_source
 from attitude.errors import AttitudeError
 from attitude.events import levels
+from attitude.events.advance import Advance
 from attitude.events.search import crossings
 
 if TYPE_CHECKING:
@@ -64,15 +65,21 @@ def sign_changes(
     if not slow:
         yield from crossings(source, channels, start, stop)
         return
-    hi, lo, number, rising = levels.changes(source, [*slow.values()], start, stop)
+    spacings = levels.spacings([*slow.values()], start, stop)
+    advance = Advance(start, stop, len(set(spacings)) + bool(fast))
+    hi, lo, number, rising = levels.changes(
+        source, [*slow.values()], start, stop, spacings, advance
+    )
     found = hi, lo, np.array([*slow])[number], rising
     done = 0
     for first, last, begin, end, needed in _open_parts(
         conditions, channels, fast, found, start, stop
     ):
         yield _part(found, done, first)
-        yield from _merged(source, channels, needed, begin, end, _part(found, first, last))
+        levelled = _part(found, first, last)
+        yield from _merged(source, channels, needed, begin, end, levelled, advance)
         done = last
+    advance.end()
     yield _part(found, done, len(hi))
 
 
@@ -125,10 +132,12 @@ def _merged(
     begin: Pair,
     end: Pair,
     levelled: Changes,
+    advance: Advance,
 ) -> Iterator[Changes]:
     """The sign changes of some channels in a part, with those of levels, in order of time."""
     first = 0
-    for hi, lo, number, rising in crossings(source, [channels[k] for k in needed], begin, end):
+    some = [channels[k] for k in needed]
+    for hi, lo, number, rising in crossings(source, some, begin, end, advance):
         upto = int(np.searchsorted(levelled[0], hi[-1]))
         more = _part(levelled, first, upto)
         t, rest = np.concatenate([hi, more[0]]), np.concatenate([lo, more[1]])

@@ -9,6 +9,7 @@ import numpy as np
 from attitude import epochs, validation
 from attitude.conditions.condition import Condition, Joinable, condition_of
 from attitude.errors import AttitudeError
+from attitude.events.advance import Advance
 from attitude.events.combined import changed, channels_of, one_source, sign_changes
 from attitude.events.events import Events
 from attitude.events.search import difference
@@ -234,12 +235,13 @@ def _of_function(start, stop, f, step, epoch, tolerance):
     if own is not None and epoch is not None:
         raise AttitudeError("the function has the epoch of its scene; leave epoch= out.")
     begin, end, epoch = plain_span(start, stop, own if epoch is None else epoch)
-    found, left = [], begin
+    found, left, advance = [], begin, Advance((begin, 0.0), (end, 0.0))
     while left < end:
         right = min(end, left + _BLOCK * step)
         t = np.linspace(left, right, max(2, 1 + int(np.ceil((right - left) / step))))
         found.append(_bisected(f, t, _states(f, t), tolerance))
         left = right
+        advance.reached((left, 0.0))
     if not found:
         found.append((np.zeros(0), _states(f, np.array([begin]))[:0]))
     seconds, values = (np.concatenate(part) for part in zip(*found, strict=True))

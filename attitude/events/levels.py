@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray, IntArray
     from attitude.conditions.channel import Level
     from attitude.conditions.moments import Pair, Source
+    from attitude.events.advance import Advance
 
     # Seconds hi + lo (N,), number of the level (N,), and whether its sign changes to True (N,).
     Changes: TypeAlias = tuple[FloatArray, FloatArray, IntArray, BoolArray]
@@ -39,7 +40,19 @@ _MARGINS = (1.5, 2.0)
 _PARTS, _RESOLUTION = 16, 1e-9
 
 
-def changes(source: Source, levels: Sequence[Level], start: Pair, stop: Pair) -> Changes:
+def spacings(levels: Sequence[Level], start: Pair, stop: Pair) -> list[float]:
+    """The times between samples of levels, s; levels of one spacing are sampled together."""
+    return [level.observable.spacing(start, stop) for level in levels]
+
+
+def changes(
+    source: Source,
+    levels: Sequence[Level],
+    start: Pair,
+    stop: Pair,
+    spacing_of: Sequence[float],
+    advance: Advance,
+) -> Changes:
     """All sign changes of levels in a span, in order of time.
 
     Parameters
@@ -48,14 +61,18 @@ def changes(source: Source, levels: Sequence[Level], start: Pair, stop: Pair) ->
     levels : sequence of Level
     start, stop : pairs of doubles
         TDB seconds since the epoch of the source.
+    spacing_of : sequence of float
+        Of `spacings`.
+    advance : Advance
+        Of the whole search; each spacing is a round.
     """
     found = []
-    spacings = [level.observable.spacing(start, stop) for level in levels]
-    for spacing in sorted(set(spacings)):
+    for spacing in sorted(set(spacing_of)):
         # Levels of one spacing are sampled together: a view computes each quantity once.
-        some = [k for k, each in enumerate(spacings) if each == spacing]
-        parts = _blocks(source, [levels[k] for k in some], start, stop, spacing)
+        some = [k for k, each in enumerate(spacing_of) if each == spacing]
+        parts = _blocks(source, [levels[k] for k in some], start, stop, spacing, advance)
         found += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
+        advance.next_round()
     if not found:
         return np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
     hi, lo, number, rising = (np.concatenate(column) for column in zip(*found, strict=True))
@@ -64,11 +81,17 @@ def changes(source: Source, levels: Sequence[Level], start: Pair, stop: Pair) ->
 
 
 def _blocks(
-    source: Source, levels: Sequence[Level], start: Pair, stop: Pair, spacing: float
+    source: Source,
+    levels: Sequence[Level],
+    start: Pair,
+    stop: Pair,
+    spacing: float,
+    advance: Advance,
 ) -> Iterator[Changes]:
     """The changes between knots one spacing apart, block by block."""
     base = start
     while (remaining := difference(base, stop)) > 0.0:
+        advance.reached(base)
         count = int(min(_BLOCK, max(4, np.ceil(remaining / spacing))))
         last = count * spacing >= remaining
         length = remaining if last else count * spacing

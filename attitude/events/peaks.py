@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude import pairs
 from attitude.errors import AttitudeError
+from attitude.events.advance import Advance
 from attitude.events.search import difference, shifted
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def peaks(
     total = difference(start, stop)
     count = max(2, int(np.ceil(total / step)))
     step = total / count
-    base, done = start, 0
+    base, done, advance = start, 0, Advance(start, stop)
     while done < count and total > 0.0:
         size = min(_BLOCK, count - done)
         # One more sample on either side, since a peak shows by its neighbours.
@@ -91,6 +92,8 @@ def peaks(
             yield *shifted(base, found), sign * value(found)
         base = pairs.add(base, size * step)
         done += size
+        advance.reached(base)
+    advance.end()
 
 
 def _tops(y):

@@ -24,6 +24,7 @@ import numpy as np
 
 from attitude import pairs
 from attitude.errors import AttitudeError
+from attitude.events.advance import Advance
 from attitude.events.rate_bounds import pieces
 from attitude.events.root_finding import refined
 from attitude.motion import RateBounds
@@ -52,7 +53,11 @@ _DOPPLER = 1.01
 
 
 def crossings(
-    source: Source, channels: Sequence[Channel], start: Pair, stop: Pair
+    source: Source,
+    channels: Sequence[Channel],
+    start: Pair,
+    stop: Pair,
+    advance: Advance | None = None,
 ) -> Iterator[tuple[FloatArray, FloatArray, IntArray, BoolArray]]:
     """The sign changes of channels, block by block in order of time.
 
@@ -62,6 +67,8 @@ def crossings(
     channels : sequence of Channel
     start, stop : pairs of doubles
         TDB seconds since the epoch of the source.
+    advance : Advance, optional
+        Of the search of which this span is a part; by default the span has a bar of its own.
 
     Yields
     ------
@@ -77,7 +84,9 @@ def crossings(
     AttitudeError
         If a value is not finite.
     """
+    own = Advance(start, stop) if advance is None else advance
     for base, moment, knots, bounds in blocks(source, channels, start, stop):
+        own.reached(base)
         values = np.stack([channel.value(moment) for channel in channels])
         if not np.all(np.isfinite(values)):
             raise AttitudeError(
@@ -103,6 +112,8 @@ def crossings(
         if len(s):
             order = np.argsort(s, kind="stable")
             yield *shifted(base, s[order]), which[order], rising[order]
+    if advance is None:
+        own.end()
 
 
 def blocks(

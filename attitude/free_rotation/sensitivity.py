@@ -81,8 +81,8 @@ class Sensitivity(Derivatives):
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
         t, t_low = _row(seconds), None if low is None else _row(low)
-        attitude = np.empty((1, 3, 9, t.size))
-        omega = np.empty((1, 3, 9, t.size)) if rates else None
+        attitude = new_array(1, 3, 9, t.size)
+        omega = new_array(1, 3, 9, t.size) if rates else None
         columns.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
         shape = (*seconds.shape, 3, 9)
         found = np.moveaxis(attitude[0], -1, 0).reshape(shape)

@@ -70,7 +70,7 @@ def found(
     moments: Any,
     seconds: float,
     seed: int,
-    progress: Callable[[str], object] | None,
+    progress: Callable[[str], object],
 ) -> tuple[list[Refinement], str, str, tuple[str, ...]]:
     """Solutions, the best first, the verdict, its criterion, and notes; see `spin_states`."""
     body = body_of(mesh, moments)
@@ -90,7 +90,7 @@ def found(
         2.0 * math.pi * most,
         validation.generator(seed),
         time.monotonic() + seconds,
-        progress or (lambda text: None),
+        progress,
     )
     made.run()
     solutions = [

@@ -14,7 +14,7 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import blas, density_of_motion, states
+from attitude.inversion import blas_threads, density_of_motion, states
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath, FloatArray, IntArray
@@ -140,7 +140,7 @@ def sampled(
         density = density_of_motion.log_density(each.weighted, each.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, 8, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
-        with blas.limited():
+        with blas_threads.limited():
             sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
         parts.append(chain @ factor.T @ each._covariances[1].widening.T)

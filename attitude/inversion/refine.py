@@ -12,6 +12,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
 from attitude.inversion import (
+    blas_threads,
     convex,
     curve_problem,
     jackknife,
@@ -90,9 +91,10 @@ class Refinement(CurveFit):
 
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)
-        made = jackknife.errors(
-            self.weighted, self._model(problem), groups, self.point.size, refitted
-        )
+        with blas_threads.limited():
+            made = jackknife.errors(
+                self.weighted, self._model(problem), groups, self.point.size, refitted
+            )
         return made.covariance
 
     @cached_property
@@ -255,7 +257,8 @@ def refine(
             curve, most, search.ELLIPSOID_ERROR, zero_points, is_known=known is not None
         )
         fit = moving_fit.of(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
-        found = fit.weighted(problem, moving_fit.MovingState(point, params))
+        with blas_threads.limited():
+            found = fit.weighted(problem, moving_fit.MovingState(point, params))
         offsets = robust.residuals(problem, found.refined.magnitude)[1]
         offsets = offsets[problem.prior == CALIBRATED]
         if zero_points != "auto" or not curve_problem.are_free(offsets):

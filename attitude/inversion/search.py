@@ -105,7 +105,7 @@ class Search:
     deadline : float
         `time.monotonic` at which the search ends.
     progress : callable
-        Called with a text and the share of the time that is over.
+        Called with a text after each stage.
     convex : list of Refined
         The best first.
     solutions : list of Weighted

@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import aliases, blas, jackknife, refinement, search, states
+from attitude.inversion import aliases, blas_threads, jackknife, refinement, search, states
 from attitude.inversion.curve_fit import CurveFit
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class Solution(CurveFit):
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)
         rivals = [each.weighted for each in self._rivals if each is not self]
-        with blas.limited():
+        with blas_threads.limited():
             return states.covariance(self.weighted, groups, self.tie, rivals)
 
     @property

@@ -12,7 +12,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     aliases,
-    blas,
+    blas_threads,
     curve_problem,
     ellipsoid_search,
     known_states,
@@ -25,6 +25,7 @@ from attitude.inversion import (
 )
 from attitude.inversion.curve import CALIBRATED, LightCurve
 from attitude.inversion.solution import Solution, SpinStates
+from attitude.progress import timed
 from attitude.shape import Mesh
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
+_LABEL = "spin states"
 # Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is not
 # constant, and the least such ratio that no constant curve has.
 _CONSTANT, _CONSTANT_AT_MOST = 3.0, 1.5
@@ -86,7 +88,8 @@ def spin_states(
     threads : int
         Of the linear algebra.
     progress : callable, optional
-        Called with a text after each stage.
+        Called with a text after each stage.  By default a bar of the time is drawn where standard
+        error is a terminal.
 
     Returns
     -------
@@ -104,9 +107,10 @@ def spin_states(
     """
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency)
-        length = validation.positive(budget, "budget", unit="s")
-        given = curve, most, shape, law, moments, length, seed, progress
-        with blas.limited(validation.count(threads, "threads")):
+        seconds = validation.positive(budget, "budget", unit="s")
+        number = validation.count(threads, "threads")
+        with blas_threads.limited(number), timed(_LABEL, seconds, progress) as report:
+            given = curve, most, shape, law, moments, seconds, seed, report
             return SpinStates(*known_states.found(*given))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
@@ -116,12 +120,12 @@ def spin_states(
     _compile(curve, most)
     deadline = time.monotonic() + seconds
     zero_points = curve.zero_points
-    with blas.limited(threads):
-        found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
+    with blas_threads.limited(threads), timed(_LABEL, seconds, progress) as report:
+        found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, report)
         offsets = _offsets(found)
         if zero_points == "auto" and curve_problem.are_free(offsets):
             zero_points = "free"
-            found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress)
+            found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, report)
     return _results(curve, found)
 
 
@@ -177,7 +181,7 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
         _shifts(curve),
         validation.generator(seed),
         deadline,
-        progress or (lambda text: None),
+        progress,
         is_ellipsoid=shape == "ellipsoid",
     )
     made.notes = list(curve.notes)

@@ -7,8 +7,9 @@ white Lambert disc of radius R, face on, has R^2.
 brightness   the sum over facets, or the closed form of an ellipsoid, for many directions
 magnitudes   reduced and apparent magnitudes
 orientations the mean over all orientations, for the phase functions of asteroids
-visibility   the table of shadows that a body casts on itself; `painting`, its compiled loops;
-             `hierarchy`, boxes around facets, for them; `table_files`, tables kept on disk
+visibility   the table of shadows that a body casts on itself; `painting` and `outline_painting`,
+             its compiled loops; `hierarchy` and `outlines`, boxes around facets and the outlines
+             of groups, for them; `table_files`, tables kept on disk
 raycast      the same shadows by casting rays
 sums         the compiled sums; `clusters`, the layout of facets for them
 closed_form  the compiled brightness of an ellipsoid

@@ -12,6 +12,7 @@ from attitude.errors import AttitudeError
 from attitude.light_curve.clusters import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import POINTS, Visibility
+from attitude.progress import ProgressBar
 from attitude.scattering import law as known_law
 from attitude.scattering import laws
 from attitude.shape import Ellipsoid, Mesh
@@ -67,7 +68,8 @@ def brightness(
     out : (...) float64 array, optional
         Output array in C order.
     progress : callable, optional
-        Called with (number of epochs done, number of epochs) after each block.
+        Called with (number of epochs done, number of epochs) after each block; by default a bar on
+        a terminal.
 
     Returns
     -------
@@ -123,7 +125,8 @@ def brightness(
         if has_phase:
             flat[begin:end] *= phase(separation(*parts))
 
-    in_blocks(work, flat.size, BLOCK, threads, progress)
+    bar = ProgressBar("light curve") if progress is None else progress
+    in_blocks(work, flat.size, BLOCK, threads, bar)
     return out if out.ndim else out[()]
 
 

@@ -57,13 +57,6 @@ def hierarchy_of(corners: FloatArray) -> Hierarchy:
         high = np.max(high.reshape(level, 2, 3), axis=1)
 
 
-def enclosed(corners: FloatArray) -> FloatArray:
-    """Centre and half the edge of a cube around each facet (F, 3, 3): (F, 4)."""
-    middle = np.mean(corners, axis=1)
-    reach = np.max(np.abs(corners - middle[:, None]), axis=(1, 2))
-    return np.column_stack([middle, reach])
-
-
 def _along_the_curve(points: FloatArray) -> IntArray:
     """Places (N,) on Morton's curve, which alternates the bits of the coordinates, of (N, 3)."""
     low = np.min(points, axis=0)

@@ -28,7 +28,7 @@ WORTH = 1.0
 # Upper bound of the files together, bytes.
 LARGEST = 1 << 31
 # To be raised when the bits of a table change.
-_METHOD = 1
+_METHOD = 2
 
 
 def file_of(corners: FloatArray, order: IntArray, resolution: int) -> Path | None:

@@ -197,7 +197,8 @@ def _painted(
     """The masks of a `Visibility`."""
     from attitude.blocks import in_blocks
     from attitude.light_curve import painting
-    from attitude.light_curve.hierarchy import enclosed, hierarchy_of
+    from attitude.light_curve.hierarchy import hierarchy_of
+    from attitude.light_curve.outlines import outlines_of
 
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
@@ -205,12 +206,13 @@ def _painted(
     corners = mesh.corners - np.mean(mesh.centroids, axis=0)
     points = np.ascontiguousarray(np.swapaxes(points_of(corners), 1, 2))
     shift = np.stack(plane_filling(POINTS), axis=1) - 0.5
+    shifts = np.ascontiguousarray(shift.T).reshape(-1)
     across, up = painting.tangents(shift, resolution)
     planes = np.einsum("fi,fi->f", mesh.normals, corners[:, 0])
     tree = hierarchy_of(corners)
+    outlines = outlines_of(tree, mesh.facets, corners, mesh.normals)
     near = corners[tree.order]
     facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
-    balls = enclosed(near)
     normals = np.ascontiguousarray(mesh.normals)
     size = float(np.max(np.abs(corners)))
     middles = painting.surroundings(points, size)
@@ -219,8 +221,10 @@ def _painted(
     def work(begin: int, end: int) -> None:
         members = clusters.order[begin * SIZE : end * SIZE]
         painting.paint(
-            *(tree.boxes, near, balls, facing, normals, points, middles, size, members),
-            *(across, up, resolution, both, masks, begin * SIZE),
+            *(tree.boxes, outlines.edges, outlines.sides, outlines.first, outlines.fronts),
+            *(near, facing),
+            *(normals, points, middles, size, members, across, up, shifts, resolution, both),
+            *(masks, begin * SIZE),
         )
 
     in_blocks(work, clusters.count, _AT_ONCE, threads, progress)

@@ -14,6 +14,7 @@ from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.photometry import candidates, folding
+from attitude.progress import ProgressBar
 from attitude.spectrum import pair_search, refinement, samples, significance
 from attitude.spectrum.frequencies import Line, line_numbers
 from attitude.spectrum.pair_search import OVERSAMPLING
@@ -220,7 +221,7 @@ def two_periods(
     seed : int
         Of the permutations.
     progress : function, optional
-        Called with the number of pairs done and of all.
+        Called with the number of pairs done and of all; by default a bar on a terminal.
 
     Returns
     -------
@@ -258,9 +259,9 @@ def two_periods(
     weights = data.weights**2 / np.mean(data.weights**2) / _NOISE**2
     unit = (data.t - 0.5 * (data.t.min() + data.t.max())) / data.span
     made = pair_search.tables(unit, weights, y / scale, 1.0 / OVERSAMPLING, 4 * number * end + 2)
-    scan = pair_search.best(
-        made, low, high, number, pair_search.RIDGE, max(_PEAKS, 2 * kept), progress
-    )
+    bar = ProgressBar("pairs of periods") if progress is None else progress
+    most = max(_PEAKS, 2 * kept)
+    scan = pair_search.best(made, low, high, number, pair_search.RIDGE, most, bar)
     pairs = _refined(data, scan, numbers, kept)
     chance = significance.share_of_chance(
         unit, weights, y / scale, end / OVERSAMPLING, number, seed

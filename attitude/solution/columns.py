@@ -171,9 +171,9 @@ def epochs_again(out, count):
 
 
 @force_inlined
-def has_whole_lines(flat, length):
-    """Whether rows of one length are stored past the caches and start with a line of them."""
-    return flat.size >= STREAMED and length % LINE == 0 and past_line(flat) == 0
+def has_whole_lines(out):
+    """Whether the rows of an array (B, D, D, T) are stored past the caches, in whole lines."""
+    return out.size >= STREAMED and out.shape[3] % LINE == 0 and past_line(out[0, 0, 0]) == 0
 
 
 @force_inlined

@@ -18,7 +18,7 @@ Returned
     -1, or the first body with an epoch beyond its reach
 """
 
-from attitude.compilation.decorators import entry_point, force_inlined
+from attitude.compilation.decorators import force_inlined, slowly_compiled
 from attitude.compilation.streaming import LINE, finish_stores
 from attitude.solution import codes
 from attitude.solution.columns import (
@@ -61,7 +61,7 @@ from attitude.solution.uniform_tangents import (
 )
 
 
-@entry_point
+@slowly_compiled
 def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     fill_still_rows(block)
@@ -96,7 +96,7 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
     return -1
 
 
-@entry_point
+@slowly_compiled
 def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     fill_still_rows(block)
@@ -187,7 +187,7 @@ def _store_rates(d, short, b, near, block, span, omega):
             near_rate_column(short[b], j, block, x, y, z)
 
 
-@entry_point
+@slowly_compiled
 def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
     columns = attitude.shape[2]
@@ -213,11 +213,10 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
     return -1
 
 
-@entry_point
+@slowly_compiled
 def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
-    rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
-    streams = has_whole_lines(flat, length)
+    rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -227,7 +226,6 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
         again = epochs_again(out, end - first) if rates else 0
-        o = b if len(out) > 1 else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
@@ -235,35 +233,19 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
             times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
-            if not (near or rates):
-                whole = n - n % 8
-                places = places_of_rows(9 * o * length + start, length)
-                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
-                if whole < n:
-                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
-                    copy_sums(block, o, whole, start + whole, stop, out)
-                continue
-            trigonometric_attitudes_block(c, n, block)
+            if near or rates:
+                trigonometric_attitudes_block(c, n, block)
             if rates:
                 trigonometric_rates_block(c, n, block)
-            _sum(d, short, b, near, block, n, rates)
-            keep_near_sums(n, block)
-            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
-            if near:
-                use_near_sums(n, short[b].reach, block)
-            if again:
-                stream_sums(block, o, (first, start, stop, end), out)
-            else:
-                copy_sums(block, o, 0, start, stop, out)
+            _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
     finish_stores()
     return -1
 
 
-@entry_point
+@slowly_compiled
 def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
-    rates, length, flat = out.shape[1] == 6, out.shape[3], out.reshape(out.size)
-    streams = has_whole_lines(flat, length)
+    rates = out.shape[1] == 6
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
@@ -273,7 +255,6 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
         if any_beyond(t[k, first:end], lows, reach(c)):
             return b
         again = epochs_again(out, end - first) if rates else 0
-        o = b if len(out) > 1 else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
@@ -281,28 +262,39 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
             times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
-            if not (near or rates):
-                whole = n - n % 8
-                places = places_of_rows(9 * o * length + start, length)
-                sums_of_columns(c, d, block, 0, whole, places, flat, streams)
-                if whole < n:
-                    sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
-                    copy_sums(block, o, whole, start + whole, stop, out)
-                continue
-            hyperbolic_attitudes_block(c, n, block)
+            if near or rates:
+                hyperbolic_attitudes_block(c, n, block)
             if rates:
                 hyperbolic_rates_block(c, n, block)
-            _sum(d, short, b, near, block, n, rates)
-            keep_near_sums(n, block)
-            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
-            if near:
-                use_near_sums(n, short[b].reach, block)
-            if again:
-                stream_sums(block, o, (first, start, stop, end), out)
-            else:
-                copy_sums(block, o, 0, start, stop, out)
+            _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
     finish_stores()
     return -1
+
+
+@force_inlined
+def _store_covariances(c, d, short, b, near, block, spans, again, out):
+    """Store the covariances of a block of a motion that tumbles, whose tangents are filled."""
+    o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
+    first, start, stop, _ = spans
+    if not near and out.shape[1] == 3:
+        n = stop - start
+        whole = n - n % 8
+        places, streams = places_of_rows(9 * o * length + start, length), has_whole_lines(out)
+        sums_of_columns(c, d, block, 0, whole, places, flat, streams)
+        if whole < n:
+            sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
+            copy_sums(block, o, whole, start + whole, stop, out)
+        return
+    n = stop - max(start - again, first)
+    _sum(d, short, b, near, block, n, out.shape[1] == 6)
+    keep_near_sums(n, block)
+    sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
+    if near:
+        use_near_sums(n, short[b].reach, block)
+    if again:
+        stream_sums(block, o, spans, out)
+    else:
+        copy_sums(block, o, 0, start, stop, out)
 
 
 @force_inlined
@@ -323,7 +315,7 @@ def _sum(d, short, b, near, block, n, rates):
             add_products_of_rates(n, block)
 
 
-@entry_point
+@slowly_compiled
 def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the uniform form; see the module docstring."""
     rates = out.shape[1] == 6

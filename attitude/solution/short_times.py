@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, force_inlined, subroutine
+from attitude.compilation.decorators import force_inlined, slowly_compiled, subroutine
 from attitude.compilation.instructions import fma
 from attitude.solution import codes
 from attitude.solution.derivatives import state_of
@@ -37,7 +37,7 @@ SHORT: np.dtype[np.void] = np.dtype(
 )
 
 
-@entry_point
+@slowly_compiled
 def reaches(constants, out):
     """Fill the seconds (B,) to either side of the epoch within which the series hold; 0: never."""
     for b in range(len(constants)):
@@ -52,7 +52,7 @@ def reaches(constants, out):
             out[b] = math.ldexp(_SHARE * quarter / speed, -c.tempo)
 
 
-@entry_point
+@slowly_compiled
 def short_setup(constants, tangents, reach, out):
     """Fill the series of those of B motions that tumble.
 

@@ -2,7 +2,7 @@
 
 import math
 
-from attitude.compilation.decorators import entry_point, subroutine
+from attitude.compilation.decorators import slowly_compiled, subroutine
 from attitude.solution import codes
 from attitude.solution.columns import attitude_column, found_rows
 from attitude.solution.derivatives import derive
@@ -24,7 +24,7 @@ from attitude.solution.tangents import hyperbolic_block, trigonometric_block
 from attitude.solution.uniform_tangents import fill_uniform, unit_vector
 
 
-@entry_point
+@slowly_compiled
 def uniform_setup(moments, wxyz, principal, constants, tangents):
     """Fill the records of those of B motions that rotate uniformly; as `tumbling_setup`."""
     for b in range(len(constants)):
@@ -36,7 +36,7 @@ def uniform_setup(moments, wxyz, principal, constants, tangents):
             fill_uniform(c, d, of_moments, four(wxyz[b]), to_body)
 
 
-@entry_point
+@slowly_compiled
 def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
     """Fill the records of those of B motions that tumble.
 

@@ -18,8 +18,9 @@ const panel = new Panel(data, stage, views, clock);
 const curve = data.curve ? new Curve(document.getElementById("curve"), data.curve, clock) : null;
 listenToKeys(clock, panel);
 
-// Milliseconds of script of the last frames, without what the graphics processor does later.
-const frames = { count: 0, script: 0 };
+// Frames, those of them that drew a picture, and milliseconds of script of all frames, without what
+// the graphics processor does later.
+const frames = { count: 0, drawn: 0, script: 0 };
 
 function resize() {
   if (curve) curve.resize();
@@ -38,13 +39,17 @@ function frame(now) {
   const begin = performance.now();
   if (last !== null) clock.advance(Math.min((now - last) / 1000, 0.2));
   last = now;
-  drawAt(clock.time);
+  if (stage.changed) {
+    drawAt(clock.time);
+    frames.drawn += 1;
+  }
   frames.count += 1;
   frames.script += performance.now() - begin;
   requestAnimationFrame(frame);
 }
 
 window.addEventListener("resize", resize);
+clock.onChange(() => stage.touch());
 resize();
 clock.set(0);
 requestAnimationFrame(frame);

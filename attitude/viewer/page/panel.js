@@ -115,6 +115,7 @@ export class Panel {
       for (const arrow of group) arrow.object.visible = shown[name];
     }
     if (stage.poinsot) stage.poinsot.show(shown);
+    stage.touch();
   }
 
   update() {

@@ -14,6 +14,9 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = !data.surface.convex;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false; // see `renewShadows`
+    this.cast = []; // what the shadows were drawn for
+    this.changed = true; // since the last picture
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(0x10131a);
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.05, 60);
@@ -62,7 +65,13 @@ export class Stage {
     this.scene.add(new THREE.AmbientLight(0xffffff, 0.18));
   }
 
+  // The next frame draws the picture; other frames leave it as it is.
+  touch() {
+    this.changed = true;
+  }
+
   resize() {
+    this.touch();
     const { clientWidth, clientHeight } = this.canvas.parentElement;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
@@ -92,8 +101,25 @@ export class Stage {
       this.direction.set(0.5, 0.6, 1).transformDirection(this.camera.matrixWorld);
       this.world.worldToLocal(this.light.position.copy(this.direction).multiplyScalar(3));
     }
+    this.renewShadows();
     this.renderer.render(this.scene, this.camera);
+    this.changed = false;
     const { clientWidth, clientHeight } = this.canvas.parentElement;
     this.labels.update(this.camera, clientWidth, clientHeight);
+  }
+
+  // The map of shadows is drawn where body, light or switches changed, not where the camera moved.
+  renewShadows() {
+    const { body, light, mesh } = this;
+    light.updateMatrixWorld();
+    const key = [
+      ...body.matrixWorld.elements,
+      ...light.matrixWorld.elements,
+      mesh.visible,
+      light.castShadow,
+    ];
+    if (key.every((each, k) => each === this.cast[k])) return;
+    this.cast = key;
+    this.renderer.shadowMap.needsUpdate = true;
   }
 }

@@ -11,6 +11,7 @@ export class Views {
     this.controls.enablePan = false;
     this.controls.minDistance = 1.6;
     this.controls.maxDistance = 40;
+    this.controls.addEventListener("change", () => stage.touch());
     this.toward = new THREE.Vector3();
     this.current = null;
     stage.camera.up.copy(NORTH);
@@ -28,6 +29,7 @@ export class Views {
   choose(name) {
     if (!this.names().includes(name)) return;
     this.current = name;
+    this.stage.touch();
     const { camera } = this.stage;
     if (name === "observer" || name === "sun") camera.position.set(DISTANCE, 0, 0);
     else camera.position.set(0.62, -0.66, 0.42).multiplyScalar(DISTANCE);

@@ -1,4 +1,4 @@
-"""Threads of the linear algebra of a search."""
+"""The threads of BLAS: matrices here are so small that several threads only wait for each other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, nullcontext
 
 
 def limited(threads: int = 1) -> AbstractContextManager[object]:
-    """Limit the threads of BLAS: matrices here are so small that threads only wait."""
+    """A context within which BLAS runs in at most so many threads."""
     try:
         from threadpoolctl import threadpool_limits
     except ImportError:
