@@ -64,6 +64,8 @@ def test_the_mirror_pole_shows_the_same_magnitudes():
     turned = other.copy()
     turned[[7, 10, 13]] *= -1.0
     assert aliases.relation(turned, state, given) == "antipode of the mirror pole"
+    state[0] *= 2.0
+    assert aliases.relation(state, other, given) == "half the period of phi, mirror pole"
 
 
 def test_the_scene_turns_about_a_pole():

@@ -64,11 +64,14 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
     if other and 2.0 * abs(state[0] - best[0]) < _RATE and same_psi:
         return "other mode of the same lines"
     prefix = "other mode, " if other else ""
+    both = (("phi", phi, phi0), ("psi", psi, psi0))
+    # about one axis nothing turns at psi
+    named = both if psi or psi0 else both[:1]
     for day in (span / _DAY, span / _SIDEREAL_DAY):
-        for name, a, b in (("phi", phi, phi0), ("psi", psi, psi0)):
+        for name, a, b in named:
             if abs(abs(a - b) - day) < _RATE:
                 return f"{prefix}one cycle a day in {name}"
-    for name, a, b in (("phi", phi, phi0), ("psi", psi, psi0)):
+    for name, a, b in named:
         if abs(a - 2.0 * b) < _RATE:
             return f"{prefix}half the period of {name}"
         if abs(2.0 * a - b) < _RATE:
