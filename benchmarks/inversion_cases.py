@@ -17,6 +17,7 @@ from scipy.spatial import ConvexHull
 
 LIGHT_DAY_AU = 173.14463267424034  # astronomical units in a day of light
 GAUSS = 0.01720209895  # mean motion at 1 au, rad/d
+_BLOCK = 10_000  # epochs whose facets are in memory
 
 
 @dataclass
@@ -195,11 +196,15 @@ def case(seed: int, style: dict) -> Case:
     y = _integrated(moments, start, left)
     turn = _matrices(y[:, :4])
     r, d = np.linalg.norm(to_sun, axis=1), np.linalg.norm(to_observer, axis=1)
-    s = np.einsum("tji,tj->ti", turn, to_sun / r[:, None]) @ normals.T
-    o = np.einsum("tji,tj->ti", turn, to_observer / d[:, None]) @ normals.T
-    both = (s > 0.0) & (o > 0.0)
     lambert = rng.uniform(0.05, 0.15)
-    flux = np.where(both, s * o * (1.0 / np.where(both, s + o, 1.0) + lambert), 0.0) @ areas
+    flux = np.empty_like(t)
+    for first in range(0, len(t), _BLOCK):
+        on = slice(first, first + _BLOCK)
+        s = np.einsum("tji,tj->ti", turn[on], to_sun[on] / r[on, None]) @ normals.T
+        o = np.einsum("tji,tj->ti", turn[on], to_observer[on] / d[on, None]) @ normals.T
+        both = (s > 0.0) & (o > 0.0)
+        lit = np.where(both, s * o * (1.0 / np.where(both, s + o, 1.0) + lambert), 0.0)
+        flux[on] = lit @ areas
     phase = np.degrees(np.arccos(np.sum(to_sun * to_observer, axis=1) / r / d))
     flux *= np.maximum(0.5 * np.exp(-phase / 5.0) - 0.006 * phase + 1.0, 0.2)
     sigma = style["noise"] * rng.uniform(0.7, 1.3, t.size)
@@ -225,7 +230,10 @@ def _epochs(rng, style):
         length = rng.uniform(*style["hours"]) / 24.0
         count = max(3, int(length * 24.0 * style["per_hour"]))
         here = night + begin + (0.0 if style.get("one_site") else rng.normal(0.0, 0.05))
-        t.append(here + np.sort(rng.uniform(0.0, length, count)))
+        inside = rng.uniform(0.0, length, count)
+        if style.get("even"):  # epochs of so many points would be equal as Julian dates
+            inside = np.linspace(0.0, length, count)
+        t.append(here + np.sort(inside))
         session.append(np.full(count, k))
     t = np.concatenate(t) - 0.5 * style["span"]
     order = np.argsort(t)

@@ -235,6 +235,8 @@ def test_constant_brightness_and_short_spans_are_not_solved():
         inversion.spin_states(curve, "1 /d")
     with pytest.raises(AttitudeError, match="modes"):
         inversion.spin_states(curve, "20 /d", modes=("LAM", "MAM"))
+    with pytest.raises(AttitudeError, match="seed is -1"):
+        inversion.spin_states(curve, "20 /d", seed=-1)
 
 
 @pytest.fixture(scope="module")

@@ -166,3 +166,23 @@ def test_the_site_is_text_with_units():
     np.testing.assert_array_equal(one.position(start, zero), other.position(start, zero))
     with pytest.raises(AttitudeError, match="give longitude, latitude"):
         _site("12 deg")
+
+
+def test_many_points_are_averaged_with_a_note(tmp_path, capsys):
+    """A curve of more points than are searched: the averages are told with the verdict."""
+    count = 12_000
+    t = 2460000.5 + np.linspace(0.0, 4.0, count)
+    generator = np.random.default_rng(3)
+    magnitude = 15.0 + 0.2 * np.cos(4.0 * np.pi * t / 0.4) + 0.1 * generator.normal(size=count)
+    angle = 0.05 * (t - t[0])
+    sun = [-np.cos(angle), -np.sin(angle), 0.0 * t]
+    rows = np.stack([t, magnitude, 0.1 + 0.0 * t, *sun, -0.3 + 0.0 * t, 0.1 * angle, 0.0 * t])
+    head = "jd_tdb,mag,sigma,sun_x,sun_y,sun_z,observer_x,observer_y,observer_z"
+    path = tmp_path / "many.csv"
+    np.savetxt(path, rows.T, fmt="%.7f", delimiter=",", header=head, comments="")
+    options = ["--max-frequency", "6 /d", "--budget", "1 s"]
+    assert cli.main(["invert", str(path), *options]) == 0
+    text = capsys.readouterr().out
+    assert f"LightCurve of {count} points" in text
+    averaged = [line for line in text.splitlines() if f"{count} points were averaged to" in line]
+    assert len(averaged) == 1 and 1000 < int(averaged[0].rstrip(".").split()[-1]) < 6000

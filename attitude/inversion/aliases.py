@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.inversion import search
+from attitude.inversion import pole_map, search
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -45,12 +45,16 @@ def relation(state: FloatArray, best: FloatArray, problem: CurveProblem) -> str:
     words = []
     if search.is_axial(state) != search.is_axial(best):
         words.append("rotation about one axis" if search.is_axial(state) else "tumbling")
-    elif not search.has_rates(state, best):
+    elif not (search.has_rates(state, best) or _sees_one_turn(state, best, problem)):
         words.append(_of_rates(state, best, problem.span))
     if state is best:
         return "best"
     words.append(_of_poles(search.pole(state), search.pole(best), plane_of(problem)))
     return ", ".join(words)
+
+
+def _sees_one_turn(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
+    return search.is_axial(best) and pole_map.has_turn(problem, state, best)
 
 
 def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
@@ -60,11 +64,14 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
     if other and 2.0 * abs(state[0] - best[0]) < _RATE and same_psi:
         return "other mode of the same lines"
     prefix = "other mode, " if other else ""
+    both = (("phi", phi, phi0), ("psi", psi, psi0))
+    # about one axis nothing turns at psi
+    named = both if psi or psi0 else both[:1]
     for day in (span / _DAY, span / _SIDEREAL_DAY):
-        for name, a, b in (("phi", phi, phi0), ("psi", psi, psi0)):
+        for name, a, b in named:
             if abs(abs(a - b) - day) < _RATE:
                 return f"{prefix}one cycle a day in {name}"
-    for name, a, b in (("phi", phi, phi0), ("psi", psi, psi0)):
+    for name, a, b in named:
         if abs(a - 2.0 * b) < _RATE:
             return f"{prefix}half the period of {name}"
         if abs(2.0 * a - b) < _RATE:
@@ -76,8 +83,18 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
     return f"{prefix}other periods"
 
 
+def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
+    """The pole (3,) of the mirror image of a rotating body in the plane of a normal (3,).
+
+    Directions in that plane see both alike.  Angular momentum is an axial vector: its part along
+    the plane changes sign, so that the longitude from the plane's axis changes by half a turn.
+    """
+    found: FloatArray = 2.0 * (pole @ normal) * normal - pole
+    return found
+
+
 def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
-    mirror = best - 2.0 * (best @ normal) * normal
+    mirror = mirrored(best, normal)
     near = math.cos(_NEAR)
     if pole @ best > near:
         return "same pole"

@@ -22,8 +22,12 @@ LAMBERT = 0.1
 # Parameters of the ellipsoid, and of a shape.
 ELLIPSOID = 2
 SIZE = ELLIPSOID + facets.MODES
-# Standard deviation of the logarithms of the squared ratios of axes of the ellipsoid.
-_RATIOS = 1.5
+# Standard deviations of the logarithms of the squared ratios of axes of the ellipsoid, and of the
+# coefficients of the modes.
+_RATIOS, _MODES = 1.5, 1.0
+# The same about one axis, those of bodies that are known: there many poles fit equally well with a
+# shape of their own, and wide priors prefer those from which least of the shape is seen.
+_AXIAL_RATIOS, _AXIAL_MODES = 0.9, 0.5
 # That of the logarithms of ratios of moments that are given.
 _GIVEN = 0.003
 _MAGNITUDE = -2.5 / math.log(10.0)
@@ -131,10 +135,18 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -held.by_ratios / tie.tolerance
         strain = float(r[3:8] @ r[3:8])
-    r[8:10], r[10:] = shape[:ELLIPSOID] / _RATIOS, shape[ELLIPSOID:]
-    by[8, motion] = by[9, motion + 1] = 1.0 / _RATIOS
-    by[range(10, count), range(motion + ELLIPSOID, size)] = 1.0
+    wide = widths(moments is None)
+    r[8:] = shape / wide
+    by[range(8, count), range(motion, size)] = 1.0 / wide
     return r, by, strain
+
+
+def widths(is_axial: bool) -> FloatArray:
+    """Standard deviations (SIZE,) of the parameters of a shape before the curve is seen."""
+    ratios, modes = (_AXIAL_RATIOS, _AXIAL_MODES) if is_axial else (_RATIOS, _MODES)
+    found = np.full(SIZE, modes)
+    found[:ELLIPSOID] = ratios
+    return found
 
 
 def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude.inversion import many_starts
+from attitude.inversion.lattices import Candidate
 
 if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray
-    from attitude.inversion.lattices import Candidate
     from attitude.inversion.problem import CurveProblem
 
 # ln rho of rotation about an axis, which is then fixed with f, the phase and X.
@@ -37,7 +37,9 @@ class Held(NamedTuple):
 
 _FREELY = Held()
 # Starts about a pole, each the best of so many random ones.
-_AROUND, _SCREENS = 4, 8
+_AROUND, _SCREENS = 8, 8
+# Relative difference of costs of two minima.
+_DISTINCT = 1e-3
 
 
 class Pool(NamedTuple):
@@ -166,15 +168,19 @@ def axial(
 
 
 def axial_at_poles(
-    problem: CurveProblem, generator: np.random.Generator, rate: float, count: int
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    rates: FloatArray,
+    poles: FloatArray,
+    keep: int,
 ) -> Pool:
-    """Rotations at a rate (turns per span) about `count` directions, which stay, in their order."""
-    k = np.arange(count) + 0.5
-    z = 1.0 - 2.0 * k / count
-    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
-    poles = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
-    size = _AROUND * _SCREENS
-    given = starts(generator, np.full(count * size, 0.5 * rate), np.full(count * size, -1.0))
+    """Rotations at rates (P,), turns per span, about directions (P, 3), which stay.
+
+    `keep` for each, the best of some starts, in the order of the poles.
+    """
+    count, size = len(poles), _AROUND * _SCREENS
+    each = np.repeat(0.5 * rates, size)
+    given = starts(generator, each, -np.ones(len(each)))
     given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
     third = np.repeat(poles, size, axis=0)
     first = np.cross(third, generator.standard_normal(third.shape))
@@ -184,4 +190,29 @@ def axial_at_poles(
     chosen = screened(problem, given, count * _AROUND)
     fixed = AXIAL_FIXED.copy()
     fixed[:2] = True
-    return best_of_each(minimised(problem, chosen, 20, fixed=fixed), count)
+    pool = minimised(problem, chosen, 20, fixed=fixed)
+    costs = pool.cost.reshape(count, _AROUND)
+    at = np.argsort(costs, axis=1, kind="stable")
+    ordered = np.take_along_axis(costs, at, axis=1)
+    # starts that end at one minimum count once
+    new = np.diff(ordered, axis=1, prepend=-np.inf) > _DISTINCT * np.abs(ordered)
+    rank = np.where(new & np.isfinite(ordered), np.cumsum(new, axis=1), keep + 1)
+    row, column = np.nonzero(rank <= keep)
+    chosen_at = row * _AROUND + at[row, column]
+    return Pool(pool.cost[chosen_at], pool.states[chosen_at])
+
+
+def rates_of(pool: Pool, keep: int) -> list[Candidate]:
+    """The rates of the best states, without repetition."""
+    rates: list[Candidate] = []
+    for state in pool.states:
+        here = Candidate(float(state[0]), float(state[1]))
+        if not any(
+            2.0 * abs(here.precession - each.precession) < 0.4
+            and abs(here.nutation - each.nutation) < 0.4
+            for each in rates
+        ):
+            rates.append(here)
+            if len(rates) >= keep:
+                break
+    return rates

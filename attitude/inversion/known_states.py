@@ -8,10 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude import validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
 from attitude.free_rotation import FreeRotation
-from attitude.inversion import curve_problem, known_shape, moving, moving_fit, search, verdicts
+from attitude.inversion import (
+    curve_problem,
+    known_shape,
+    moving,
+    moving_fit,
+    robust,
+    search,
+    verdicts,
+)
 from attitude.inversion.convex import Tie
 from attitude.inversion.pass_search import PassSearch
 from attitude.inversion.refine import Refinement
@@ -79,7 +88,7 @@ def found(
         known,
         body.moments,
         2.0 * math.pi * most,
-        np.random.default_rng(seed),
+        validation.generator(seed),
         time.monotonic() + seconds,
         progress,
     )
@@ -152,13 +161,13 @@ def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
     if not found:
         return verdicts.OPEN, "No solution was found."
     best = found[0]
-    floor = search.floor_ratio(best.weighted, best._problem)
+    floor = robust.floor_ratio(best.weighted, best._problem)
     gap = min(
         (e.evidence - best.evidence for e in found[1:] if not _has_rates(e, best)),
         default=math.inf,
     )
     words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {search.FLOOR_ERROR:g} mag (floor "
+        f"chi2/N is {floor:.2f} with errors of sigma and {robust.FLOOR_ERROR:g} mag (floor "
         f"{_FLOOR:g}); the next rates are {gap:.1f} behind in -2 ln(evidence) "
         f"({verdicts.COMPETING:g} needed)."
     )

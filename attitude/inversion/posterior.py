@@ -14,7 +14,7 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import density_of_motion, states
+from attitude.inversion import blas_threads, density_of_motion, states
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath, FloatArray, IntArray
@@ -71,7 +71,7 @@ class Posterior:
         seed : int
         """
         number = validation.count(count, "count")
-        generator = np.random.default_rng(seed)
+        generator = validation.generator(seed)
         found = []
         for which in generator.choice(len(self.weights), number, p=self.weights):
             row = generator.choice(np.flatnonzero(self.solution == which))
@@ -130,7 +130,7 @@ def sampled(
             "its covariance."
         )
     solutions = [each for each in solutions if not each.is_axial]
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     parts, numbers, logs, accepted = [], [], [], []
     for number, each in enumerate(solutions):
         factor: FloatArray = np.asarray(
@@ -139,8 +139,9 @@ def sampled(
         )
         density = density_of_motion.log_density(each.weighted, each.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, 8, density)
-        sampler.random_state = np.random.RandomState(seed + number).get_state()
-        sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
+        sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
+        with blas_threads.limited():
+            sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
         parts.append(chain @ factor.T @ each._covariances[1].widening.T)
         numbers.append(np.full(len(chain), number))

@@ -103,10 +103,12 @@ def _penalties(
     return convex.penalties(state[14:], here.areas, here.slopes, moments, _MOTION, tie)
 
 
-def profiled_cost(problem: CurveProblem, state: FloatArray, tie: convex.Tie) -> float:
+def profiled_cost(
+    problem: CurveProblem, state: FloatArray, tie: convex.Tie, is_axial: bool
+) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
     here = model(problem, state)
-    priors = _penalties(state, here, tie, False)
+    priors = _penalties(state, here, tie, is_axial)
     held = np.arange(SIZE) < _MOTION
     cost, _, _, normal, gradient = linearised(problem, here.magnitude, here.jacobian, priors, held)
     return cost - float(gradient @ np.linalg.solve(normal, gradient))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
-from attitude.inversion import refinement
+from attitude.inversion import convex, refinement
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,6 +52,8 @@ FREEDOM = 5.0
 # mean of the others for normal errors.
 _CUT, _MEAN_BELOW = 9.0, 0.9733
 _LEAST_ERROR = 0.003
+# Mean square of residuals over sigma and 0.01 mag of a solution that is accepted.
+FLOOR, FLOOR_ERROR = 1.0, 0.01
 _ROUNDS = 2
 # Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
 _ALWAYS, _NUTATION = 4, 4
@@ -145,6 +147,26 @@ def occam(normal: FloatArray, points: int) -> float:
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
 
 
+def widened(found: Weighted) -> float:
+    """What the evidence of a rotation about one axis changes by under the prior of tumbling bodies.
+
+    By Laplace's method: the cost of its minimum with the wider prior, after one step of Newton's,
+    and the determinant there.
+    """
+    normal, shape = found.refined.normal, found.refined.state[-convex.SIZE :]
+    free = np.diag(normal)[-convex.SIZE :] != 1.0
+    less = convex.widths(True) ** -2.0 - convex.widths(False) ** -2.0
+    less[~free] = 0.0
+    inner = normal.copy()
+    at = np.arange(len(normal) - convex.SIZE, len(normal))
+    inner[at, at] -= less
+    pull = np.zeros(len(normal))
+    pull[at] = less * shape
+    cost = -float(shape @ pull[at] + pull @ np.linalg.solve(inner, pull))
+    points = len(found.problem)
+    return cost + occam(inner, points) - occam(normal, points)
+
+
 def student(
     problem: CurveProblem,
     start: State,
@@ -181,3 +203,14 @@ def student(
     evidence += found.cost - found.chi_squared
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
     return Weighted(found, own, evidence, residual, float(np.mean(square)))
+
+
+def share_left(solution: Weighted, problem: CurveProblem) -> float:
+    """Variance of the residuals over that of the magnitudes without the linear terms."""
+    return float(np.var(solution.residual)) / max(float(np.var(problem.detrended)), 1e-12)
+
+
+def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
+    """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
+    squares = solution.residual**2 / (problem.sigma**2 + FLOOR_ERROR**2)
+    return float(np.mean(np.sort(squares)[: max(1, int(0.97 * len(squares)))]))

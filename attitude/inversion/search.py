@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.inversion import ellipsoid_search as ellipsoids
-from attitude.inversion import lattices, refinement, robust
+from attitude.inversion import lattices, pole_map, refinement, robust
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,8 +34,9 @@ _TIE = 0.15
 _TIE_GIVEN = 0.03
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
-# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors.
-_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL = 30, 40, 14, 10
+# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors,
+# of rotations about one axis within a difference of evidence.
+_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 24, 25.0
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -46,16 +47,16 @@ _ALIASES = 12
 _BLOCK = 200
 # Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
 _SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
-# Mean square of residuals over sigma and 0.01 mag at which the search ends.
-FLOOR, FLOOR_ERROR = 1.0, 0.01
 # Without the floor: the share of the variance left, and the difference of evidence to the next
 # periods, of a solution that is accepted.
 LEFT, ALONE = 0.12, 120.0
 _ROUNDS = 4
 _AXIAL_RATES, _AXIAL_STARTS = 12, 12
-# Poles from which rotation about one axis is refined, where chi-squared of the best such rotation
-# is at most this times that of the best solution.
-_AXIAL_POLES, _AXIAL_WORSE = 40, 2.0
+# Poles of rotation about one axis are mapped where chi-squared of the best such rotation is at most
+# this times that of the best solution; also at other rates that lie so little behind in evidence.
+_AXIAL_WORSE, _AXIAL_MAPPED = 2.0, 60.0
+# Rates, turns per span, that one map of poles comprises.
+_AXIAL_RATE = 1.2
 # Such rotations that are compared with a motion that explains the curve better by far.
 _AXIAL_OTHERS = 3
 # Tumbling bodies among all: the odds before the curve is seen.
@@ -109,6 +110,8 @@ class Search:
         The best first.
     solutions : list of Weighted
         The best first; those of the last `finish`.
+    axial : list of Refined
+        Rotations about one axis from a map of poles, the most probable first.
     is_complete : bool
         Whether the first round came to its end.
     """
@@ -123,6 +126,7 @@ class Search:
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
+    axial: list[Refined] = field(default_factory=list)
     is_complete: bool = False
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)
@@ -165,11 +169,11 @@ class Search:
         if not self.solutions:
             return False
         best = self.solutions[0]
-        if floor_ratio(best, self.problem) < FLOOR:
+        if robust.floor_ratio(best, self.problem) < robust.FLOOR:
             return True
         others = [e for e in self.solutions if not has_rates(e.refined.state, best.refined.state)]
         gap = min((each.evidence - best.evidence for each in others), default=0.0)
-        left = share_left(best, self.problem)
+        left = robust.share_left(best, self.problem)
         return bool(gap > ALONE and left < LEFT)
 
     def _pools(self, number: int) -> Iterator[Pool]:
@@ -194,7 +198,7 @@ class Search:
                 break
         pool = ellipsoids.in_order(*parts)
         deep = [pool]
-        for rate in _classes(pool, _CLASSES):
+        for rate in ellipsoids.rates_of(pool, _CLASSES):
             if self.is_over:
                 break
             deep.append(
@@ -263,18 +267,33 @@ class Search:
         self.progress("rotations about one axis")
 
     def _axial_poles(self) -> None:
-        """Rotations about one axis from poles all over the sky, if one explains the curve.
-
-        The minima of convex bodies are more, and at other poles, than those of ellipsoids.
-        """
+        """Rotations about one axis from poles all over the sky, if one explains the curve."""
         axial = [each for each in self.convex if is_axial(each.state)]
         if not axial or self.is_over:
             return
         if axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
             return
-        rate = 2.0 * float(axial[0].state[0])
-        made = ellipsoids.axial_at_poles(self.problem, self.generator, rate, _AXIAL_POLES)
-        self._refine(made, keep=_AXIAL_POLES, poles=_AXIAL_POLES)
+        problem = self._with_own_error(axial[0])
+        rates: list[Weighted] = []
+        for each in axial:
+            rate = float(each.state[0])
+            if all(2.0 * abs(rate - o.refined.state[0]) > _AXIAL_RATE for o in rates):
+                rates.append(self._robust(problem, each))
+                if len(rates) > _AXIAL_OTHERS:
+                    break
+        rates.sort(key=lambda each: each.evidence)
+        fixed = self._fixed(rates[0].refined.state)
+        for one in rates:
+            if one.evidence < rates[0].evidence + _AXIAL_MAPPED:
+                given = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
+                self.axial += pole_map.minima(rates[0].problem, self.problem, *given)
+                self.progress(f"{len(self.axial)} poles of rotations about one axis")
+        self.axial = pole_map.most_probable(self.axial, len(problem))
+        for minimum in self.axial[:_AXIAL_OTHERS]:
+            self.convex.append(
+                refinement.refine(self.problem, minimum.state, tie=self.tie, fixed=fixed, gain=3e-3)
+            )
+        self.convex.sort(key=lambda each: each.cost)
 
     def _refine(self, pool: Pool, keep: int = _CONVEX, poles: int = _POLES) -> None:
         """Add the convex bodies of the best distinct ellipsoids."""
@@ -311,12 +330,7 @@ class Search:
                 chosen.append(each)
                 if len(chosen) >= _FINAL:
                     break
-        residual, _ = robust.residuals(self.problem, chosen[0].magnitude)
-        error = robust.model_error(self.problem, residual)
-        for _ in range(2):
-            best = self._robust(self.problem.with_model_error(error), chosen[0])
-            error = robust.model_error(self.problem, best.residual)
-        problem = self.problem.with_model_error(error)
+        problem = self._with_own_error(chosen[0])
         found = [self._robust(problem, each) for each in chosen if not is_axial(each.state)]
         found += self._axial_solutions(problem)
         found.sort(key=lambda each: each.evidence)
@@ -324,30 +338,45 @@ class Search:
         for one in found:
             if not any(is_same(one.refined.state, o.refined.state) for o in self.solutions):
                 self.solutions.append(one)
+        error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
-    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
-        """Rotations about one axis with the errors of a problem, the most probable poles.
+    def _with_own_error(self, best: Refined) -> CurveProblem:
+        """The problem with the model error that the residuals of a body show."""
+        residual, _ = robust.residuals(self.problem, best.magnitude)
+        error = robust.model_error(self.problem, residual)
+        for _ in range(2):
+            fitted = self._robust(self.problem.with_model_error(error), best)
+            error = robust.model_error(self.problem, fitted.residual)
+        return self.problem.with_model_error(error)
 
-        With these errors there are more minima than with those of ellipsoids.
-        """
+    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
+        """Rotations about one axis with the errors of a problem, the most probable poles."""
         axial = [each for each in self.convex if is_axial(each.state)]
-        if axial and axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
-            return [self._robust(problem, each) for each in axial[:_AXIAL_OTHERS]]
-        near: list[tuple[float, Refined]] = []
-        for each in axial[:_AXIAL_POLES]:
-            found = refinement.refine(
-                problem, each.state, tie=self.tie, fixed=self._fixed(each.state), gain=3e-3
-            )
-            near.append((found.cost + robust.occam(found.normal, len(problem)), found))
-        near.sort(key=lambda each: each[0])
-        chosen: list[Refined] = []
-        for _, each in near:
-            if not any(is_same(each.state, other.state) for other in chosen):
-                chosen.append(each)
-                if len(chosen) == _FINAL_AXIAL:
-                    break
-        return [self._robust(problem, each) for each in chosen]
+        if not self.axial:
+            return [self._compared(problem, each) for each in axial[:_AXIAL_OTHERS]]
+        found: list[Weighted] = []
+        for each in self.axial:
+            if any(is_same(each.state, other.refined.state) for other in found):
+                continue
+            found.append(self._robust(problem, each))
+            least = min(other.evidence for other in found)
+            if len(found) >= _FINAL_AXIAL or found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
+                break
+        found = [each for each in found if each.evidence < least + _AXIAL_BEHIND]
+        # their own prior ranks poles; with the one of tumbling bodies they are compared with those
+        best = min(found, key=lambda each: each.evidence)
+        more = robust.widened(best)
+        found = [replace(each, evidence=each.evidence + more) for each in found]
+        # the next period decides whether this one is accepted, however far it lies behind
+        rate = float(self.axial[0].state[0])
+        others = [each for each in axial if 2.0 * abs(each.state[0] - rate) > _AXIAL_RATE]
+        return found + [self._compared(problem, each) for each in others[:_AXIAL_OTHERS]]
+
+    def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:
+        """A rotation about one axis with the evidence that tumbling bodies are ranked by."""
+        found = self._robust(problem, given)
+        return replace(found, evidence=found.evidence + robust.widened(found))
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
@@ -368,30 +397,3 @@ class Search:
         if self.is_ellipsoid:
             fixed[10:] = True
         return fixed
-
-
-def share_left(solution: Weighted, problem: CurveProblem) -> float:
-    """Variance of the residuals over that of the magnitudes without the linear terms."""
-    return float(np.var(solution.residual)) / max(float(np.var(problem.detrended)), 1e-12)
-
-
-def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
-    """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
-    squares = solution.residual**2 / (problem.sigma**2 + FLOOR_ERROR**2)
-    return float(np.mean(np.sort(squares)[: max(1, int(0.97 * len(squares)))]))
-
-
-def _classes(pool: Pool, keep: int) -> list[lattices.Candidate]:
-    """The rates of the best states, without repetition."""
-    rates: list[lattices.Candidate] = []
-    for state in pool.states:
-        here = lattices.Candidate(float(state[0]), float(state[1]))
-        if not any(
-            2.0 * abs(here.precession - each.precession) < 0.4
-            and abs(here.nutation - each.nutation) < 0.4
-            for each in rates
-        ):
-            rates.append(here)
-            if len(rates) >= keep:
-                break
-    return rates

@@ -82,8 +82,9 @@ class Solution(CurveFit):
         problem = self._problem
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)
+        rivals = [each.weighted for each in self._rivals if each is not self]
         with blas_threads.limited():
-            return states.covariance(self.weighted, groups, self.tie)
+            return states.covariance(self.weighted, groups, self.tie, rivals)
 
     @property
     def covariance(self) -> FloatArray:

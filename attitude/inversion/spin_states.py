@@ -179,7 +179,7 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
         tuple(modes),
         tie,
         _shifts(curve),
-        np.random.default_rng(seed),
+        validation.generator(seed),
         deadline,
         progress,
         is_ellipsoid=shape == "ellipsoid",

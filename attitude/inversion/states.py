@@ -17,6 +17,7 @@ from attitude.inversion import (
     jackknife,
     many_starts,
     moments_of_elements,
+    pole_map,
     refinement,
 )
 from attitude.inversion import normal_form_series as series
@@ -89,6 +90,7 @@ def covariance(
     found: Weighted,
     groups: Sequence[IntArray],
     tie: Tie,
+    rivals: Sequence[Weighted] = (),
 ) -> tuple[FloatArray, GroupErrors]:
     """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
 
@@ -99,6 +101,8 @@ def covariance(
         As of `jackknife.errors`.
     tie : Tie
         With which the state was found.
+    rivals : sequence of Weighted
+        Minima that compete; about one axis, those near the pole are among its errors.
     """
     state, problem = found.refined.state, found.problem
     fixed = np.diag(found.refined.normal) == 1.0
@@ -110,8 +114,17 @@ def covariance(
         return _difference(again.state, state)
 
     here = refinement.model(problem, state)
-    formal = None if is_axial(state) else density_of_motion.covariance(found, tie)
+    formal = density_of_motion.covariance(found, tie)
     made = jackknife.errors(found, here, groups, 8, refitted, formal)
+    if is_axial(state):
+        others = [
+            (each.refined.state, each.evidence)
+            for each in rivals
+            if is_axial(each.refined.state)
+            and pole_map.has_turn(problem, each.refined.state, state)
+        ]
+        wider = made.covariance + pole_map.spread(state, found.evidence, others)
+        made = made._replace(covariance=wider)
     slopes = _slopes(state)
     total = slopes @ made.covariance @ slopes.T
     return 0.5 * (total + total.T), made

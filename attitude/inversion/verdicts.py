@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from attitude.inversion import search
+from attitude.inversion import pole_map, robust, search
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,23 +37,23 @@ def verdict(
         return OPEN, "No solution was found."
     best = found[0]
     state = best.refined.state
-    floor = search.floor_ratio(best, problem)
-    left = search.share_left(best, problem)
-    others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state)]
+    floor = robust.floor_ratio(best, problem)
+    left = robust.share_left(best, problem)
+    others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state, problem)]
     gap = min((each.evidence - best.evidence for each in others), default=math.inf)
     poles = [
         each
         for each in found[1:]
-        if search.has_rates(each.refined.state, state)
+        if _has_periods(each.refined.state, state, problem)
         and each.evidence - best.evidence < COMPETING_POLES
     ]
-    needed = COMPETING if floor < search.FLOOR else search.ALONE
+    needed = COMPETING if floor < robust.FLOOR else search.ALONE
     words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {search.FLOOR_ERROR:g} mag (floor "
-        f"{search.FLOOR:g}); {100.0 * left:.1f} % of the variance is left; the next periods are "
+        f"chi2/N is {floor:.2f} with errors of sigma and {robust.FLOOR_ERROR:g} mag (floor "
+        f"{robust.FLOOR:g}); {100.0 * left:.1f} % of the variance is left; the next periods are "
         f"{gap:.1f} behind in -2 ln(evidence) ({needed:g} needed)"
     )
-    accepted = (floor < search.FLOOR or left < search.LEFT) and gap > needed
+    accepted = (floor < robust.FLOOR or left < search.LEFT) and gap > needed
     turns = abs(float(state[0]))
     if not search.is_axial(state):
         turns = min(turns, abs(float(state[1])))
@@ -71,8 +71,15 @@ def verdict(
     return SOLVED, f"{words}; no other pole lies within {COMPETING_POLES:g}."
 
 
-def _is_motion_of(state: FloatArray, best: FloatArray) -> bool:
+def _has_periods(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
+    """Whether two states have the same periods; about one axis, as the scene sees them."""
+    if search.is_axial(state) and search.is_axial(best):
+        return pole_map.has_turn(problem, state, best)
+    return search.has_rates(state, best)
+
+
+def _is_motion_of(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     """Whether a state has the rates of the best one, or adds a nutation to its one axis."""
     if search.is_axial(best) and not search.is_axial(state):
         return True
-    return search.has_rates(state, best)
+    return _has_periods(state, best, problem)

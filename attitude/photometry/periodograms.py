@@ -283,7 +283,7 @@ def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) 
 
 
 def _chance(data: Samples, frequency: FloatArray, order: int, engine: str, seed: int) -> float:
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     y = data.detrended
     largest = [
         _fourier(data, frequency, order, y[generator.permutation(len(y))], engine).max()
@@ -293,7 +293,7 @@ def _chance(data: Samples, frequency: FloatArray, order: int, engine: str, seed:
 
 
 def _chance_of_dispersion(data: Samples, frequency: FloatArray, bins: int, seed: int) -> float:
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     y = data.detrended
     largest = [
         _dispersion(data, frequency, bins, y[generator.permutation(len(y))]).max()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude import validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -178,7 +179,7 @@ def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> 
         Of these samples.
     draws, seed : int
     """
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     count = len(samples.t)
     unit = 1.0 / max(samples.span, 1e-300)
     dimensions = len(found.frequencies)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from attitude import validation
 from attitude.spectrum import pair_scan, pair_search
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def share_of_chance(
     -----
     From Gumbel's distribution of the largest decrease among some pairs, extended to all.
     """
-    generator = np.random.default_rng(seed)
+    generator = validation.generator(seed)
     count = int(turns * pair_search.OVERSAMPLING) + 1
     all_pairs = max(count * (count - 1) // 2, 1)
     tried = min(all_pairs, _PERMUTED if order < 3 else _PERMUTED // 10)
