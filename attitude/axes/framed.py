@@ -209,5 +209,5 @@ def obliquity(
 
 
 def _cross(a, b):
-    """The components of a x b for rows of components, five times faster than numpy's."""
+    """The components of a x b for rows of components, which numpy's cross would copy."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

@@ -1,7 +1,7 @@
 """The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers.
 
-`solution.diagonal` brings the elements off the diagonal from 1e-16 of the moments to 1e-128 in a
-few rotations of wide integers; Jacobi's rotations of doubles, a hundred times cheaper, do the rest.
+Jacobi's rotations of doubles bring the elements off the diagonal to 1e-16 of the moments; few
+rotations of wide integers (`solution.diagonal`) are left.
 """
 
 import math
