@@ -211,7 +211,7 @@ class Judgement(NamedTuple):
     share: float
 
 
-def _share_of_sky(poles: Iterable[np.ndarray]) -> float:
+def share_of_sky(poles: Iterable[np.ndarray]) -> float:
     """The share of the sky within 15 degrees of any of these directions (3,)."""
     sky = pole_map.sphere(4000)
     near = [sky @ each > math.cos(math.radians(15.0)) for each in poles]
@@ -246,7 +246,7 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     )
     if rank != 0:
         print("   ", str(found).replace("\n", "\n    ")[:900], flush=True)
-    share = _share_of_sky(poles)
+    share = share_of_sky(poles)
     return Judgement(rank, pole, own, found.verdict, spent, errors, len(listed), share)
 
 
