@@ -133,6 +133,19 @@ def test_the_share_of_the_sky_that_a_list_covers():
     assert figures.share_of_sky([]) == 0.0
 
 
+def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
+    def at(degrees, evidence, rate=10.0):
+        angle, state = math.radians(degrees), np.zeros(refinement.WIDTH)
+        c, s = math.cos(angle), math.sin(angle)
+        state[5:14] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).ravel()
+        state[0] = rate
+        return SimpleNamespace(refined=SimpleNamespace(state=state), evidence=evidence)
+
+    best, near, far, other = at(0.0, 1.0), at(14.0, 2.0), at(16.0, 3.0), at(5.0, 4.0, rate=11.0)
+    entries, beside = pole_map.listed([far, at(40.0, 27.0), other, near, best], 25.0)
+    assert entries == [best, far, other] and beside == [near]
+
+
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic rotator of an independent forward model, and its inversion."""
@@ -157,7 +170,7 @@ def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
     _, found = solved
     poles = np.array([search.pole(each.state) for each in found if each.is_axial])
     rates = np.array([each.state[0] for each in found if each.is_axial])
-    alike = (poles @ poles.T > math.cos(math.radians(7.9))) & (
+    alike = (poles @ poles.T > math.cos(math.radians(14.9))) & (
         np.abs(rates[:, None] - rates) < 0.17
     )
     assert alike.sum() == len(poles)

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from attitude.inversion.convex import Tie
     from attitude.inversion.problem import CurveProblem
     from attitude.inversion.refinement import Refined
+    from attitude.inversion.robust import Weighted
 
+# Where a state holds its pole.
+_POLE = [7, 10, 13]
 # Poles of the map, and bodies at each.
 POLES, _BODIES = 200, 2
 # Bodies at held poles from which the pole is free, and the most by which they may lie behind the
@@ -30,8 +33,9 @@ POLES, _BODIES = 200, 2
 _FREED, _BEHIND = 80, 50.0
 # Iterations, and the relative gain at which they end, of held and of free poles.
 _HELD, _FREE = (25, 1e-3), (40, 3e-4)
-# Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole.
-_SAME_RATE, _LOBE = 0.35, math.radians(60.0)
+# Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole, and the
+# cosine of that to those that are the same entry of a list.
+_SAME_RATE, _LOBE, _ENTRY = 0.35, math.radians(60.0), math.cos(math.radians(15.0))
 
 
 def sphere(count: int) -> FloatArray:
@@ -63,7 +67,7 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     The rates about poles far from each other differ by twice the turn of the scene.
     """
     states = np.stack([a, b])
-    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, [7, 10, 13]])
+    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, _POLE])
     return bool(abs(seen[0] - seen[1]) < _SAME_RATE)
 
 
@@ -82,7 +86,7 @@ def spread(
     frame = state[5:14].reshape(3, 3)
     offsets, weights = [np.zeros(8)], [1.0]
     for other, behind in others:
-        here = frame.T @ other[[7, 10, 13]]
+        here = frame.T @ other[_POLE]
         angle = math.acos(max(-1.0, min(1.0, float(here[2]))))
         if angle < _LOBE:
             offset = np.zeros(8)
@@ -124,7 +128,7 @@ def minima(
         Whether the time is over.
     """
     poles = sphere(POLES)
-    turns = turn_of_scene(rough, np.concatenate([best[None, [7, 10, 13]], poles]))
+    turns = turn_of_scene(rough, np.concatenate([best[None, _POLE], poles]))
     rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
     starts = ellipsoid_search.axial_at_poles(rough, generator, rates, poles, _BODIES)
     held = fixed.copy()
@@ -157,3 +161,30 @@ def most_probable(found: Iterable[Refined], points: int) -> list[Refined]:
     values = [(each.cost + robust.occam(each.normal, points), each) for each in found]
     values.sort(key=lambda pair: pair[0])
     return [each for value, each in values if value < values[0][0] + _BEHIND]
+
+
+def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
+    """Poles of each rate that compete, the best first, 15 degrees apart, and those left out.
+
+    A list of neighbours would leave no place for other parts of the sky: their differences are
+    errors of one pole.
+
+    Parameters
+    ----------
+    found : sequence of Weighted
+        Rotations about one axis.
+    behind : float
+        The largest difference of evidence to the best.
+    """
+    entries: list[Weighted] = []
+    beside: list[Weighted] = []
+    for each in sorted(found, key=lambda one: one.evidence):
+        if entries and each.evidence > entries[0].evidence + behind:
+            break
+        is_near = any(_is_entry(each.refined.state, other.refined.state) for other in entries)
+        (beside if is_near else entries).append(each)
+    return entries, beside
+
+
+def _is_entry(a: FloatArray, b: FloatArray) -> bool:
+    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE and a[_POLE] @ b[_POLE] > _ENTRY)

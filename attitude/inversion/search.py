@@ -34,9 +34,9 @@ _TIE = 0.15
 _TIE_GIVEN = 0.03
 # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
-# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors,
-# of rotations about one axis within a difference of evidence.
-_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 24, 25.0
+# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors;
+# rotations about one axis that are listed, and within which difference of evidence.
+_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 48, 25.0
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -112,6 +112,8 @@ class Search:
         The best first; those of the last `finish`.
     axial : list of Refined
         Rotations about one axis from a map of poles, the most probable first.
+    beside : list of Weighted
+        Those that are not among `solutions`, for a better pole lies near.
     is_complete : bool
         Whether the first round came to its end.
     """
@@ -127,6 +129,7 @@ class Search:
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
+    beside: list[Weighted] = field(default_factory=list)
     is_complete: bool = False
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)
@@ -357,20 +360,16 @@ class Search:
             return [self._compared(problem, each) for each in axial[:_AXIAL_OTHERS]]
         found: list[Weighted] = []
         for each in self.axial:
-            if any(is_same(each.state, other.refined.state) for other in found):
-                continue
-            found.append(self._robust(problem, each))
-            least = min(other.evidence for other in found)
-            if len(found) >= _FINAL_AXIAL or found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
-                break
-        found = [each for each in found if each.evidence < least + _AXIAL_BEHIND]
+            if not any(is_same(each.state, other.refined.state) for other in found):
+                found.append(self._robust(problem, each))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
-        best = min(found, key=lambda each: each.evidence)
-        more = robust.widened(best)
+        more = robust.widened(min(found, key=lambda each: each.evidence))
         found = [replace(each, evidence=each.evidence + more) for each in found]
+        found, self.beside = pole_map.listed(found, _AXIAL_BEHIND)
+        found = found[:_FINAL_AXIAL]
         # the next period decides whether this one is accepted, however far it lies behind
-        rate = float(self.axial[0].state[0])
-        others = [each for each in axial if 2.0 * abs(each.state[0] - rate) > _AXIAL_RATE]
+        rates = np.array([each.refined.state[0] for each in found])
+        others = [each for each in axial if 2.0 * np.abs(rates - each.state[0]).min() > _AXIAL_RATE]
         return found + [self._compared(problem, each) for each in others[:_AXIAL_OTHERS]]
 
     def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:

@@ -55,6 +55,7 @@ class Solution(CurveFit):
         super().__init__(curve, weighted, problem, rank, "")
         self.tie = tie
         self._rivals: list[Solution] = [self]
+        self._beside: list[Weighted] = []
 
     @property
     def state(self) -> FloatArray:
@@ -82,7 +83,7 @@ class Solution(CurveFit):
         problem = self._problem
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = jackknife.groupings(problem.t, problem.span, session)
-        rivals = [each.weighted for each in self._rivals if each is not self]
+        rivals = [each.weighted for each in self._rivals if each is not self] + self._beside
         with blas_threads.limited():
             return states.covariance(self.weighted, groups, self.tie, rivals)
 

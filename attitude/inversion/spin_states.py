@@ -243,6 +243,11 @@ def _results(curve, found):
             for other in solutions
             if other is not each and abs(other.evidence - each.evidence) < verdicts.COMPETING_POLES
         ]
+        each._beside = [
+            one
+            for one in found.beside
+            if each.is_axial and abs(one.evidence - each.evidence) < verdicts.COMPETING_POLES
+        ]
     weighted = [each.weighted for each in solutions]
     given = weighted, found.problem, found.is_complete, found.most
     verdict, criterion = verdicts.verdict(*given)
