@@ -32,7 +32,7 @@ from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import aliases, ellipsoid_magnitudes, pole_map, search
 from attitude.spectrum import pair_scan, transforms
-from benchmarks import inversion_cases, inversion_passes
+from benchmarks import inversion_cases
 from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
 
@@ -41,11 +41,11 @@ LISTED, BUDGET = 20.0, 900.0
 # Angle, deg, beyond which a pole of a rotator about one axis is another one, not its error.
 LOBE = 60.0
 
-MAKES = ("inversion", "inversion of synthetic curves")
+MAKES = ("inversion",)
 
 
 def tables(quick: bool):
-    """The tables of docs/inversion.md; those of synthetic curves take hours."""
+    """The table of docs/inversion.md; synthetic curves, which take an hour, are run by hand."""
     pair, point = speed()
     spent, found = toutatis()
     sigma = np.array(found[0].periods_sigma) / 86400.0
@@ -63,20 +63,6 @@ def tables(quick: bool):
     ]
     costs = {"pair": pair * 1e3, "point": point, "Toutatis": spent * 1e6}
     yield Table("inversion", markdown(("what", "measured"), rows), costs=costs)
-    if quick:
-        return
-    rows = [
-        (f"`{name} {count} {seed}`", run(made(KINDS[name], count, seed), KINDS[name].zero_points))
-        for name, count, seed in (
-            ("tumblers", 48, 7200000),
-            ("nights", 12, 7100000),
-            ("axial", 24, 7500000),
-        )
-    ]
-    rows.append(
-        ("satellites (`inversion_passes.py 20 7400000`)", inversion_passes.run(20, 7400000))
-    )
-    yield Table("inversion of synthetic curves", markdown(("curves", "found"), rows))
 
 
 # Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
