@@ -10,8 +10,8 @@ from tests.differences import sensitivity
 
 WXYZ = (1.0, 0.3, 0.2, -0.1)
 # Moments, angular velocity, tolerance relative to the largest entry of a column.  Near the
-# separatrix the derivatives of the period are of size 1/mc, and so is their error; rates of a needle
-# are those of its angular momentum over the small moment.
+# separatrix the derivatives of the period are of size 1/mc, and so is their error; the rates of a
+# needle are its angular momentum over a small moment.
 STATES = {
     "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
     "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
