@@ -25,8 +25,8 @@ from attitude.solution.uniform_tangents import couplings_of, forced
 # Beyond, the terms are below 0.2^24 = 2e-17 of the first.
 TERMS = 24
 _SHARE = 0.2
-# K' counts as no more than this: the functions of a symmetric body have no pole, but products of them
-# twice the frequency, whose term of this order is below 1e-16 of the largest within 0.72 rad.
+# K' counts as no more than this: the functions of a symmetric body have no pole, but their products
+# have twice the frequency, and a term of this order below 1e-16 of the largest within 0.72 rad.
 _FARTHEST = 3.6
 
 # Rows of a series: change of the momentum (3) and of the angular velocity (3) over the body axes,
