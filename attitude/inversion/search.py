@@ -36,7 +36,7 @@ _TIE_GIVEN = 0.03
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors,
 # of rotations about one axis within a difference of evidence.
-_CLASSES, _CONVEX, _FINAL, _AXIAL_BEHIND = 30, 40, 14, 25.0
+_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 24, 25.0
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -361,7 +361,7 @@ class Search:
                 continue
             found.append(self._robust(problem, each))
             least = min(other.evidence for other in found)
-            if found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
+            if len(found) >= _FINAL_AXIAL or found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
                 break
         found = [each for each in found if each.evidence < least + _AXIAL_BEHIND]
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
