@@ -2,7 +2,8 @@
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
 strongly with the moments, and the columns of solution.columns are small differences of large
-numbers.  Within a fifth of the radius of convergence, K'/wp, the changes are polynomials in t:
+numbers.  Within a fifth of the radius of convergence, K'/wp, or less, the changes are polynomials
+in t:
 
     w' = c w w,    (dw)' = c (dw w + w dw) + dc w w,    zeta' = n dw,    n = L/|L|
 
@@ -24,8 +25,9 @@ from attitude.solution.uniform_tangents import couplings_of, forced
 # Beyond, the terms are below 0.2^24 = 2e-17 of the first.
 TERMS = 24
 _SHARE = 0.2
-# K' counts as no more than this: the functions of a symmetric body have no pole.
-_FARTHEST = 2.0 * math.pi
+# K' counts as no more than this: the functions of a symmetric body have no pole, but their products
+# have twice the frequency, and a term of this order below 1e-16 of the largest within 0.72 rad.
+_FARTHEST = 3.6
 
 # Rows of a series: change of the momentum (3) and of the angular velocity (3) over the body axes,
 # and zeta.
