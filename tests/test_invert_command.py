@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, cli, epochs, inversion
+from attitude import AttitudeError, Body, cli, epochs, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import jackknife, search
+from attitude.inversion import jackknife, search, ties
 
 DATA = Path(__file__).parent.parent / "data"
 PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
@@ -66,6 +66,8 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
 
     def refused(curves, most, **options):
         assert options["moments"].tolist() == [3.0, 1.0, 3.2]
+        body = Body(moments=(30, 10, 32))
+        assert ties.of(options["moments"]).given == pytest.approx(ties.of(body).given, rel=1e-14)
         raise AttitudeError("the search of the test")
 
     monkeypatch.setattr(inversion, "spin_states", refused)
