@@ -2,14 +2,18 @@
 
     python benchmarks/inversion.py speed              a pair of frequencies, a likelihood
     python benchmarks/inversion.py toutatis           the photometry of 1992-93 against radar
-    python benchmarks/inversion.py tumblers 48 SEED   synthetic tumblers; also "nights", "axial"
+    python benchmarks/inversion.py tumblers 48 SEED   synthetic tumblers; also "nights", "axial";
+                                                      a fourth number: from this case on
 
 Nothing of a truth is in the input; the search goes up to 3.2 turns in a mean rotation.  Processor
-seconds of one core; the first call, which compiles, is not counted.
+seconds of one core; the first call, which compiles, is not counted.  Rotators about one axis whose
+magnitude varies by less than its errors, which no light curve decides, are not drawn: their seeds
+are printed (`inversion_cases.is_decidable`, of the truth alone).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import time
@@ -26,7 +30,7 @@ from astropy.time import Time
 
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import aliases, ellipsoid_magnitudes, search
+from attitude.inversion import aliases, ellipsoid_magnitudes, pole_map, search
 from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion_cases, inversion_passes
 from benchmarks.doc_tables import Table, markdown
@@ -62,11 +66,11 @@ def tables(quick: bool):
     if quick:
         return
     rows = [
-        (f"`{name} {count} {seed}`", run(made(styles, count, seed), zero))
-        for name, styles, count, seed, zero in (
-            ("tumblers", STYLES, 48, 7200000, "shared"),
-            ("nights", NIGHTS, 12, 7100000, "free"),
-            ("axial", AXIAL, 24, 7300000, "shared"),
+        (f"`{name} {count} {seed}`", run(made(KINDS[name], count, seed), KINDS[name].zero_points))
+        for name, count, seed in (
+            ("tumblers", 48, 7200000),
+            ("nights", 12, 7100000),
+            ("axial", 24, 7500000),
         )
     ]
     rows.append(
@@ -106,6 +110,22 @@ AXIAL = [
 ]
 
 
+class Kind(NamedTuple):
+    """What cases are drawn: styles, zero points, and whether undecidable ones are left out."""
+
+    styles: list[dict]
+    zero_points: str
+    decidable: bool = False
+
+
+KINDS = {
+    "tumblers": Kind(STYLES, "shared"),
+    "nights": Kind(NIGHTS, "free"),
+    "axial": Kind(AXIAL, "shared", decidable=True),
+    "sessions": Kind(STYLES, "auto"),
+}
+
+
 def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCurve:
     """The light curve of a case."""
     return inversion.LightCurve(
@@ -131,11 +151,16 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
     return bool(near and found.mode == case.mode), angle
 
 
+def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
+    """The pole, and its mirror image in the plane of the scene, ecliptic axes."""
+    here, normal = search.pole(found.state), aliases.plane_of(found.weighted.problem)
+    turn = matrix_to_icrf("ecliptic").T
+    return turn @ here, turn @ aliases.mirrored(here, normal)
+
+
 def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
     """The angle of the mirror pole in the plane of the scene to the true pole, deg."""
-    normal = aliases.plane_of(found.weighted.problem)
-    mirror = matrix_to_icrf("ecliptic").T @ aliases.mirrored(search.pole(found.state), normal)
-    return math.degrees(math.acos(max(-1.0, min(1.0, float(mirror @ case.pole)))))
+    return math.degrees(math.acos(max(-1.0, min(1.0, float(_sides(found)[1] @ case.pole)))))
 
 
 def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarray:
@@ -154,14 +179,27 @@ def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarr
     return np.array(out)
 
 
-def made(styles: list[dict], count: int, seed: int) -> Iterator[inversion_cases.Case]:
-    """Cases of successive seeds, their styles in turn."""
+def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
+    """Cases of successive seeds, styles in turn; seeds that are left out are printed."""
     for k in range(count):
-        yield inversion_cases.case(seed + k, styles[k % len(styles)])
+        case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+        while kind.decidable and not inversion_cases.is_decidable(case):
+            print(
+                f"left out: seed {seed}, {inversion_cases.variation(case):.3f} mag of variation in "
+                f"errors of {math.sqrt(float(np.mean(case.sigma**2))):.3f}",
+                flush=True,
+            )
+            seed += 1
+            case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+        yield case
+        seed += 1
 
 
 class Judgement(NamedTuple):
-    """How a search came out: ranks, angles of poles (deg), processor seconds, and errors."""
+    """How a search came out: ranks, angles of poles (deg), processor seconds, and errors.
+
+    `count` poles are listed; `share` of the sky lies within 15 degrees of them or their mirrors.
+    """
 
     rank: int | None
     listed: float
@@ -169,6 +207,15 @@ class Judgement(NamedTuple):
     verdict: str
     spent: float
     errors: np.ndarray
+    count: int
+    share: float
+
+
+def share_of_sky(poles: Iterable[np.ndarray]) -> float:
+    """The share of the sky within 15 degrees of any of these directions (3,)."""
+    sky = pole_map.sphere(4000)
+    near = [sky @ each > math.cos(math.radians(15.0)) for each in poles]
+    return float(np.mean(np.any(near, axis=0))) if near else 0.0
 
 
 def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judgement:
@@ -179,11 +226,13 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     spent = time.process_time() - begin
     judgements = [judged(each, case) for each in found]
     right = [j for j, (near, _) in enumerate(judgements) if near]
-    listed = [
-        min(angle, _mirrored(each, case))
+    rows = [
+        (each, angle)
         for each, (near, angle) in zip(found, judgements, strict=True)
         if near and each.evidence - found[0].evidence < LISTED
     ]
+    listed = [min(angle, _mirrored(each, case)) for each, angle in rows]
+    poles = [side for each, _ in rows for side in _sides(each)]
     rank = right[0] if right else None
     pole, own = min(listed, default=180.0), judgements[0][1] if judgements else 180.0
     known = rank == 0 and own < (LOBE if case.mode == "PA" else 15.0)
@@ -197,15 +246,16 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     )
     if rank != 0:
         print("   ", str(found).replace("\n", "\n    ")[:900], flush=True)
-    return Judgement(rank, pole, own, found.verdict, spent, errors)
+    share = share_of_sky(poles)
+    return Judgement(rank, pole, own, found.verdict, spent, errors, len(listed), share)
 
 
-def run(cases: Iterable[inversion_cases.Case], zero_points: str, budget: float = BUDGET) -> str:
-    """Solve cases and print each; the sums, printed too."""
+def run(cases: Iterable[inversion_cases.Case], zero_points: str, first: int = 0) -> str:
+    """Solve cases and print each with its number from `first`; the sums, printed too."""
     rows = []
-    for k, case in enumerate(cases):
+    for k, case in enumerate(cases, first):
         print(f"{k:2d}", end=" ")
-        rows.append(solved(case, zero_points, budget))
+        rows.append(solved(case, zero_points, BUDGET))
     total = len(rows)
     firsts = sum(row.rank == 0 for row in rows)
     tens = sum(row.rank is not None and row.rank < 10 for row in rows)
@@ -217,9 +267,11 @@ def run(cases: Iterable[inversion_cases.Case], zero_points: str, budget: float =
     errors = np.concatenate([row.errors for row in rows])
     sums = (
         f"mode and periods at rank 1 in {firsts} of {total}, among the first ten in {tens}; pole "
-        f"or mirror within 15 degrees listed in {sum(row.listed < 15.0 for row in rows)}, pole at "
-        f"rank 1 in {sum(row.own < 15.0 for row in rows)}; false claims {claims}, solved with "
-        f"another pole {wrong}, not solved {opened}; {np.sum(np.abs(errors) < 3.0)} of "
+        f"or mirror within 15 degrees listed in {sum(row.listed < 15.0 for row in rows)} (by "
+        f"chance {sum(row.share for row in rows):.1f}; poles listed: median "
+        f"{np.median([row.count for row in rows]):.0f}, at most {max(row.count for row in rows)}), "
+        f"pole at rank 1 in {sum(row.own < 15.0 for row in rows)}; false claims {claims}, solved "
+        f"with another pole {wrong}, not solved {opened}; {np.sum(np.abs(errors) < 3.0)} of "
         f"{len(errors)} parameters within 3 sigma; processor median {np.median(cpu):.1f}, at most "
         f"{max(cpu):.1f} s"
     )
@@ -294,14 +346,9 @@ def main(arguments: list[str]) -> None:
     if what in ("speed", "toutatis"):
         {"speed": speed, "toutatis": toutatis}[what]()
         return
-    count, seed = int(arguments[1]), int(arguments[2])
-    styles, zero = {
-        "tumblers": (STYLES, "shared"),
-        "nights": (NIGHTS, "free"),
-        "axial": (AXIAL, "shared"),
-        "sessions": (STYLES, "auto"),
-    }[what]
-    run(made(styles, count, seed), zero)
+    kind, count, seed = KINDS[what], int(arguments[1]), int(arguments[2])
+    first = int(arguments[3]) if len(arguments) > 3 else 0
+    run(itertools.islice(made(kind, count, seed), first, None), kind.zero_points, first)
 
 
 if __name__ == "__main__":

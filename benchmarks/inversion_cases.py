@@ -36,6 +36,7 @@ class Case:
     pole: np.ndarray
     moments: np.ndarray
     most: float  # largest frequency of the search, 1/d
+    exact: np.ndarray | None = None  # magnitude without errors, where it is known
 
 
 def hull(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -210,6 +211,7 @@ def case(seed: int, style: dict) -> Case:
     sigma = style["noise"] * rng.uniform(0.7, 1.3, t.size)
     zero = rng.normal(0.0, style.get("zero", 0.0), session.max() + 1)
     magnitude = 20.0 - 2.5 * np.log10(flux / areas.sum()) + 5.0 * np.log10(r * d)
+    exact = magnitude.copy()
     magnitude += sigma * rng.normal(size=t.size) + zero[session]
     if style["mode"] == "PA":
         mode, P_psi, P_phi = "PA", math.inf, style["P"]
@@ -217,9 +219,32 @@ def case(seed: int, style: dict) -> Case:
     else:
         mode, P_psi, P_phi, pole = _periods(moments, start)
     most = style.get("most", 3.2) / style["P"]
-    return Case(
-        jd, magnitude, sigma, session, to_sun, to_observer, mode, P_psi, P_phi, pole, moments, most
+    geometry = jd, magnitude, sigma, session, to_sun, to_observer
+    return Case(*geometry, mode, P_psi, P_phi, pole, moments, most, exact)
+
+
+def variation(made: Case) -> float:
+    """Standard deviation, mag, of the magnitude without errors less what every fit projects out.
+
+    These are a constant that all sessions share, terms of the phase angle, and a drift.
+    """
+    r, d = np.linalg.norm(made.sun, axis=1), np.linalg.norm(made.observer, axis=1)
+    alpha = np.arccos(np.sum(made.sun * made.observer, axis=1) / r / d)
+    t = made.jd - made.jd.mean()
+    terms = np.stack(
+        [np.ones_like(t), alpha, np.exp(-np.degrees(alpha) / 5.0), alpha**2, t], axis=-1
     )
+    reduced = made.exact - 5.0 * np.log10(r * d)
+    return float(np.std(reduced - terms @ np.linalg.lstsq(terms, reduced, rcond=None)[0]))
+
+
+def is_decidable(made: Case) -> bool:
+    """Whether the magnitude of the body itself varies by as much as its errors.
+
+    A body seen nearly from its pole varies by less: no period then stands out from those of noise.
+    Only the forward model decides this, nothing that an inversion finds.
+    """
+    return variation(made) >= math.sqrt(float(np.mean(made.sigma**2)))
 
 
 def _epochs(rng, style):

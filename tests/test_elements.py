@@ -39,6 +39,18 @@ def test_there_and_back():
         assert np.abs(error).max() < 1e-13 * loss
 
 
+@pytest.mark.parametrize("excess", [0.0, 1e-12, 1e-8, 1e-4, 1e-2])
+def test_there_and_back_beside_a_lamina(excess):
+    generator = np.random.default_rng(4)
+    for least in generator.uniform(0.05, 0.5, 10):
+        moments, omega = (least, 1.0 - least + excess, 1.0), generator.normal(size=3)
+        motion = motion_of(moments, omega)
+        again = FreeRotation.from_elements(motion.elements, epoch="2026-01-01", wxyz=WXYZ)
+        loss = 1.0 / abs(motion.separatrix_distance)
+        ratios = np.sort(again.body.moments) - np.sort(moments) / max(moments)
+        assert np.abs(ratios).max() < 1e-12 * loss
+
+
 def test_the_attitude_is_that_of_the_same_motion():
     for moments, omega in random_states(20, 2):
         motion = motion_of(moments, omega)

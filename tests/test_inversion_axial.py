@@ -102,6 +102,37 @@ def test_other_minima_widen_the_errors_of_a_pole():
     assert pole_map.spread(here, 5.0, [(tilted, 15.0)])[0, 0] < 0.01 * angle**2
 
 
+def test_cases_that_vary_by_less_than_their_errors_are_not_drawn(capsys):
+    """By the truth alone; the seed is printed and the next one taken, with the same style."""
+    style = figures.AXIAL[8]
+    case = inversion_cases.case(7300008, style)
+    errors = (case.magnitude - case.exact) / case.sigma
+    assert errors.std() == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * len(errors)))
+    assert inversion_cases.variation(case) == pytest.approx(0.022, abs=5e-4)
+    assert not inversion_cases.is_decidable(case)
+    [drawn] = figures.made(figures.Kind([style], "shared", decidable=True), 1, 7300008)
+    assert "seed 7300008, 0.022 mag" in capsys.readouterr().out
+    assert np.array_equal(drawn.magnitude, inversion_cases.case(7300009, style).magnitude)
+    assert inversion_cases.variation(drawn) > 0.03
+
+
+def test_what_every_fit_projects_out_is_no_variation():
+    case = inversion_cases.case(7300009, figures.AXIAL[9])
+    before = inversion_cases.variation(case)
+    r, d = np.linalg.norm(case.sun, axis=1), np.linalg.norm(case.observer, axis=1)
+    alpha = np.arccos(np.sum(case.sun * case.observer, axis=1) / r / d)
+    case.exact = case.exact + 0.3 + 2.0 * alpha - np.exp(-alpha / math.radians(5.0))
+    assert inversion_cases.variation(case) == pytest.approx(before, rel=1e-9)
+
+
+def test_the_share_of_the_sky_that_a_list_covers():
+    cap = 0.5 * (1.0 - math.cos(math.radians(15.0)))
+    up = np.array([0.0, 0.0, 1.0])
+    assert figures.share_of_sky([up, up]) == pytest.approx(cap, rel=0.02)
+    assert figures.share_of_sky([up, -up]) == pytest.approx(2.0 * cap, rel=0.02)
+    assert figures.share_of_sky([]) == 0.0
+
+
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic rotator of an independent forward model, and its inversion."""

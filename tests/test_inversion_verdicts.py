@@ -41,6 +41,22 @@ def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expec
     assert verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(
+    ("tumbling", "behind", "ln_rho", "expected"),
+    [
+        (0.01, 30.0, -1.0, verdicts.OPEN),  # the prior alone prefers one axis
+        (0.0195, 30.0, -1.0, verdicts.SOLVED),  # fits no better than by chance
+        (0.01, 30.0, -4.0, verdicts.SOLVED),  # a wobble about the one axis
+        (0.01, 80.0, -1.0, verdicts.SOLVED),  # its shape is too improbable
+    ],
+)
+def test_a_nutation_that_fits_better_than_by_chance(tumbling, behind, ln_rho, expected):
+    """For 100 points and 200 frequencies: ln N and odds count 38 in evidence, and 13 are needed."""
+    found = [_solution(0.0, 0.0, 0.02), _solution(-7.0, behind, tumbling)]
+    found[1].refined.state[3] = ln_rho
+    assert verdicts.verdict(found, _problem(0.02), True, 70.0)[0] == expected
+
+
 def test_other_poles_leave_the_periods():
     found = [_solution(7.0, 0.0, 0.01), _solution(7.0, 5.0, 0.01, pole=1)]
     assert verdicts.verdict(found, _problem(0.02))[0] == verdicts.PERIODS

@@ -157,7 +157,7 @@ def test_boxes_hold_their_facets():
     from attitude.light_curve.hierarchy import LEAF, hierarchy_of
 
     for mesh in (peanut(1), peanut(3), box((1, 2, 3)), SHEET):
-        tree = hierarchy_of(mesh.corners)
+        tree = hierarchy_of(mesh.corners, mesh.normals)
         assert sorted(tree.order) == list(range(len(mesh)))
         leaves = len(tree.boxes) // 2
         for node in range(1, 2 * leaves):
@@ -176,7 +176,7 @@ def test_outlines_are_the_edges_that_groups_do_not_share(mesh):
     from attitude.light_curve.hierarchy import LEAF, hierarchy_of
     from attitude.light_curve.outlines import outlines_of
 
-    tree = hierarchy_of(mesh.corners)
+    tree = hierarchy_of(mesh.corners, mesh.normals)
     made = outlines_of(tree, mesh.facets, mesh.corners, mesh.normals)
     leaves = len(tree.boxes) // 2
     passes = np.stack([mesh.corners, np.roll(mesh.corners, -1, axis=1)], axis=2).reshape(-1, 3, 6)

@@ -10,7 +10,8 @@ from tests.differences import sensitivity
 
 WXYZ = (1.0, 0.3, 0.2, -0.1)
 # Moments, angular velocity, tolerance relative to the largest entry of a column.  Near the
-# separatrix the derivatives of the period are of size 1/mc, and so is their error.
+# separatrix the derivatives of the period are of size 1/mc, and so is their error; the rates of a
+# needle are its angular momentum over a small moment.
 STATES = {
     "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
     "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
@@ -31,6 +32,8 @@ STATES = {
     "sphere but for 1e-3": ((2, 2.002, 2.003), (0.3, 0.5, 1), 4e-15),
     "sphere but for 1e-8": ((2, 2.00000002, 2.00000003), (0.3, 0.5, 1), 4e-15),
     "beside the equator": ((2, 2, 3), (0.3, 0.5, 1e-9), 4e-15),
+    "series of the largest nome": ((0.4931512, 0.56326773, 1), (0.03754, -0.17851, 0.00588), 4e-15),
+    "needle, end over end": ((0.0189, 0.9946, 1), (-0.0974, -0.987, 0.0055), 4e-14),
     "1e-2 from the separatrix": ((1, 2, 2.7), (1.3888, 0.4, 1.0), 4e-15),
     "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 1e-11),
 }

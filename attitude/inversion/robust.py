@@ -214,3 +214,14 @@ def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
     """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
     squares = solution.residual**2 / (problem.sigma**2 + FLOOR_ERROR**2)
     return float(np.mean(np.sort(squares)[: max(1, int(0.97 * len(squares)))]))
+
+
+def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
+    """The difference of -2 ln(likelihood) by which a solution fits better than another one.
+
+    By Student's distribution about sigma and 0.01 mag, or about the larger errors that the solution
+    itself leaves; without priors and the number of parameters.
+    """
+    size = max(1.0, floor_ratio(solution, problem)) * (problem.sigma**2 + FLOOR_ERROR**2)
+    logs = [np.log1p(each.residual**2 / size / FREEDOM) for each in (solution, other)]
+    return (FREEDOM + 1.0) * float(np.sum(logs[1] - logs[0]))

@@ -36,7 +36,7 @@ _TIE_GIVEN = 0.03
 _PAIRS, _QUICK, _DEEP = 200, 4, 40
 # Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors,
 # of rotations about one axis within a difference of evidence.
-_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 24, 25.0
+_CLASSES, _CONVEX, _FINAL, _AXIAL_BEHIND = 30, 40, 14, 25.0
 # Poles of one pair of rates.
 _POLES = 7
 # Precessions of which every nutation is tried.
@@ -46,7 +46,7 @@ _ALIASES = 12
 # Rates that are fitted between looks at the clock.
 _BLOCK = 200
 # Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
-_SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
+SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
 # Without the floor: the share of the variance left, and the difference of evidence to the next
 # periods, of a solution that is accepted.
 LEFT, ALONE = 0.12, 120.0
@@ -60,7 +60,7 @@ _AXIAL_RATE = 1.2
 # Such rotations that are compared with a motion that explains the curve better by far.
 _AXIAL_OTHERS = 3
 # Tumbling bodies among all: the odds before the curve is seen.
-_TUMBLERS = 0.01
+TUMBLERS = 0.01
 
 
 def pole(state: FloatArray) -> FloatArray:
@@ -76,8 +76,8 @@ def is_same(a: FloatArray, b: FloatArray) -> bool:
 def has_rates(a: FloatArray, b: FloatArray) -> bool:
     """Whether two states have one mode and the same rates."""
     if is_axial(a) or is_axial(b):
-        return is_axial(a) and is_axial(b) and 2.0 * abs(a[0] - b[0]) < _SAME_RATE
-    same = 2.0 * abs(a[0] - b[0]) < _SAME_RATE and abs(a[1] - b[1]) < _SAME_RATE
+        return is_axial(a) and is_axial(b) and 2.0 * abs(a[0] - b[0]) < SAME_RATE
+    same = 2.0 * abs(a[0] - b[0]) < SAME_RATE and abs(a[1] - b[1]) < SAME_RATE
     return bool(same)
 
 
@@ -361,7 +361,7 @@ class Search:
                 continue
             found.append(self._robust(problem, each))
             least = min(other.evidence for other in found)
-            if len(found) >= _FINAL_AXIAL or found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
+            if found[-1].evidence > least + 2.0 * _AXIAL_BEHIND:
                 break
         found = [each for each in found if each.evidence < least + _AXIAL_BEHIND]
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
@@ -380,7 +380,7 @@ class Search:
 
     def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most / _TUMBLERS
+        trials = 1.0 if is_axial(given.state) else self.most / TUMBLERS
         return robust.refined(
             problem,
             given.state,

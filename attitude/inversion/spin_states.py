@@ -244,5 +244,6 @@ def _results(curve, found):
             if other is not each and abs(other.evidence - each.evidence) < verdicts.COMPETING_POLES
         ]
     weighted = [each.weighted for each in solutions]
-    verdict, criterion = verdicts.verdict(weighted, found.problem, found.is_complete)
+    given = weighted, found.problem, found.is_complete, found.most
+    verdict, criterion = verdicts.verdict(*given)
     return SpinStates(solutions, verdict, criterion, tuple(found.notes))

@@ -2,13 +2,16 @@
 
 A solution is accepted if its residuals are as small as the errors (the floor), or, where errors are
 those of a telescope only, if it explains all but a small part of the variance and no other periods
-come near.  Other solutions compete within a difference of evidence.
+come near.  Other solutions compete within a difference of evidence.  A rotation about one axis is
+claimed only where a nutation improves the fit by no more than chance.
 """
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
+
+from scipy import special
 
 from attitude.inversion import pole_map, robust, search
 
@@ -24,14 +27,21 @@ SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
 COMPETING, COMPETING_POLES = 13.0, 12.0
 # Least number of turns of each period.
 _LEAST_TURNS = 1.2
+# Parameters of a nutation; the least rho (the tangent of half the tilt of the axis) of one that is
+# no wobble about the axis; how often chance explains a better fit.
+_NUTATION, _WIDE, _BY_CHANCE = 4, 0.08, 0.1
 
 
 def verdict(
-    found: Sequence[Weighted], problem: CurveProblem, is_complete: bool = True
+    found: Sequence[Weighted],
+    problem: CurveProblem,
+    is_complete: bool = True,
+    most: float = search.SAME_RATE,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
     A search that is not complete has not seen what competes: its best solution is not solved.
+    `most`, turns per span, is the largest frequency of the search.
     """
     if not found:
         return OPEN, "No solution was found."
@@ -64,11 +74,41 @@ def verdict(
     if search.is_axial(state):
         tumbling = [each for each in found[1:] if not search.is_axial(each.refined.state)]
         close = sum(each.evidence - best.evidence < needed for each in tumbling)
+        better = _better_by_nutation(found, problem, needed, most)
+        if better:
+            return OPEN, f"{words}; {better}."
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie within {COMPETING_POLES:g}."
     return SOLVED, f"{words}; no other pole lies within {COMPETING_POLES:g}."
+
+
+def _better_by_nutation(
+    found: Sequence[Weighted], problem: CurveProblem, needed: float, most: float
+) -> str:
+    """In words: a tumbling state that fits better than the best one, a rotation about one axis.
+
+    Evidence counts ln N for each parameter of a nutation, and odds against it.  Where these alone
+    put the rotation about one axis in front, and the likelihood of a wide nutation is higher than
+    by chance among the frequencies tried, a claim would rest on the prior.
+    """
+    best = found[0]
+    counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / search.TUMBLERS)
+    gains = [
+        robust.gain(each, best, problem)
+        for each in found[1:]
+        if not search.is_axial(each.refined.state)
+        and each.refined.state[3] > math.log(_WIDE)
+        and each.evidence - best.evidence < needed + counted
+    ]
+    chance = float(special.chdtri(_NUTATION, _BY_CHANCE * min(1.0, search.SAME_RATE / most)))
+    if max(gains, default=0.0) < chance:
+        return ""
+    return (
+        f"a tumbling state fits better by {max(gains):.1f} in -2 ln(likelihood), more than the "
+        f"{chance:.1f} of chance"
+    )
 
 
 def _has_periods(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:

@@ -1,7 +1,8 @@
 """Boxes around facets that lie together: whole groups that cannot hide the sky are skipped at once.
 
 The tree is complete: node k has the children 2 k and 2 k + 1, the root is 1, and the leaves hold
-LEAF facets each, which are neighbours along a curve that fills space.
+LEAF facets each.  Each group is cut across its longest extent, in space or in the directions of its
+normals: groups that face one way hide the sky by their outlines.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
 
 # Facets of a leaf.
 LEAF = 4
-# Bits of each coordinate of a place on the curve.
-_BITS = 20
+# Over the size of the body: how far apart normals that differ by one count.  Tables of a rough, a
+# waisted and a winged body take the least time from 0.15 to 0.3.
+_APART = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +38,12 @@ class Hierarchy:
     order: IntArray
 
 
-def hierarchy_of(corners: FloatArray) -> Hierarchy:
-    """The `Hierarchy` of facets (F, 3, 3)."""
-    order = np.argsort(_along_the_curve(np.mean(corners, axis=1)), kind="stable")
+def hierarchy_of(corners: FloatArray, normals: FloatArray) -> Hierarchy:
+    """The `Hierarchy` of facets (F, 3, 3) with outward normals (F, 3)."""
     leaves = 1 << max(0, int(np.ceil(np.log2(len(corners) / LEAF))))
+    middles = np.mean(corners, axis=1)
+    size = np.max(np.ptp(middles, axis=0))
+    order = _cut(np.column_stack([middles, _APART * size * normals]), leaves)
     # Empty places lie far below every plane: boxes that hold nothing else are skipped.
     lowest = np.full((leaves * LEAF, 3), np.inf)
     highest = np.full((leaves * LEAF, 3), -np.inf)
@@ -57,13 +61,17 @@ def hierarchy_of(corners: FloatArray) -> Hierarchy:
         high = np.max(high.reshape(level, 2, 3), axis=1)
 
 
-def _along_the_curve(points: FloatArray) -> IntArray:
-    """Places (N,) on Morton's curve, which alternates the bits of the coordinates, of (N, 3)."""
-    low = np.min(points, axis=0)
-    size = np.max(np.max(points, axis=0) - low)
-    cells = ((points - low) / (size or 1.0) * ((1 << _BITS) - 1)).astype(np.int64)
-    places = np.zeros(len(points), dtype=np.int64)
-    for bit in range(_BITS):
-        for axis in range(3):
-            places |= (cells[:, axis] >> bit & 1) << (3 * bit + axis)
-    return places
+def _cut(places: FloatArray, leaves: int) -> IntArray:
+    """The order of facets at places (F, K), whose groups are halved along their longest extents."""
+    order = np.arange(len(places))
+    group = leaves * LEAF
+    while group > LEAF:
+        first = np.arange(0, len(order), group)
+        sorted_places = places[order]
+        extent = np.maximum.reduceat(sorted_places, first)
+        extent -= np.minimum.reduceat(sorted_places, first)
+        number = np.arange(len(order)) // group
+        along = sorted_places[np.arange(len(order)), np.argmax(extent, axis=1)[number]]
+        order = order[np.lexsort((along, number))]
+        group //= 2
+    return order

@@ -209,7 +209,7 @@ def _painted(
     shifts = np.ascontiguousarray(shift.T).reshape(-1)
     across, up = painting.tangents(shift, resolution)
     planes = np.einsum("fi,fi->f", mesh.normals, corners[:, 0])
-    tree = hierarchy_of(corners)
+    tree = hierarchy_of(corners, mesh.normals)
     outlines = outlines_of(tree, mesh.facets, corners, mesh.normals)
     near = corners[tree.order]
     facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])

@@ -19,11 +19,15 @@ from attitude.errors import AttitudeError
 from attitude.solution import codes
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude.annotations import FloatArray
 
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 # Ratios of moments at which a solution is sought.
 _GRID = 2000
+# Share of the precession rate by which rounding may move the elements of a lamina off all bodies.
+_ROUNDED = 1e-11
 _TERMS = 12
 
 
@@ -220,10 +224,8 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
     u = 0.5 * (1.0 + np.tanh(np.linspace(-18.0, 18.0, _GRID)))
     r = np.unique(u[(u > 0.0) & (u < 1.0)])
     r = r if long_axis else 1.0 / r[::-1]
-    moments = states(r)[0]
-    largest = moments.max(axis=1)
-    bodies = np.flatnonzero(moments.sum(axis=1) - 2.0 * largest >= 0.0)
-    ratio = _root(excess, r[bodies]) if len(bodies) else None
+    r = _of_bodies(lambda ratios: states(ratios)[0], r)
+    ratio = _root(excess, r, abs(elements.precession_rate)) if len(r) else None
     if ratio is None:
         raise AttitudeError(
             f"no body has {elements}: no moments that satisfy the triangle inequality precess at "
@@ -233,14 +235,38 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
     return moments / moments.max(), omega
 
 
-def _root(excess: Any, r: FloatArray) -> float | None:
+def _of_bodies(moments_of: Callable[[FloatArray], FloatArray], r: FloatArray) -> FloatArray:
+    """Ratios of a grid whose moments satisfy the triangle inequality, and those of its laminas."""
+
+    def slack(ratios: FloatArray) -> FloatArray:
+        moments = moments_of(ratios)
+        left: FloatArray = moments.sum(axis=1) - 2.0 * moments.max(axis=1)
+        return left
+
+    inside = slack(r) >= 0.0
+    edges = []
+    for k in np.flatnonzero(inside[:-1] != inside[1:]):
+        body, none = (r[k], r[k + 1]) if inside[k] else (r[k + 1], r[k])
+        middle = 0.5 * (body + none)
+        while middle not in (body, none):
+            if slack(np.array([middle]))[0] >= 0.0:
+                body = middle
+            else:
+                none = middle
+            middle = 0.5 * (body + none)
+        edges.append(body)
+    return np.unique(np.concatenate([r[inside], edges]))
+
+
+def _root(excess: Any, r: FloatArray, rate: float) -> float | None:
     """The ratio at which the precession has its rate, within the range of ratios of bodies."""
     from scipy.optimize import brentq
 
     values = excess(r)
     cross = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) <= 0.0)
     if len(cross) == 0:
-        return None
+        nearest = int(np.argmin(np.abs(values)))
+        return float(r[nearest]) if abs(values[nearest]) <= _ROUNDED * rate else None
     k = int(cross[0])
     root = brentq(
         lambda x: float(excess(np.array([x]))[0]), r[k], r[k + 1], xtol=1e-300, rtol=1e-15

@@ -112,7 +112,7 @@ def state_of(c):
 
 @subroutine
 def _changes(state, one):
-    """What the elements share: changes of m, ln wp, ln(1 - n), amplitude and phase."""
+    """What the elements share: changes of m, ln wp, ln(1 - n), amplitudes and phase."""
     (i1, i2, i3), (w1, w2, w3), (d12, d23, d13), (a1, _a2, a3), side, _, _speed, (m, _mc) = state
     x1, x2, x3, y1, y2, y3 = one
     g12, g23, g13 = side * (y1 - y2), side * (y2 - y3), side * (y1 - y3)
@@ -128,7 +128,7 @@ def _changes(state, one):
     cosine, sine = w1 * math.sqrt(i1 * d13) * size, -w2 * math.sqrt(i2 * d23) * size
     turn = -cosine * x2 * math.sqrt(i2 * d23) * size - sine * x1 * math.sqrt(i1 * d13) * size
     turn += 0.5 * cosine * sine * (y2 / i2 + g23 / d23 - y1 / i1 - g13 / d13)
-    return change, rate, p, b3, (cosine, sine, turn), (g12, g23, g13)
+    return change, rate, p, (b1, b3), (cosine, sine, turn), (g12, g23, g13)
 
 
 @subroutine
@@ -166,8 +166,8 @@ def _action(c):
 @subroutine
 def _trigonometric(state, one, action, c):
     """d of 2 lambda and 2 pi f (rad/s), 2 pi x0, ln rho and X."""
-    (i1, i2, i3), w, (_d12, _d23, d13), (a1, _a2, a3), side, size, speed, (m, mc) = state
-    change, rate, p, b3, (cosine, sine, turn), gaps = _changes(state, one)
+    _moments, _w, _differences, _, side, _size, speed, (m, mc) = state
+    change, rate, p, amplitudes, (cosine, sine, turn), gaps = _changes(state, one)
     k, d = integrals(m, mc)
     b = k - d
     rate_f = rate - 0.5 * b / (mc * k) * change
@@ -178,26 +178,40 @@ def _trigonometric(state, one, action, c):
     by_m = by_parameter(cosine, sine, delta * delta)
     turns = c.nutation0[0]
     phase = (turn / delta + (by_m - 2.0 * turns * b / mc) * change) / (4.0 * k)
-    # tan of half the nutation at v = 0 and at v = pi/2, and their ratio
-    _momentum, square, _ = size
-    x1, x2, x3, y1, y2, y3 = one
-    lift = i1 * w[0] * (i1 * x1 + y1 * w[0]) + i2 * w[1] * (i2 * x2 + y2 * w[1])
-    lift = 2.0 * (lift + i3 * w[2] * (i3 * x3 + y3 * w[2]))
-    l = math.sqrt(i3 * a1 / (d13 * square))
-    sine0 = 0.5 * (y1 / i1 + b3 / a3 - gaps[2] / d13 - lift / square) / l
-    root = math.sqrt(mc)
-    apart = (sine0 * l * m / (1.0 + root) + 0.5 * p) / (l * root)
+    nutation, apart = _half_nutations(state, one, (change, p), amplitudes, gaps[2])
     g00, g01, g10, g11 = _half_angles(c)
     over = 1.0 / (g00 * g11 - g01 * g10)
     return (
         precession,
         2.0 * math.pi * f * rate_f,
         2.0 * math.pi * phase,
-        (sine0 * g11 - g01 * apart) * over,
-        (g00 * apart - g10 * sine0) * over,
+        (nutation * g11 - g01 * apart) * over,
+        (g00 * apart - g10 * nutation) * over,
         0.0,
         0.0,
     )
+
+
+@subroutine
+def _half_nutations(state, one, shared, amplitudes, g13):
+    """d ln tau0 and d ln (tau1 / tau0), the tangents of half the nutation at v = 0 and v = pi/2.
+
+    By the sines of the nutation where it is small, and by its cosines, l and l sqrt(mc), where the
+    third axis is nearly across the momentum: a sine has no first-order change there.
+    """
+    (i1, i2, i3), w, (_d12, _d23, d13), (a1, _a2, a3), _, (_, square, _), _, (m, mc) = state
+    (x1, x2, x3, y1, y2, y3), (change, p), (b1, b3) = one, shared, amplitudes
+    lift = i1 * w[0] * (i1 * x1 + y1 * w[0]) + i2 * w[1] * (i2 * x2 + y2 * w[1])
+    lift = 2.0 * (lift + i3 * w[2] * (i3 * x3 + y3 * w[2]))
+    root, across = math.sqrt(mc), i1 * a3 / (d13 * square)
+    l = math.sqrt(i3 * a1 / (d13 * square))
+    if across < 0.5:
+        first = 0.5 * (y1 / i1 + b3 / a3 - g13 / d13 - lift / square) / l
+        return first, (first * l * m / (1.0 + root) + 0.5 * p) / (l * root)
+    cosine = 0.5 * l * (y3 / i3 + b1 / a1 - g13 / d13 - lift / square)
+    other = 1.0 - mc * l * l
+    apart = m * (1.0 + root * l * l) / ((1.0 + root) * across) * cosine
+    return -cosine / across, (apart + 0.5 * l * change / root) / other
 
 
 @subroutine
@@ -226,8 +240,14 @@ def ellipticity(c):
     else:
         x, one_minus_x, p = (c.root - 1.0) / (c.root + 1.0), 2.0 / (c.root + 1.0), 0.0
     # rho by tan of half the nutation at v = 0, which keeps its digits where X is tiny
-    low = 1.0 - p * (1.0 + x * x) + (p * x) ** 4 / (x * x if x > 0.0 else 1.0) * (1.0 + x**4)
-    top = one_minus_x * (1.0 - p * p * x * (1.0 + x + x * x))
+    # sums of (-1)^n s^(n^2) X^(2n^2-n) (1 + X^(2n)) and (-1)^n s^(n^2+n) X^(2n^2+n) (1 - X^(2n+1))
+    x2, x3, p2, p3 = x * x, x * x * x, p * p, p * p * p
+    three = 1.0 + x + x2
+    five = three + x3 * (1.0 + x)
+    seven = five + x3 * x2 * (1.0 + x)
+    low = 1.0 - p * (1.0 + x2 - p3 * x2 * (1.0 + x2 * x2 - p3 * p2 * x2 * x2 * (1.0 + x3 * x3)))
+    top = three - p2 * p2 * x3 * (five - p3 * p3 * x3 * x2 * seven)
+    top = one_minus_x * (1.0 - p2 * x * top)
     rho = c.wobble * low / top
     return x, one_minus_x, rho, (rho * rho) ** 2
 
@@ -272,7 +292,7 @@ def _hyperbolic(state, one, action, c):
     """d of 2 lambda' and wp pi/(4K') (rad/s), eps pi/(4K'), ln K', d, Q', and K pi/(2K')."""
     (i1, _i2, i3), _w, (d12, d23, d13), (a1, _a2, _a3), side, size, speed, (m, mc) = state
     momentum, square, _ = size
-    change, rate, _p, _b3, (cosine, sine, turn), (g12, g23, _g13) = _changes(state, one)
+    change, rate, _p, _, (cosine, sine, turn), (g12, g23, _g13) = _changes(state, one)
     _x1, _x2, _x3, y1, _y2, y3 = one
     k, d = integrals(mc, m)
     b = k - d

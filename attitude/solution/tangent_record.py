@@ -39,8 +39,9 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("offset", "f8", (3, COLUMNS)),
         # axes with z along the momentum, in which the solution is written, to inertial axes
         ("invariant", "f8", (3, 3)),
-        # series of the derivatives of the pair
-        ("series", "f8", (3, 4, 4)),
+        # series of solution.tangent_series, and z of the three vectors of the trigonometric form
+        ("series", "f8", (8, 5)),
+        ("upright", "f8", 3),
         # angular momentum and its change, inertial axes; inverse inertia, principal axes
         ("momentum", "f8", 3),
         ("impulse", "f8", (3, COLUMNS)),

@@ -1,12 +1,25 @@
-"""Series of the derivatives of the pair by nutation phase, amplitude and ellipticity.
+"""Series of the changes of attitude with nutation phase, amplitude and ellipticity.
 
-The pair of docs/derivation.md, with s = rho^4 and E = exp(i v),
+The pair of docs/derivation.md is A = theta4(w | Q), b = -theta1(w | Q) with exp(2 i w) = X E^2,
+E = exp(i v) and Q = s X^2 = q^2, s = rho^4.  By the heat equation its derivatives at constant v are
+those by w,
 
-    A = 1 + sum (-1)^n s^(n^2) (X^(2n^2+n) E^(2n) + X^(2n^2-n) E^-(2n)),                    n >= 1
-    b = -i rho sum (-1)^n s^(n^2+n) (X^(2n^2+n) E^-(2n+1) - X^(2n^2+3n+1) E^(2n+1)),        n >= 0
+    d/dv = D,      d/d ln rho = -D^2,      d/dX = -(D^2 + i D) / (2X),
 
-is a polynomial in rho and X, every derivative a series in the same sine and cosine.  After the
-modular transformation, with W = y + i d,
+so A b' - b A' takes the three forms V, -V' and -(V' + i V) / (2X) of the Wronskian
+
+    V = -theta4(0 | Q)^2 theta2(w | Q) theta3(w | Q)
+      = -theta4(0 | Q)^2 theta2(0 | q) theta2(w | q) / 2
+
+and, with N = |A|^2 + |b|^2 = theta4(v | q) theta3(i delta | q) and X = exp(-2 delta), the part
+2 Im(A' conj A + b' conj b) / N along the momentum is
+
+    u,      -u X T,      -(u + 1) T / 2,      X T = theta4'(v | q) / theta4(v | q),
+
+u the constant Im theta3'(i delta | q) / theta3(i delta | q).  Every term is a product of numbers of
+at most 1, as q^(n^2 + n) X^-n = s^(n (n+1) / 2) X^(n^2).
+
+After the modular transformation, with W = y + i d,
 
     A = sum Q'^(n^2+n) cosh (2n+1) W,      b = - sum (-1)^n Q'^(n^2+n) sinh (2n+1) W
 """
@@ -15,52 +28,73 @@ import math
 
 from attitude.compilation.decorators import subroutine
 from attitude.solution.coefficients import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
-from attitude.solution.derivatives import ellipticity, powers
+from attitude.solution.derivatives import ellipticity
 
 
 @subroutine
-def fill_trigonometric(c, series):
-    """Fill the derivatives of the pair by v, ln rho and X: three times four rows.
+def fill_trigonometric(c, series, upright):
+    """Fill eight series in cos 2v and three factors along the momentum.
 
-    Coefficients in cos 2v, as `solution.series.trigonometric_pair` takes them; those by v multiply
-    sin 2v, 1, cos v and sin v in place of 1, sin 2v, sin v and cos v.
+    Filled
+        series   over theta4(v | q), which is the first: T without its factor sin 2v; then x and y
+                 of the vectors by v, ln rho and X, without their factors cos v, sin v of the first
+                 and sin v, cos v of the others
+        upright  z of the first vector, and what T is multiplied by in the others
     """
     x, one_minus_x, rho, s = ellipticity(c)
-    outer, inner, powers_of_x = powers(x, s)
-    by_v, by_rho, by_x = series[0], series[1], series[2]
-    sign, even_loss, odd_loss = 1.0, 0.0, one_minus_x
-    for n in range(4):
-        r, y, even = (0.0, 0.0, 1.0) if n == 0 else (outer[n - 1], inner[n - 1], powers_of_x[n - 1])
-        whole = 1.0 if n == 0 else y * x
-        # terms of A: cosine and sine of 2nv
-        cosine, sine = sign * r * x * (1.0 + even), -sign * r * x * even_loss
-        one, two = r * n * (2.0 * n - 1.0), r * n * (2.0 * n + 1.0) * even
-        for j in range(4):
-            by_v[0, j] -= 2.0 * n * cosine * SIN_EVEN[n, j]
-            by_v[1, j] += 2.0 * n * sine * COS_EVEN[n, j]
-            by_rho[0, j] += 4.0 * n * n * cosine * COS_EVEN[n, j]
-            by_rho[1, j] += 4.0 * n * n * sine * SIN_EVEN[n, j]
-            by_x[0, j] += sign * (two + one) * COS_EVEN[n, j]
-            by_x[1, j] += sign * (two - one) * SIN_EVEN[n, j]
-        # terms of b: sine and cosine of (2n+1)v
-        k, weight = 2.0 * n + 1.0, 1.0 + 4.0 * n * (n + 1.0)
-        sine, cosine = -rho * sign * whole * (1.0 + even * x), -rho * sign * whole * odd_loss
-        one, two = y * n * k, k * (n + 1.0) * whole * even
-        for j in range(4):
-            by_v[2, j] += k * sine * COS_ODD[n, j]
-            by_v[3, j] -= k * cosine * SIN_ODD[n, j]
-            by_rho[2, j] += weight * sine * SIN_ODD[n, j]
-            by_rho[3, j] += weight * cosine * COS_ODD[n, j]
-            by_x[2, j] -= rho * sign * (one + two) * SIN_ODD[n, j]
-            by_x[3, j] -= rho * sign * (one - two) * COS_ODD[n, j]
-        even_loss += even * (1.0 + x) * one_minus_x
-        odd_loss += even * x * (1.0 + x) * one_minus_x
-        sign = -sign
+    nome, square = s * x * x, rho * rho
+    at_zero = 1.0 - 2.0 * nome * (1.0 - nome**3 * (1.0 - nome**5))
+    product = 1.0 + nome * (1.0 + nome * nome * (1.0 + nome**3 * (1.0 + nome**4)))
+    # theta3(i delta | q), its derivative, and their sum: term = rho^(2k^2) X^(k^2-k)
+    norm, slope, both = 1.0, 0.0, 1.0
+    term, step, even, loss = square, s * square, x * x, one_minus_x * (1.0 + x)
+    for k in range(1, 7):
+        norm += term * (1.0 + even)
+        slope += k * term * loss
+        both += term * (1.0 + even - 2.0 * k * loss)
+        term *= step * even
+        step *= s
+        loss += even * (1.0 + x) * one_minus_x
+        even *= x * x
+    upright[0], upright[1], upright[2] = (
+        -2.0 * slope / norm,
+        2.0 * x * slope / norm,
+        -0.5 * both / norm,
+    )
+    # theta4(v | q) and T: term = (-1)^k rho^(2k^2) X^(k^2-1)
+    series[0, 0] = 1.0
+    term, step, odd = -square, s * square, x
+    for k in range(1, 5):
+        for j in range(5):
+            series[0, j] += 2.0 * term * x * COS_EVEN[k, j]
+            series[1, j] -= 4.0 * k * term * SIN_EVEN[k, j]
+        odd *= x * x
+        term *= -step * odd
+        step *= s
+    # term = s^(n (n+1) / 2) X^(n^2), lower = term / X
+    term, lower, step = 2.0 * rho * at_zero * at_zero * product / norm, 0.0, s
+    even, loss = 1.0, one_minus_x
+    for n in range(5):
+        k, odd = 2.0 * n + 1.0, even * x
+        less, more = n * lower, (n + 1.0) * term * even
+        for j in range(5):
+            cosine, sine = COS_ODD[n, j], SIN_ODD[n, j]
+            series[2, j] -= term * (1.0 + odd) * cosine
+            series[3, j] += term * loss * sine
+            series[4, j] -= k * term * (1.0 + odd) * sine
+            series[5, j] -= k * term * loss * cosine
+            series[6, j] -= (more + less) * sine
+            series[7, j] += (more - less) * cosine
+        lower = term * step * even
+        term = lower * x
+        step *= s
+        loss += odd * (1.0 + x) * one_minus_x
+        even *= x * x
 
 
 @subroutine
 def fill_hyperbolic(c, series):
-    """Fill cosines and sines of the derivatives of the pair by y, and by Q': two times two rows."""
+    """Fill cosines and sines of the derivatives of the pair by y, and by Q': four rows."""
     for n in range(4):
         over = 0.0
         if n > 0:  # Q'^(n^2 - 1) for Q'^(n^2)
@@ -69,6 +103,6 @@ def fill_hyperbolic(c, series):
                 over = 1.0 if n == 1 else 0.0
         angle = (2 * n + 1) * 0.25 * math.pi * c.fraction
         for row in range(2):
-            series[0, row, n] = (2.0 * n + 1.0) * c.alpha[row, n]
-        series[1, 0, n] = over * math.cos(angle)
-        series[1, 1, n] = over * math.sin(angle)
+            series[row, n] = (2.0 * n + 1.0) * c.alpha[row, n]
+        series[2, n] = over * math.cos(angle)
+        series[3, n] = over * math.sin(angle)

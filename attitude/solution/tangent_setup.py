@@ -61,7 +61,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             epoch = block[FOUND : FOUND + 1]
             epoch[0] = 0.0
             if c.form == codes.TRIGONOMETRIC:
-                fill_trigonometric(c, d.series)
+                fill_trigonometric(c, d.series, d.upright)
                 trigonometric_block(c, d, epoch, None, block)
             else:
                 fill_hyperbolic(c, d.series)

@@ -27,6 +27,7 @@ from attitude.solution.series import (
     hyperbolic_arguments,
     hyperbolic_pair,
     hyperbolic_rates,
+    quartic,
     trigonometric_pair,
     trigonometric_rates,
     turned,
@@ -53,8 +54,9 @@ def _matrix(a):
 
 
 @subroutine
-def _four_rows(series):
-    return four(series[0]), four(series[1]), four(series[2]), four(series[3])
+def _five(row):
+    """The first five entries of an array as a tuple."""
+    return row[0], row[1], row[2], row[3], row[4]
 
 
 @subroutine
@@ -141,41 +143,53 @@ def trigonometric_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    alpha = four(c.alpha[0]), four(c.alpha[1])
-    beta = four(c.beta[0]), four(c.beta[1])
-    by_v, by_rho, by_x = _four_rows(d.series[0]), _four_rows(d.series[1]), _four_rows(d.series[2])
+    theta4, upright = _five(d.series[0]), four(d.series[1])
+    by_v, by_rho = (
+        (_five(d.series[2]), _five(d.series[3])),
+        (_five(d.series[4]), _five(d.series[5])),
+    )
+    by_x = _five(d.series[6]), _five(d.series[7])
+    along, along_rho, along_x = d.upright[0], d.upright[1], d.upright[2]
     invariant = _matrix(d.invariant)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
         sn, cn = sincos(s, lo)
-        pair = trigonometric_pair(alpha, beta, sn, cn)
-        double_cosine, double_sine = fma(-2.0 * sn, sn, 1.0), 2.0 * sn * cn
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         sine, cosine = sincos(s, lo)
-        pair = _doubled(pair)
         to = _precessed(invariant, sine, cosine)
-        change = (
-            double_sine * cubic(by_v[0], double_cosine),
-            cubic(by_v[1], double_cosine),
-            cn * cubic(by_v[2], double_cosine),
-            sn * cubic(by_v[3], double_cosine),
-        )
+        double_cosine = fma(-2.0 * sn, sn, 1.0)
+        over = 1.0 / quartic(theta4, double_cosine)
+        sine_over, cosine_over = over * sn, over * cn
+        z = (2.0 * cn * sine_over) * cubic(upright, double_cosine)
         block[SECONDS + i] = time + low
-        x, y, z = _applied(to, _rotation(pair, change))
+        turn = (
+            cosine_over * quartic(by_v[0], double_cosine),
+            sine_over * quartic(by_v[1], double_cosine),
+            along,
+        )
+        x, y, w = _applied(to, turn)
         block[BASIS + i] = x
         block[BASIS + 1 * BLOCK + i] = y
-        block[BASIS + 2 * BLOCK + i] = z
-        change = trigonometric_pair((by_rho[0], by_rho[1]), (by_rho[2], by_rho[3]), sn, cn)
-        x, y, z = _applied(to, _rotation(pair, change))
+        block[BASIS + 2 * BLOCK + i] = w
+        turn = (
+            sine_over * quartic(by_rho[0], double_cosine),
+            cosine_over * quartic(by_rho[1], double_cosine),
+            along_rho * z,
+        )
+        x, y, w = _applied(to, turn)
         block[BASIS + 3 * BLOCK + i] = x
         block[BASIS + 4 * BLOCK + i] = y
-        block[BASIS + 5 * BLOCK + i] = z
-        change = trigonometric_pair((by_x[0], by_x[1]), (by_x[2], by_x[3]), sn, cn)
-        x, y, z = _applied(to, _rotation(pair, change))
+        block[BASIS + 5 * BLOCK + i] = w
+        turn = (
+            sine_over * quartic(by_x[0], double_cosine),
+            cosine_over * quartic(by_x[1], double_cosine),
+            along_x * z,
+        )
+        x, y, w = _applied(to, turn)
         block[BASIS + 6 * BLOCK + i] = x
         block[BASIS + 7 * BLOCK + i] = y
-        block[BASIS + 8 * BLOCK + i] = z
+        block[BASIS + 8 * BLOCK + i] = w
         block[ARGUMENTS + i] = sn
         block[ARGUMENTS + BLOCK + i] = cn
         block[ARGUMENTS + 2 * BLOCK + i] = sine
@@ -191,8 +205,8 @@ def hyperbolic_block(c, d, t, t_low, block):
     xh, xl = c.nutation0[0], c.nutation0[1]
     winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
     alpha = four(c.alpha[0]), four(c.alpha[1])
-    series_by_y = four(d.series[0, 0]), four(d.series[0, 1])
-    by_nome = four(d.series[1, 0]), four(d.series[1, 1])
+    series_by_y = four(d.series[0]), four(d.series[1])
+    by_nome = four(d.series[2]), four(d.series[3])
     invariant = _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
     unit = nome if winds != 0.0 else 1.0
