@@ -16,7 +16,7 @@ import numpy as np
 
 from attitude import evaluation, validation
 from attitude.errors import AttitudeError
-from attitude.immutable import Immutable, frozen
+from attitude.immutable import Immutable, frozen, read_only
 from attitude.solution import codes
 from attitude.solution.record import CONSTANTS
 
@@ -333,7 +333,8 @@ def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
     from attitude.solution.regimes import REGIME, regimes_all
 
     rows = np.zeros(len(constants), REGIME)
-    regimes_all(moments, constants, rows)
+    # A motion keeps read-only arrays: one type of array for all.
+    regimes_all(read_only(moments), read_only(constants), rows)
     return rows
 
 

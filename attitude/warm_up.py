@@ -23,9 +23,10 @@ from attitude.splitting import TorquedRotation
 from attitude.torques import ConstantTorque, GravityGradient, LinearDamping
 
 _BODY = Body(tensor=[[3.0, 0.1, 0.2], [0.1, 4.0, -0.3], [0.2, -0.3, 4.5]])
-# Short- and long-axis mode, and rotation about one axis: the three forms of the solution.
-_RATES = (0.1, 0.2, 0.9), (0.9, 0.2, 0.1), (0.0, 0.0, 0.0)
+# Short- and long-axis mode, rest, and near the separatrix: the three forms of the solution.
+_RATES = (0.1, 0.2, 0.9), (0.9, 0.2, 0.1), (0.0, 0.0, 0.0), (1.0, 15.0, 1.0)
 _SPINS = [Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=each) for each in _RATES]
+_STATES = [*((_BODY, each) for each in _SPINS[:3]), (Body(moments=(10, 20, 26)), _SPINS[3])]
 _ORBIT = paths.kepler(
     epoch="2026-01-01", center="earth", semi_major_axis=7e6, eccentricity=0.1, inclination=0.5,
     node=0.2, pericenter_argument=0.1, mean_anomaly=0.3,
@@ -55,16 +56,16 @@ def propagation() -> None:
     compile_ahead()
     compile_stages()
     compile_loops()
-    for spin in _SPINS:
-        motion = FreeRotation(_BODY, spin)
+    for body, spin in _STATES:
+        motion = FreeRotation(body, spin)
         motion.at([0.0, 1.0]).angular_velocity  # noqa: B018  computed when it is read
         str(motion)
 
 
 def derivatives() -> None:
     """Sensitivities and covariances."""
-    for spin in _SPINS:
-        motion = FreeRotation(_BODY, spin.with_covariance({"attitude": 0.1}))
+    for body, spin in _STATES:
+        motion = FreeRotation(body, spin.with_covariance({"attitude": 0.1}))
         motion.sensitivity_at([0.0, 1.0, 1e4], angular_velocity=True)
         motion.covariance_at([0.0, 1.0, 1e4])
 

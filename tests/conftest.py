@@ -1,5 +1,6 @@
 """Before anything is imported: where machine code is kept, how hypothesis works, no network."""
 
+import importlib
 import os
 import signal
 import socket
@@ -29,8 +30,17 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
-# Small calls are compiled too; tests/test_choice.py tests those that run in Python.
-os.environ.setdefault("ATTITUDE_COMPILE", "always")
+# Small calls of tests are compiled too; tests/test_choice.py tests those that run in Python.  What
+# modules of tests compute when they are imported runs in Python (`pytest_collection`): all workers
+# of xdist import them at the same time, and each would compile the same functions.
+_CHOSEN = os.environ.get("ATTITUDE_COMPILE", "always")
+os.environ["ATTITUDE_COMPILE"] = "automatic" if _CHOSEN == "always" else _CHOSEN
+choice = importlib.import_module("attitude.compilation.choice")
+os.environ["ATTITUDE_COMPILE"] = _CHOSEN
+
+# The processes that tests start would compile the sources of the package to bytecode each time.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 # Matrices of the tests are small, and each worker of xdist has a core: threads of BLAS that wait
 # for each other take ten times the processor time.  Read when numpy is loaded.
@@ -74,6 +84,35 @@ def _peer(opened, address):
 _THIS_MACHINE = (None, "", "localhost", "127.0.0.1", "::1")
 socket.getaddrinfo = _on_this_machine(socket.getaddrinfo, lambda host=None, *_: host)
 socket.socket.connect = _on_this_machine(socket.socket.connect, _peer)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Run small calls in Python while modules of tests are imported."""
+    with choice.InPython():
+        return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtestloop():
+    """Compile small calls of tests too."""
+    if _CHOSEN != "always":
+        return (yield)
+    with choice.compiling():
+        return (yield)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Successive tests to one worker: it sets up a module and compiles what it needs once.
+
+    xdist's default gives each worker some tests of every module.
+    """
+    if config.getoption("dist") == "load":
+        from xdist.scheduler import WorkStealingScheduling
+
+        return WorkStealingScheduling(config, log)
+    return None
 
 
 def pytest_addoption(parser):

@@ -18,9 +18,7 @@ SPIN = Spin(
     angular_velocity=(0.01, 0.15, 0.01),
     covariance={"attitude": 0.01, "angular_velocity": 1e-4},
 )
-MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
-HISTORY = MOTION.at(np.arange(12) / 3.0)
-ARCS = Arcs(MOTION.body, Spin(SPIN.epoch, SPIN.wxyz, (0.01, 0.15, 0.01)), [Impulse(2.2, (1, 0, 0))])
+BODY = Body(moments=(10, 20, 26))
 # What breaks number and date parsers, keyword tables and line counts.
 NASTY = [
     *(b"nan", b"inf", b"-1e999", b"1e-400", b"1_0", b"0x10", b"", b"=", b"\n\n", b"\r\n", b"\t"),
@@ -52,6 +50,18 @@ _STK = {
     "AttitudeTimeDCMAngVels": "1 0 0 0 1 0 0 0 1 0 0 0.1",
     "AttitudeTimeQuatScalarFirst": "1 0 0 0",
 }
+# Names of `samples`, which a parametrised test needs before the files are written.
+NAMES = (
+    *(f"{name}{mark}" for name in ("acm", "acm arcs", "apm") for mark in ("", " xml")),
+    *(
+        f"rates {kind}/ANGVEL{mark}"
+        for kind in ("QUATERNION", "EULER_ANGLE")
+        for mark in ("", " xml")
+    ),
+    *("aem two", "aem xml", "aem qualified", "lenient", "stk", "stk dates"),
+    *(f"stk {section}" for section in _STK),
+    *(f"acm {path.name}" for path in (DATA / "orekit").glob("ACMExample*.txt")),
+)
 
 
 def _stk_texts():
@@ -74,6 +84,9 @@ def _stk_texts():
 def samples():
     """Name -> (bytes, ending)."""
     found = {}
+    motion = FreeRotation(BODY, SPIN)
+    history = motion.at(np.arange(12) / 3.0)
+    arcs = Arcs(BODY, Spin(SPIN.epoch, SPIN.wxyz, (0.01, 0.15, 0.01)), [Impulse(2.2, (1, 0, 0))])
     with tempfile.TemporaryDirectory() as folder:
 
         def keep(name, ending, write, *arguments, **how):
@@ -83,21 +96,21 @@ def samples():
 
         for xml in (False, True):
             ending, mark = ("xml", " xml") if xml else ("acm", "")
-            keep(f"acm{mark}", ending, acm.write, MOTION, t=np.arange(5.0), xml=xml)
-            keep(f"acm arcs{mark}", ending, acm.write, ARCS, t=np.arange(5.0), xml=xml)
+            keep(f"acm{mark}", ending, acm.write, motion, t=np.arange(5.0), xml=xml)
+            keep(f"acm arcs{mark}", ending, acm.write, arcs, t=np.arange(5.0), xml=xml)
             for kind in ("QUATERNION/ANGVEL", "EULER_ANGLE/ANGVEL"):
                 how = {"version": "1.0", "kind": kind, "rates": "euler", "sequence": "YXY"}
-                keep(f"rates {kind}{mark}", "aem", aem.write, HISTORY[:5], xml=xml, **how)
-            keep(f"apm{mark}", ending, apm.write, MOTION, xml=xml, version="1.0", rates="euler")
-        keep("aem two", "aem", aem.write, [HISTORY[:5], HISTORY[4:9]], frame="TOD")
-        keep("aem xml", "xml", aem.write, HISTORY[:5], xml=True)
+                keep(f"rates {kind}{mark}", "aem", aem.write, history[:5], xml=xml, **how)
+            keep(f"apm{mark}", ending, apm.write, motion, xml=xml, version="1.0", rates="euler")
+        keep("aem two", "aem", aem.write, [history[:5], history[4:9]], frame="TOD")
+        keep("aem xml", "xml", aem.write, history[:5], xml=True)
         text = re.sub(rb"<(/?)([a-zA-Z])", rb"<\1n:\2", found["aem xml"][0])
         text = text.replace(b"xmlns:xsi", b'xmlns:n="a" xmlns:xsi', 1)
         found["aem qualified"] = text, "xml"
-        keep("lenient", "aem", aem.write, HISTORY, frame="MOD")
+        keep("lenient", "aem", aem.write, history, frame="MOD")
         gone = rb"(?m)^(OBJECT_ID|START_TIME|DATA_START|DATA_STOP|TIME_SYSTEM).*\n"
         found["lenient"] = re.sub(gone, b"", found["lenient"][0]), "aem"
-        keep("stk", "a", stk.write, HISTORY, frame="TrueOfDate")
+        keep("stk", "a", stk.write, history, frame="TrueOfDate")
     for section, text in _stk_texts():
         found[f"stk {section}"] = text.encode(), "a"
     for path in sorted((DATA / "orekit").glob("ACMExample*.txt")):

@@ -13,6 +13,8 @@ from attitude.body import Body
 from attitude.compilation import choice
 from attitude.compilation.decorators import sized_entry_point, slowly_compiled
 
+# Machine code that the tests share.
+CACHE = os.environ["NUMBA_CACHE_DIR"]
 START = """
 import json, sys
 import numpy as np
@@ -69,21 +71,23 @@ assert selftest.check().passed
 assert not Count.names, Count.names
 cli.main(["warm-up"])
 """
+# Prints the functions that the process has called as machine code, with types of arguments.
+_NEEDED = """
+import gc
+from attitude.compilation.decorators import EntryPoint
+print(*sorted(
+    f"{each.__name__}{signature}"
+    for each in gc.get_objects() if isinstance(each, EntryPoint) and each.run is each._dispatcher
+    for signature in each._dispatcher.signatures
+), sep="\\n")
+"""
 
 
-@pytest.fixture(scope="module")
-def warmed(tmp_path_factory):
-    """What `attitude warm-up` prints, and a folder with machine code of every propagation.
-
-    Two processes compile what the check needs: half of it in the first, the rest in the other.
-    """
-    filled = tmp_path_factory.mktemp("warmed")
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(filled)}
-    ran = subprocess.run(
-        [sys.executable, "-c", _TWO_HALVES], env=environment, capture_output=True, text=True
-    )
-    assert ran.returncode == 0, ran.stderr
-    return ran.stdout, filled
+def needed(code):
+    """What a new process that may use the machine code of other tests needs for some code."""
+    command = [sys.executable, "-c", code + _NEEDED]
+    found = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return found.splitlines()
 
 
 def test_small_work_needs_no_compiler(folder):
@@ -125,13 +129,13 @@ def test_working_memory_is_not_work(monkeypatch):
             out[i] = 2.0 * x[i]
 
     doubled(np.arange(3.0), np.empty(10**6), np.empty(3))
-    predicted, _, to_compile = seen[0]
+    predicted, _, _, to_compile = seen[0]
     assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
 
 
 @pytest.mark.parametrize("mode", ["automatic", "always"])
-def test_large_work_is_compiled(folder, warmed, mode):
-    size, where = ("200000", folder) if mode == "automatic" else ("2", warmed[1])
+def test_large_work_is_compiled(folder, mode):
+    size, where = ("200000", folder) if mode == "automatic" else ("2", CACHE)
     wxyz, loaded, compiled, _ = run(
         f"found = motion.at(np.arange({size}.0))[:2]", where, ATTITUDE_COMPILE=mode
     )
@@ -142,15 +146,21 @@ def test_large_work_is_compiled(folder, warmed, mode):
 
 
 def test_many_small_calls_are_compiled_when_they_have_taken_as_long(monkeypatch):
-    monkeypatch.setattr(choice, "_spent", 0.0)
-    assert choice.is_worth_python(0.1, kept=False)
+    monkeypatch.setattr(choice, "_forced", 0)
+    assert choice.is_worth_python(0.1, kept=False, own=0.5)
     assert not choice.is_worth_python(choice.TO_COMPILE + 0.1, kept=False)
-    monkeypatch.setattr(choice, "_spent", choice.TO_COMPILE)
-    assert not choice.is_worth_python(0.1, kept=False)
+    assert not choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE)
+    assert choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE, to_compile=5.0)
+    # loading serves all functions, and the compiler is loaded here
+    assert not choice.is_worth_python(1e-9, kept=True)
+    with monkeypatch.context() as patched:
+        patched.delitem(sys.modules, "numba", raising=False)
+        patched.setattr(choice, "_spent", choice.TO_LOAD - 0.2)
+        assert choice.is_worth_python(0.1, kept=True, own=choice.TO_COMPILE)
+        assert not choice.is_worth_python(0.3, kept=True)
     with choice.InPython():
         # arguments of nested calls have the types of Python
         assert choice.is_worth_python(1e9, kept=False)
-    monkeypatch.setattr(choice, "_spent", 0.0)
     with choice.compiling():
         assert not choice.is_worth_python(1e-9, kept=False)
 
@@ -166,6 +176,7 @@ def test_the_clock_counts_the_outermost_call(monkeypatch):
 
 def test_an_entry_point_measures_its_pace(monkeypatch):
     monkeypatch.setattr(choice, "MODE", "automatic")
+    monkeypatch.setattr(choice, "_forced", 0)
     monkeypatch.setattr(choice, "_spent", 0.0)
 
     @sized_entry_point
@@ -178,20 +189,40 @@ def test_an_entry_point_measures_its_pace(monkeypatch):
     assert out.tolist() == [0.0, 2.0, 4.0]
     assert doubled._pace != 1e-4 and choice.spent() > 0.0
     assert doubled._dispatcher is None
-    monkeypatch.setattr(choice, "_spent", choice.TO_COMPILE)
+    assert doubled._spent == choice.spent()
+    monkeypatch.setattr(doubled, "_spent", choice.TO_COMPILE)
     doubled(2.0 * x, out)
     assert out.tolist() == [0.0, 4.0, 8.0]
     assert doubled._dispatcher is not None
 
 
-def test_warm_up_compiles_what_a_later_process_loads(warmed):
-    """After the check's functions, with no other compiled between, the rest of the propagation."""
-    shown, filled = warmed
-    assert "entry points in" in shown and str(filled) in shown
-    assert list(filled.glob("*/kernel.trigonometric-*.nbi"))
-    before = {each.name for each in filled.glob("*/*.nbc")}
-    run("found = motion.at(60.0)", filled, ATTITUDE_COMPILE="always")
-    assert {each.name for each in filled.glob("*/*.nbc")} == before
+def test_warm_up_compiles_what_a_later_process_loads():
+    """Half in each of two processes, which is what the check needs; then all of a propagation."""
+    stages, loops = (
+        needed(f"from attitude.solution import warm_up\nwarm_up.{half}()")
+        for half in ("compile_stages", "compile_loops")
+    )
+    assert any(each.startswith("classify_all(") for each in stages)
+    assert any(each.startswith("hyperbolic(") for each in loops)
+    checked = needed("from attitude import selftest\nassert selftest.check().passed")
+    assert checked and set(checked) <= {*stages, *loops}
+    shown = needed("from attitude import cli\ncli.main(['warm-up'])")
+    assert any("entry points in" in line and str(CACHE) in line for line in shown)
+    later = needed(START + "motion.at(60.0)")
+    assert later and set(later) <= set(shown)
+
+
+@pytest.mark.slow
+def test_two_processes_fill_an_empty_folder(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    ran = subprocess.run(
+        [sys.executable, "-c", _TWO_HALVES], env=environment, capture_output=True, text=True
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert list(tmp_path.glob("*/kernel.trigonometric-*.nbi"))
+    before = {each.name for each in tmp_path.glob("*/*.nbc")}
+    run("found = motion.at(60.0)", tmp_path, ATTITUDE_COMPILE="always")
+    assert {each.name for each in tmp_path.glob("*/*.nbc")} == before
 
 
 def test_propagate_of_one_body_is_the_same_in_python():

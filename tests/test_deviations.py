@@ -10,7 +10,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin, cli
 from attitude.formats import spin_file
 from attitude.free_rotation.deviations import _numbers, deviations
 
-COUNT = 4000
+COUNT = 2000
 MOTIONS = {
     "LAM": ((10, 20, 26), (9.0, 2.0, 1.0)),
     "SAM": ((10, 20, 26), (1.0, 3.0, 9.0)),

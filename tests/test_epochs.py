@@ -420,6 +420,23 @@ def test_threads_agree(fresh_pieces):
         assert np.array_equal(result, results[0])
 
 
+def test_what_another_thread_stores_first_is_used(fresh_pieces, monkeypatch):
+    """Coefficients that are fitted with others have other last bits."""
+    original, stored = time_scales.chebyshev.coefficients, {}
+
+    def interrupted(values):
+        found = original(values)
+        stored.update(enumerate(found.T * (1.0 + 2.0**-52)))
+        time_scales._pieces.update(stored)
+        return found
+
+    monkeypatch.setattr(time_scales.chebyshev, "coefficients", interrupted)
+    found = time_scales._fitted(np.arange(3.0))
+    assert np.array_equal(found.T, [stored[number] for number in range(3)])
+    monkeypatch.setattr(time_scales.chebyshev, "coefficients", original)
+    assert np.array_equal(time_scales._fitted(np.arange(3.0)), found)
+
+
 def test_dubious_years_are_no_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")

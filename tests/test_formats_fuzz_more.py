@@ -6,18 +6,22 @@ from pathlib import Path
 import pytest
 
 from benchmarks import fuzz_formats
-from tests.fuzzing import samples
+from tests.fuzzing import NAMES, samples
 
 pytestmark = pytest.mark.filterwarnings("ignore::attitude.errors.AttitudeWarning")
 
 
-@pytest.mark.parametrize("name", sorted(samples()))
+@pytest.mark.parametrize("name", sorted(NAMES))
 def test_files_are_read_before_they_are_mutated(name):
     data, ending = samples()[name]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"x.{ending}"
         path.write_bytes(data)
         fuzz_formats.read(path, name)
+
+
+def test_all_files_are_read():
+    assert set(samples()) == set(NAMES)
 
 
 def test_mutated_files():

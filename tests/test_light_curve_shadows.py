@@ -120,7 +120,7 @@ def crater(frequency):
     [
         peanut(2),
         peanut(3, 0.02),
-        crater(4),
+        crater(3),
         box_wing((2, 3, 4), (5, 2), gap=0.5),
         SHEET,
         SHEET.divided(2),

@@ -12,10 +12,14 @@ from attitude.splitting import TorquedRotation
 from attitude.splitting import front as front_module
 from attitude.splitting import varying_steps as steps_module
 from attitude.torques import ConstantTorque, CustomTorque
-from tests.torque_cases import COUNT, angle, case
+from tests.torque_cases import COUNT, KINDS, angle, case
+
+# Two of each kind, and the rest as a soak.
+QUICK = 2 * len(KINDS)
+SOAKED = (pytest.param(number, marks=pytest.mark.slow) for number in range(QUICK, COUNT))
 
 
-@pytest.mark.parametrize("number", range(COUNT))
+@pytest.mark.parametrize("number", [*range(QUICK), *SOAKED])
 def test_the_estimate_holds(number):
     """Error of all attitudes <= estimate <= tolerance, against another scheme, 100 times finer."""
     given = case(number)

@@ -1,9 +1,11 @@
 """Whether a call of an entry point runs in Python: where its work is small, as long as that pays.
 
 Importing the compiler and loading machine code from the disk takes half a second, compiling takes
-seconds; one epoch in Python takes 0.2 ms, one body some milliseconds.  A process therefore runs
-small calls in Python, with the same bits, until it has spent as long on them as compiled code would
-have cost to get: it never takes more than twice the time of the better choice.
+seconds; one epoch in Python takes 0.2 ms, one body some milliseconds.  Small calls therefore run in
+Python, with the same bits: where machine code is on the disk, until the process has spent as long
+on them as loading would have taken; where it is not, each function until it has taken as long as
+its compilation.  That never takes more than about twice the time of the better choice, and a
+function that takes little of a process is not compiled for those that take much.
 ``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
 ``automatic`` is the default.
 """
@@ -15,15 +17,15 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from time import perf_counter
+from time import thread_time
 from typing import Final
 
-# Seconds of Python in a process, measured on an AMD EPYC (benchmarks/first_use.py): importing numba
-# and loading the loops of a propagation, and compiling them.
+# Processor seconds, measured on an AMD EPYC (benchmarks/first_use.py): importing numba and loading
+# the loops of a propagation, and compiling one function, most of which take 0.3 to 2 s.
 TO_LOAD: Final = 0.5
-TO_COMPILE: Final = 2.0
-# The same of the loops of derivatives: setup and columns of one form.
-TO_COMPILE_DERIVATIVES: Final = 10.0
+TO_COMPILE: Final = 1.0
+# The same of one function of derivatives: setup, or columns of one form.
+TO_COMPILE_DERIVATIVES: Final = 5.0
 
 
 def mode() -> str:
@@ -35,26 +37,29 @@ def mode() -> str:
 
 
 MODE: Final = mode()
-# Seconds that small calls have taken in Python.
+# Processor seconds that small calls have taken in Python.
 _spent = 0.0
 _running = threading.local()
 # Blocks of `compiling` that are active.
 _forced = 0
 
 
-def is_worth_python(predicted: float, kept: bool, to_compile: float = TO_COMPILE) -> bool:
-    """Whether a call that takes `predicted` seconds in Python is to run there.
+def is_worth_python(
+    predicted: float, kept: bool, own: float = 0.0, to_compile: float = TO_COMPILE
+) -> bool:
+    """Whether a call of a function that takes `predicted` seconds in Python is to run there.
 
     `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
+    `own` are the seconds that earlier calls of the function have taken in Python.
     """
     if _forced:
         return False
     if _is_in_python():
         # The arguments of nested calls have the types of Python, for which nothing is compiled.
         return True
-    if "numba" in sys.modules and kept:
-        return False
-    return _spent + predicted <= (TO_LOAD if kept else to_compile)
+    if kept:
+        return "numba" not in sys.modules and _spent + predicted <= TO_LOAD
+    return own + predicted <= to_compile
 
 
 @contextmanager
@@ -69,7 +74,7 @@ def compiling() -> Iterator[None]:
 
 
 def spent() -> float:
-    """Seconds that the process has spent on small calls in Python."""
+    """Processor seconds that the process has spent on small calls in Python."""
     return _spent
 
 
@@ -81,12 +86,12 @@ class InPython:
 
     def __enter__(self) -> InPython:
         _running.depth = getattr(_running, "depth", 0) + 1
-        self._begin = perf_counter()
+        self._begin = thread_time()
         return self
 
     def __exit__(self, *raised: object) -> None:
         global _spent
-        self.seconds = perf_counter() - self._begin
+        self.seconds = thread_time() - self._begin
         _running.depth -= 1
         if not _running.depth:
             _spent += self.seconds

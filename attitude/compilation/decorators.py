@@ -35,6 +35,7 @@ _ANY_ORDER = {
     "nogil": True,
     "error_model": "numpy",
     "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+    "no_cfunc_wrapper": True,
 }
 # Functions that only compiled code calls: their machine code is part of the cache entry of the
 # caller, and without the wrapper for Python compilation takes half the time.
@@ -151,7 +152,7 @@ class EntryPoint(Compilable):
         if UNCOMPILED:
             self.run = self._in_python
         elif sized and choice.MODE == "automatic":
-            self.run, self._pace = self._by_size, _FIRST_GUESS
+            self.run, self._pace, self._spent = self._by_size, _FIRST_GUESS, 0.0
 
     def __call__(self, *arguments: Any) -> Any:
         return self.run(*arguments)
@@ -164,11 +165,13 @@ class EntryPoint(Compilable):
             if isinstance(each, np.ndarray) and name != _MEMORY
         ]
         size = 1 + max((each.size for each in arrays), default=0)
-        if not choice.is_worth_python(size * self._pace, self._is_on_disk, self._to_compile):
+        kept, predicted = self._is_on_disk, size * self._pace
+        if not choice.is_worth_python(predicted, kept, self._spent, self._to_compile):
             return self._first(*arguments)
         with choice.InPython() as run:
             result = self._in_python(*arguments)
         self._pace = run.seconds / size
+        self._spent += run.seconds
         return result
 
     @cached_property
@@ -282,14 +285,12 @@ def reduction_over(*called: Compilable) -> Callable[[Callable[..., Any]], EntryP
 
 def reduction_subroutine(function: Callable[..., Any]) -> Compilable:
     """As `reduction`, for functions that only compiled code calls; LLVM decides on inlining."""
-    return Compilable(function, {**_ANY_ORDER, **_INNER, "no_cfunc_wrapper": True})
+    return Compilable(function, {**_ANY_ORDER, **_INNER})
 
 
 def reduction_within(function: Callable[..., Any]) -> Compilable:
     """As `reduction_subroutine`, inlined regardless of length: for functions of SIMD vectors."""
-    return Compilable(
-        function, {**_ANY_ORDER, **_INNER, "no_cfunc_wrapper": True, "forceinline": True}
-    )
+    return Compilable(function, {**_ANY_ORDER, **_INNER, "forceinline": True})
 
 
 def reduction_inlined(function: Callable[..., Any]) -> Compilable:

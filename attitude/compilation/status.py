@@ -19,10 +19,10 @@ class CompilationStatus:
     mode : str
         "automatic", "always" or "never": the environment variable ``ATTITUDE_COMPILE``.
     seconds_in_python : float
-        s, what small calls have taken in Python.
+        s of the processor, what small calls have taken in Python.
     limits : tuple of float
-        s, up to which small calls run there: where machine code is on the disk, and where it would
-        have to be compiled.
+        s, up to which small calls run there: all of them where machine code is on the disk, and
+        those of one function where it would have to be compiled.
     compiler_loaded : bool
         Whether numba has been imported.
     compiled : tuple of str

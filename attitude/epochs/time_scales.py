@@ -355,8 +355,8 @@ _one_of_series = lru_cache(maxsize=4096)(lambda days: float(_series(days)))
 def _fitted(numbers):
     """The coefficients (17, pieces) of the pieces with these numbers.
 
-    Threads that fit the same piece store the same coefficients: no lock is needed, and a forked
-    process cannot inherit a locked one.
+    Threads that fit the same piece all use what the first one stores: the last bits depend on how
+    many are fitted together.  No lock is needed, and a forked process cannot inherit one.
     """
     keys = numbers.astype(np.int64).tolist()
     have = {key: _pieces.get(key) for key in keys}
@@ -366,11 +366,11 @@ def _fitted(numbers):
         x = chebyshev.nodes(_NODES)
         fitted = chebyshev.coefficients(_series(first + 0.5 * _PIECE * (x[:, None] + 1.0)))
         new = dict(zip(missing, np.ascontiguousarray(fitted.T), strict=True))
-        have.update(new)
         if len(_pieces) + len(new) > _MOST_PIECES:
             _pieces.clear()
         if len(new) <= _MOST_PIECES:
-            _pieces.update(new)
+            new = {key: _pieces.setdefault(key, found) for key, found in new.items()}
+        have.update(new)
     return np.ascontiguousarray(np.array([have[key] for key in keys]).T)
 
 

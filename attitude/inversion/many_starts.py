@@ -26,6 +26,13 @@ _STUCK = 1e8
 
 
 @subroutine
+def _copy(x, new):
+    """By a loop: an assignment of slices compiles the sentence about unequal shapes, for 3 s."""
+    for i in range(WIDTH):
+        new[i] = x[i]
+
+
+@subroutine
 def _is_allowed(x, fixed):
     if not (abs(x[14]) < MOST_RATIO and abs(x[15]) < MOST_RATIO):
         return False
@@ -153,7 +160,7 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
     tied, row, slopes = np.zeros(4), np.zeros((2, 10)), np.zeros((2, 4))
     for each in range(starts.shape[0]):
         x = starts[each]
-        new[:] = x
+        _copy(x, new)
         best, damping = np.inf, 1e-2
         for iteration in range(iterations):
             chi = np.inf
@@ -170,7 +177,7 @@ def minimise(starts, t, sun, observer, y, root, u, fixed, widths, iterations, to
             if chi < best:
                 gain = best - chi
                 best = chi
-                x[:] = new
+                _copy(new, x)
                 damping = max(0.3 * damping, 1e-9)
                 if iteration > 3 and gain < tolerance * best:
                     break

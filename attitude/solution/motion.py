@@ -109,6 +109,10 @@ def evaluate_all(
     Returned
         -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
+    if constants.flags.writeable:
+        # To numba a read-only array is of another type, for which each loop would be compiled anew.
+        constants = constants.view()
+        constants.flags.writeable = False
     for form in set(constants["form"].tolist()):
         body = OF_FORM[form].run(constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:

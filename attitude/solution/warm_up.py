@@ -76,8 +76,9 @@ def compile_loops() -> None:
         ):
             stage(constants)
         attach_all(wxyz, wxyz, principal, constants)
+        # As in `attitude.solution.motion`: one type of array.
         t = np.zeros((1, 0))
-        t.flags.writeable = False  # as in attitude.evaluation: one type of array
+        t.flags.writeable = constants.flags.writeable = False
         for loop in OF_FORM.values():
             loop(constants, t, None, np.zeros((0, 4, 0)), np.zeros((0, 3, 0)), 0, 0, 0)
 
