@@ -110,7 +110,7 @@ def _kinds():
     """Chebyshev polynomials; the rows of each table are their coefficients, lowest first."""
     kinds = (
         ("COS_EVEN", "first kind, T_n", ([1], [0, 1], 5, 5)),
-        ("SIN_EVEN", "second kind, U_(n-1)", ([0], [1], 4, 4)),
+        ("SIN_EVEN", "second kind, U_(n-1)", ([0], [1], 5, 5)),
         ("SIN_ODD", "fourth kind, W_n", ([1], [1, 2], 5, 5)),
         ("COS_ODD", "third kind, V_n", ([1], [-1, 2], 5, 5)),
     )
