@@ -19,9 +19,17 @@ and, with N = |A|^2 + |b|^2 = theta4(v | q) theta3(i delta | q) and X = exp(-2 d
 u the constant Im theta3'(i delta | q) / theta3(i delta | q).  Every term is a product of numbers of
 at most 1, as q^(n^2 + n) X^-n = s^(n (n+1) / 2) X^(n^2).
 
-After the modular transformation, with W = y + i d,
+After the modular transformation, with W = y + i d and nome Q', the pair is
 
     A = sum Q'^(n^2+n) cosh (2n+1) W,      b = - sum (-1)^n Q'^(n^2+n) sinh (2n+1) W
+
+but for a real factor, and with D by W,  d/dy = D,  d/dd = i D,  Q' d/dQ' = D^2 / 4:
+
+    V = -(sum Q'^(n^2+n))^2 theta4(0 | Q'^2) theta4(2 i W | Q'^2)
+    N = theta3(2 d | Q'^2) sum Q'^(2n^2+2n) cosh (4n+2) y
+
+and along the momentum u, 2 R and u R / 2, with u = -2 theta3'(2 d | Q'^2) / theta3(2 d | Q'^2) and
+R the quotient of sum (2n+1) Q'^(2n^2+2n) sinh (4n+2) y and the sum in N.
 """
 
 import math
@@ -93,16 +101,33 @@ def fill_trigonometric(c, series, upright):
 
 
 @subroutine
-def fill_hyperbolic(c, series):
-    """Fill cosines and sines of the derivatives of the pair by y, and by Q': four rows."""
-    for n in range(4):
-        over = 0.0
-        if n > 0:  # Q'^(n^2 - 1) for Q'^(n^2)
-            over = n * (n + 1.0) * c.nome ** (n * n - 1)
-            if c.winds == 0.0:  # by Q'^2 at Q' = 0
-                over = 1.0 if n == 1 else 0.0
-        angle = (2 * n + 1) * 0.25 * math.pi * c.fraction
-        for row in range(2):
-            series[row, n] = (2.0 * n + 1.0) * c.alpha[row, n]
-        series[2, n] = over * math.cos(angle)
-        series[3, n] = over * math.sin(angle)
+def fill_hyperbolic(c, series, upright):
+    """Fill six series in F^2 and G^2 and two factors along the momentum.
+
+    Filled
+        series   the sum in N and that over it in 2 R; real and imaginary parts of V by N E, and of
+                 V' / 4 by N and by F/E or G E^3.  F and G as in `solution.series`
+        upright  z of the first vector, and what 2 R is multiplied by in the third
+    """
+    nome, square = c.nome, c.nome * c.nome
+    series[0, 0], series[0, 1], series[0, 2] = 1.0, square, square**4
+    series[1, 0], series[1, 1], series[1, 2] = 2.0, 6.0 * square, 10.0 * square**4
+    # theta3(2 d | Q'^2), and the sum of its derivative over Q'^2
+    angle = math.pi * c.fraction
+    norm, slope, power = 1.0, 0.0, 1.0
+    for k in range(1, 4):
+        norm += 2.0 * square * power * math.cos(k * angle)
+        slope += k * power * math.sin(k * angle)
+        power *= square ** (2 * k + 1)
+    winds = c.winds != 0.0  # on the exact separatrix Q'^2 is the element
+    upright[0] = 8.0 * square * slope / norm
+    upright[2] = (2.0 * nome if winds else 1.0) * slope / norm
+    whole = 1.0 + square * (1.0 + square * square)
+    size = -4.0 * whole * whole * (1.0 - 2.0 * square * (1.0 - square**3)) / norm
+    series[2, 0] = size
+    for k in range(1, 4):
+        size *= -(square ** (2 * (k - 1)))
+        cosine, sine = size * math.cos(k * angle), size * math.sin(k * angle)
+        series[2, k], series[3, k - 1] = cosine, sine
+        share = k if winds else 0.5 * k
+        series[4, k - 1], series[5, k - 1] = share * cosine, share * sine

@@ -64,7 +64,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
                 fill_trigonometric(c, d.series, d.upright)
                 trigonometric_block(c, d, epoch, None, block)
             else:
-                fill_hyperbolic(c, d.series)
+                fill_hyperbolic(c, d.series, d.upright)
                 hyperbolic_block(c, d, epoch, None, block)
             x, y, z = found_rows(block, 1)
             for j in range(COLUMNS):

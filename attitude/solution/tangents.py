@@ -27,6 +27,7 @@ from attitude.solution.series import (
     hyperbolic_arguments,
     hyperbolic_pair,
     hyperbolic_rates,
+    quadratic,
     quartic,
     trigonometric_pair,
     trigonometric_rates,
@@ -67,25 +68,6 @@ def _along(row, v):
 @subroutine
 def _combined(row, q):
     return fma(row[0], q[0], row[1] * q[1]) + fma(row[2], q[2], row[3] * q[3])
-
-
-@subroutine
-def _doubled(pair):
-    """2/N times the pair."""
-    ar, ai, br, bi = pair
-    over = 2.0 / (fma(ar, ar, ai * ai) + fma(br, br, bi * bi))
-    return over * ar, over * ai, over * br, over * bi
-
-
-@subroutine
-def _rotation(pair, change):
-    """x, y before the precession and z of the rotation vector of a change; the pair times 2/N."""
-    ar, ai, br, bi = pair
-    cr, ci, dr, di = change
-    x = fma(ar, dr, -ai * di) - fma(br, cr, -bi * ci)
-    y = fma(ar, di, ai * dr) - fma(br, ci, bi * cr)
-    z = fma(ci, ar, -cr * ai) + fma(di, br, -dr * bi)
-    return x, y, z
 
 
 @subroutine
@@ -203,10 +185,11 @@ def hyperbolic_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
-    alpha = four(c.alpha[0]), four(c.alpha[1])
-    series_by_y = four(d.series[0]), four(d.series[1])
-    by_nome = four(d.series[2]), four(d.series[3])
+    winds, decay, nome, tilt = c.winds, c.decay, c.nome, c.tilt
+    norm, rise = four(d.series[0]), four(d.series[1])
+    real, imaginary = four(d.series[2]), four(d.series[3])
+    real_slope, imaginary_slope = four(d.series[4]), four(d.series[5])
+    upright, upright_nome = d.upright[0], d.upright[2]
     invariant = _matrix(d.invariant)
     length = 0.5 * math.log(2.0) * decay
     unit = nome if winds != 0.0 else 1.0
@@ -216,30 +199,29 @@ def hyperbolic_block(c, d, t, t_low, block):
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx = s + lo
         e, over, _ = hyperbolic_arguments(dx, decay, 1.0)
-        f, g = nome * over, nome * e
-        f, g = (f, f * f), (g, g * g)
-        even, odd = (e, 1.0), (-e, -1.0 if dx < 0.0 else 1.0)
-        factor = negated_if_odd(-ratio, half_turns)
-        pair = _pair(alpha, even, odd, f, g, factor)
-        change = _pair(series_by_y, odd, even, f, g, factor)
-        f, g = unit * over, unit * e
-        other = _pair(by_nome, even, odd, (f, f * f), (g, g * g), factor)
+        f, g, ee = nome * over, nome * e, e * e
+        ff, gg = f * f, g * g
+        side = -1.0 if dx < 0.0 else 1.0
+        inverse = 1.0 / fma(ee, quadratic(norm, gg), quadratic(norm, ff))
+        along = side * inverse * fma(-ee, quadratic(rise, gg), quadratic(rise, ff))
+        inverse = negated_if_odd(inverse, half_turns)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)
-        pair = _doubled(pair)
         to = _precessed(invariant, sine, cosine)
         block[SECONDS + i] = time + low
-        turn = _rotation(pair, change)
+        scale = e * inverse
+        turn = (
+            scale * fma(gg, _higher(real, gg), cubic(real, ff)),
+            scale * side * fma(-gg, quadratic(imaginary, gg), ff * quadratic(imaginary, ff)),
+            upright,
+        )
         first = _applied(to, turn)
         x, y, z = first
         block[BASIS + i] = x
         block[BASIS + 1 * BLOCK + i] = y
         block[BASIS + 2 * BLOCK + i] = z
         # the series are analytic in y + i d: i times the change
-        ar, ai, br, bi = pair
-        cr, ci, dr, di = change
-        along = fma(cr, ar, ci * ai) + fma(dr, br, di * bi)
         x, y, z = _applied(to, (-turn[1], turn[0], along))
         block[BASIS + 3 * BLOCK + i] = x
         block[BASIS + 4 * BLOCK + i] = y
@@ -248,7 +230,13 @@ def hyperbolic_block(c, d, t, t_low, block):
         passed = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
         block[PASSED + i] = passed
         by_first = fma(by_passed, passed, by_y * dx)
-        x, y, z = _applied(to, _rotation(pair, other))
+        near, far = unit * over * inverse, unit * e * ee * inverse
+        turn = (
+            side * fma(near, quadratic(real_slope, ff), -far * quadratic(real_slope, gg)),
+            fma(near, quadratic(imaginary_slope, ff), far * quadratic(imaginary_slope, gg)),
+            upright_nome * along,
+        )
+        x, y, z = _applied(to, turn)
         block[BASIS + 6 * BLOCK + i] = fma(by_first, first[0], x)
         block[BASIS + 7 * BLOCK + i] = fma(by_first, first[1], y)
         block[BASIS + 8 * BLOCK + i] = fma(by_first, first[2], z)
@@ -259,29 +247,9 @@ def hyperbolic_block(c, d, t, t_low, block):
 
 
 @subroutine
-def _at_both(c, x):
-    """c0 + ... + c3 x^3 at x and at -x; x with its square."""
-    even, odd = fma(c[2], x[1], c[0]), fma(c[3], x[1], c[1])
-    return fma(x[0], odd, even), fma(-x[0], odd, even)
-
-
-@subroutine
-def _pair(series, even, odd, f, g, factor):
-    """As `solution.series.hyperbolic_pair` with half of the products, or its derivative by y.
-
-    Given
-        even, odd  (e, 1) and (-e, sign of dx); the other way round for the derivative, whose series
-                   are those of sinh for cosh
-        f, g       F and G, each with its square
-    """
-    cosines_f, cosines_g = _at_both(series[0], f), _at_both(series[0], g)
-    sines_f, sines_g = _at_both(series[1], f), _at_both(series[1], g)
-    return (
-        even[1] * fma(even[0], cosines_g[0], cosines_f[0]),
-        odd[1] * fma(odd[0], sines_g[0], sines_f[0]),
-        factor * (odd[1] * fma(odd[0], cosines_g[1], cosines_f[1])),
-        factor * (even[1] * fma(even[0], sines_g[1], sines_f[1])),
-    )
+def _higher(c, x):
+    """c1 + c2 x + c3 x^2."""
+    return fma(fma(c[3], x, c[2]), x, c[1])
 
 
 @force_inlined
