@@ -191,9 +191,8 @@ def hyperbolic_block(c, d, t, t_low, block):
     real_slope, imaginary_slope = four(d.series[4]), four(d.series[5])
     upright, upright_nome = d.upright[0], d.upright[2]
     invariant = _matrix(d.invariant)
-    length = 0.5 * math.log(2.0) * decay
     unit = nome if winds != 0.0 else 1.0
-    by_y, by_passed = -length * d.by_third[0], -d.by_third[1]
+    by_y, by_passed = -0.5 * math.log(2.0) * decay * d.by_third[0], -d.by_third[1]
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
@@ -217,10 +216,9 @@ def hyperbolic_block(c, d, t, t_low, block):
             upright,
         )
         first = _applied(to, turn)
-        x, y, z = first
-        block[BASIS + i] = x
-        block[BASIS + 1 * BLOCK + i] = y
-        block[BASIS + 2 * BLOCK + i] = z
+        block[BASIS + i] = first[0]
+        block[BASIS + 1 * BLOCK + i] = first[1]
+        block[BASIS + 2 * BLOCK + i] = first[2]
         # the series are analytic in y + i d: i times the change
         x, y, z = _applied(to, (-turn[1], turn[0], along))
         block[BASIS + 3 * BLOCK + i] = x
