@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from itertools import islice
+import threading
 from typing import TYPE_CHECKING
 
 from attitude import validation
@@ -11,8 +10,8 @@ from attitude import validation
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-# Blocks of each thread that are submitted ahead: `wait` takes time in proportion to their number.
-_AHEAD = 4
+# Seconds between two reports of the progress of several threads.
+_BETWEEN_REPORTS = 0.05
 
 
 def in_blocks(
@@ -25,8 +24,9 @@ def in_blocks(
     """Call ``work(begin, end)`` for consecutive ranges of at most `size` from 0 to `total`.
 
     Several threads gain time only if `work` releases the interpreter lock.  Their blocks end in any
-    order; results are the same bits.  ``progress(done, total)`` is called in the caller's thread
-    after each block; an exception from it, or from `work`, cancels the blocks not yet begun.
+    order; results are the same bits.  ``progress(done, total)`` is called in the caller's thread,
+    after each block of one thread and every 0.05 s of several; an exception from it, or from
+    `work`, cancels the blocks not yet begun.
 
     Raises
     ------
@@ -43,23 +43,63 @@ def in_blocks(
             if progress is not None:
                 progress(done, total)
         return
-    left = iter(ranges)
-    with ThreadPoolExecutor(threads) as pool:
-        pending = {pool.submit(work, *pair): pair for pair in islice(left, _AHEAD * threads)}
+    _in_threads(work, ranges, total, min(threads, len(ranges)), progress)
+
+
+def _in_threads(
+    work: Callable[[int, int], object],
+    ranges: list[tuple[int, int]],
+    total: int,
+    threads: int,
+    progress: Callable[[int, int], object] | None,
+) -> None:
+    """`in_blocks` by several threads, each of which takes the next range when it has ended one.
+
+    The caller's thread wakes only to report: for each future that it waited for, it would hold the
+    interpreter lock while a thread has to begin its next range.
+    """
+    left, taking, over = iter(ranges), threading.Lock(), threading.Event()
+    ended: list[int] = []
+    failures: list[BaseException] = []
+    running = [threads]
+
+    def run() -> None:
         try:
-            while pending:
-                ready, _ = wait(pending, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    begin, end = pending.pop(future)
-                    future.result()
-                    done += end - begin
-                    for pair in islice(left, 1):
-                        pending[pool.submit(work, *pair)] = pair
-                    if progress is not None:
-                        progress(done, total)
+            while not failures:
+                with taking:
+                    pair = next(left, None)
+                if pair is None:
+                    break
+                work(*pair)
+                ended.append(pair[1] - pair[0])
+        except BaseException as error:  # it is raised in the caller's thread
+            failures.append(error)
         finally:
-            for future in pending:
-                future.cancel()
+            with taking:
+                running[0] -= 1
+                if not running[0]:
+                    over.set()
+
+    every = [threading.Thread(target=run, daemon=True) for _ in range(threads)]
+    try:
+        for each in every:
+            each.start()
+        reported = 0
+        is_over = False
+        while not is_over:
+            is_over = over.wait(_BETWEEN_REPORTS)
+            if progress is not None and len(ended) > reported and not failures:
+                reported = len(ended)
+                progress(sum(ended[:reported]), total)
+    except BaseException as error:
+        failures.append(error)
+        raise
+    finally:
+        for each in every:
+            if each.ident is not None:
+                each.join()
+    if failures:
+        raise failures[0]
 
 
 def in_rectangles(
