@@ -243,9 +243,12 @@ def test_out_and_progress():
     sun, observer, _ = pairs(20000, 0, 90)
     for threads in (1, 2):
         out, heard = np.empty(20000), []
-        result = brightness(FACETS, "lambert", sun, observer, out=out, threads=threads,
-                            progress=lambda done, total, to=heard: to.append((done, total)))  # fmt: skip
-        assert result is out
+
+        def hear(done, total, to=heard):
+            to.append((done, total))
+
+        given = {"out": out, "threads": threads, "progress": hear}
+        assert brightness(FACETS, "lambert", sun, observer, **given) is out
         assert heard[-1] == (20000, 20000) and heard == sorted(heard)
         assert len(heard) == 3 if threads == 1 else len(heard) <= 3
     with pytest.raises(AttitudeError, match=r"out is an array .* \(3,\); give a writable"):
