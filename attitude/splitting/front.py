@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 _WAVE, _STEPS = 512, 1 << 14
 # s: the first step of a body at rest; it grows or shrinks by factors of 4.
 _STEP_AT_REST = 1.0
+# Longest pieces of free motions: in the first, truncation is below 3e-17 of the rate and below the
+# rounding of the attitude; in the second, of whole steps that only show the error, XXX rad: for
+# tolerances from _COARSE on.
+_PIECE, _LONGER_PIECE, _COARSE = 0.125, 0.22, 1e-12
 # The steps of a window show the progress; more than so many to the last epoch take hours.
 _WINDOW, _MOST_AHEAD = 64, 1e10
 
@@ -54,6 +58,9 @@ class Front:
         limit = 0.5 * LARGEST_TURN / float(np.max(np.abs(system.scheme.flights)))
         speed = float(np.sqrt(self.fine[OMEGA] @ self.fine[OMEGA]))
         self.clock[layout.TOLERANCE], self.clock[layout.TURN_LIMIT] = tolerance, limit
+        self.clock[layout.FINE_PIECE] = _PIECE
+        coarse = tolerance >= _COARSE and not paired
+        self.clock[layout.WHOLE_PIECE] = _LONGER_PIECE if coarse else _PIECE
         first = 0.1 * limit / speed if speed > 0.0 else _STEP_AT_REST
         self.clock[layout.LENGTH] = sign * first
         self._wave, self._pace = 16, Pace(_STEPS)
