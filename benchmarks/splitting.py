@@ -628,7 +628,7 @@ def tolerance(quick, output):
             if name == "force-gradient" and key != "constant":
                 continue
             found = []
-            for _ in range(10 if quick else 80):
+            for _ in range(5 if quick else 30):
                 motion = TorquedRotation(BODY, spin, torque, scheme=name, step_tolerance=limit)
                 motion.at(0.1)
                 found.append(step_cost(motion._grids[0]))
@@ -637,7 +637,7 @@ def tolerance(quick, output):
     shown = []
     for key, torque in torques.items():
         found = []
-        for _ in range(10 if quick else 80):
+        for _ in range(5 if quick else 30):
             motion = TorquedRotation(BODY, spin, torque, tolerance=1e-7)
             motion.at(0.1)
             found.append(step_cost(motion._grids[0]._steps))
@@ -665,9 +665,9 @@ def tolerance(quick, output):
 
 
 def step_cost(grid):
-    """us of the processor for a step of a motion of 3000 s."""
+    """us of the processor for a step of a motion of 20,000 s."""
     begin, before = time.thread_time(), grid.steps
-    grid.extend(3000.0)
+    grid.extend(20000.0)
     return (time.thread_time() - begin) / (grid.steps - before) * 1e6
 
 
