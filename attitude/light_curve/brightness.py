@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     from attitude.light_curve.few_facets import Packs
     from attitude.scattering import Law
 
-# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
+# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work; of an ellipsoid
+# more, since threads wait for each other between blocks.
 BLOCK = 8192
+_BLOCK_OF_ELLIPSOIDS = 32768
 
 # Facets that are gathered at a time, 1.6 MB of temporary arrays.
 _GATHERED = 65536
@@ -127,7 +129,8 @@ def brightness(
             flat[begin:end] *= phase(separation(*parts))
 
     bar = ProgressBar("light curve") if progress is None else progress
-    in_blocks(work, flat.size, BLOCK, threads, bar)
+    block = _BLOCK_OF_ELLIPSOIDS if isinstance(shape, Ellipsoid) else BLOCK
+    in_blocks(work, flat.size, block, threads, bar)
     return out if out.ndim else out[()]
 
 
