@@ -31,6 +31,7 @@ from astropy.time import Time
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import aliases, ellipsoid_magnitudes, pole_map, search
+from attitude.inversion.problem import CurveProblem
 from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion_cases
 from benchmarks.doc_tables import Table, markdown
@@ -279,18 +280,11 @@ def speed() -> tuple[float, float]:
     print(f"pair, order 2: {pair:.2f} us")
     sun, observer = rng.normal(size=(2, 3, 400))
     sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
-    e, flat = np.array([20.3, 14.7, 0.2, -1.0, 0.2]), np.array([2.0, 1.5, 1.0])
-    memory = (
-        np.zeros((4, 4, 2)),
-        np.empty((9, 400)),
-        np.empty((9, 400)),
-        np.empty(400),
-        np.empty((10, 400)),
-    )
-    k, r, g, out, jacobian = memory
-    turn = np.eye(3).ravel()
-    given = (e, turn, k, flat, t, sun, observer, r, g, out, jacobian)
-    spent = _best(lambda: ellipsoid_magnitudes.with_derivatives(*given))
+    terms = np.ones((400, 1)), np.full(1, np.inf)
+    given = t, 1.0, sun, observer, np.zeros(400), np.ones(400), *terms, 0.0
+    curve = ellipsoid_magnitudes.EllipsoidCurve(CurveProblem.of(*given))
+    states = np.tile([20.3, 14.7, 0.2, -1.0, 0.2, *np.eye(3).ravel(), 0.7, 0.4], (100, 1))
+    spent = _best(lambda: list(curve.rows(states, True))) / 100
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
     return pair, spent / 400 * 1e9
 

@@ -78,7 +78,7 @@ def worst_of_chain(changes, body=BODY, spin=SPIN, wxyz=None):
 
 def test_impulses_follow_the_chain_of_oracles():
     # Quaternion products at a joint add a rounding or two to that of a free rotation.
-    assert worst_of_chain(kicks(60)) < FREE
+    assert worst_of_chain(kicks(24)) < FREE
 
 
 def test_impulses_over_other_axes_follow_the_chain_of_oracles():

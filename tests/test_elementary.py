@@ -1,11 +1,18 @@
 """Elementary functions of SIMD vectors against 40 digits, compiled and in Python."""
 
+import math
+
 import numpy as np
 import pytest
 from mpmath import mp
 
 from attitude.compilation.decorators import reduction
-from attitude.compilation.elementary import binary_logarithm, power_of_half, share_of_half_turn
+from attitude.compilation.elementary import (
+    binary_logarithm,
+    cosine_and_sine,
+    power_of_half,
+    share_of_half_turn,
+)
 from attitude.compilation.simd import eight, put_eight
 
 rng = np.random.default_rng(6)
@@ -67,3 +74,21 @@ def test_powers_of_large_numbers_are_nothing():
     out = np.empty(8)
     powers(np.array([1000.0, 1001.0, 1e9, 1e300, np.inf, 1022.0, 5e4, 2e3]), out)
     assert np.all((out > 0.0) & (out < 1e-300))
+
+
+@reduction
+def turned(given, cosines, sines):
+    for i in range(0, given.size, 8):
+        c, s = cosine_and_sine(eight(given, i))
+        put_eight(cosines, i, c)
+        put_eight(sines, i, s)
+
+
+def test_cosine_and_sine_of_turns():
+    """Also of many turns, whose whole part is removed exactly."""
+    given = np.concatenate([np.linspace(-1.0, 1.0, 4096), 1e6 + np.arange(64) / 64.0])
+    cosines, sines = np.empty(given.size), np.empty(given.size)
+    turned(given, cosines, sines)
+    exact = 2.0 * math.pi * (given - np.rint(given))
+    assert cosines == pytest.approx(np.cos(exact), abs=2e-13)
+    assert sines == pytest.approx(np.sin(exact), abs=2e-13)

@@ -15,7 +15,7 @@ from tests.measure import errors
 PROMISE = 4e-15  # rad, and relative to the largest rate
 
 
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(
     states.strategy(),
     st.floats(0.0, 9.0),
@@ -29,7 +29,7 @@ def test_no_state_is_found_above_the_promise(state, power, sign):
     assert found.attitude <= PROMISE and found.rate <= PROMISE, found
 
 
-@settings(max_examples=40)
+@settings(max_examples=16)
 @given(
     st.floats(1e-3, 1.0),
     st.floats(0.0, 1.0),

@@ -11,6 +11,7 @@ from attitude.inversion import (
     aliases,
     curve_problem,
     ellipsoid_magnitudes,
+    ellipsoid_search,
     facets,
     jackknife,
     many_starts,
@@ -44,13 +45,23 @@ def _start(nutation=14.7, x=0.2):
     return np.concatenate([[20.3, nutation, 0.2, -1.0, x], turn.ravel(), [1.1, 0.7]])
 
 
+def _problem(t, sun, observer):
+    """Magnitudes of zero with weights of one, and a constant that is free."""
+    count = len(t)
+    terms = np.ones((count, 1)), np.full(1, np.inf)
+    given = t, 1.0, sun, observer, np.zeros(count), np.ones(count), *terms, 0.0
+    return problem.CurveProblem.of(*given)
+
+
+def _rows(state, t, sun, observer):
+    """Magnitudes (N,) of a state and their Jacobian (10, N)."""
+    curve = ellipsoid_magnitudes.EllipsoidCurve(_problem(t, sun, observer))
+    ((_, rows),) = curve.rows(state[None], True)
+    return -rows[0, 0, : t.size], rows[0, 1:11, : t.size]
+
+
 def _magnitudes(state, t, sun, observer):
-    out = np.empty(t.size)
-    flat = np.array([math.exp(state[14]), math.exp(state[15]), 1.0])
-    memory = np.zeros((4, 4, 2)), np.empty((9, t.size))
-    given = state, state[5:14], memory[0], flat, t, sun, observer, memory[1], out
-    ellipsoid_magnitudes.magnitudes(*given)
-    return out
+    return _rows(state, t, sun, observer)[0]
 
 
 @pytest.mark.parametrize(("nutation", "x"), [(14.7, 0.2), (-11.0, 0.5), (14.7, -0.1)])
@@ -74,37 +85,59 @@ def test_magnitudes_of_an_ellipsoid_are_those_of_the_package(nutation, x):
 def test_derivatives_of_the_magnitudes():
     t, sun, observer = _geometry()
     state = _start()
-    flat = np.array([math.exp(state[14]), math.exp(state[15]), 1.0])
-    jacobian, out = np.empty((10, t.size)), np.empty(t.size)
-    memory = np.zeros((4, 4, 2)), np.empty((9, t.size)), np.empty((9, t.size))
-    k, r, g = memory
-    ellipsoid_magnitudes.with_derivatives(
-        state, state[5:14], k, flat, t, sun, observer, r, g, out, jacobian
-    )
+    jacobian = _rows(state, t, sun, observer)[1]
     for p in range(10):
         ends = []
         for sign in (1.0, -1.0):
-            step, new = np.zeros(10), np.empty(16)
+            step = np.zeros(10)
             step[p] = sign * 1e-5
-            many_starts.moved(state, step, new)
+            new = many_starts.moved(state, step)
             ends.append(_magnitudes(new, t, sun, observer))
         slope = (ends[0] - ends[1]) / 2e-5
         assert slope == pytest.approx(jacobian[p], abs=1e-7 * np.abs(jacobian[p]).max())
 
 
+@pytest.mark.parametrize("given", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
+def test_slopes_of_the_sums_of_squares_from_many_starts(given):
+    """Against differences, tied to the shape and to moments that are given, in both modes."""
+    t, sun, observer = _geometry()
+    curve = ellipsoid_magnitudes.EllipsoidCurve(_problem(t, sun, observer))
+    priors = many_starts.Priors(1.5, 0.15, given)
+    states = np.stack([_start(), _start(-11.0, 0.5), _start(14.7, -0.1)])
+    near = many_starts._linearised(curve, states, priors)
+    assert many_starts._cost(curve, states, priors) == pytest.approx(near.cost, rel=1e-13)
+    for p in range(10):
+        steps = np.zeros((3, 10))
+        steps[:, p] = 1e-5
+        ends = [
+            many_starts._cost(curve, many_starts.moved(states, each), priors)
+            for each in (steps, -steps)
+        ]
+        # half of the derivative; the moments' own slopes are differences over 1e-6
+        slope = (ends[0] - ends[1]) / 4e-5
+        assert near.gradient[:, p] == pytest.approx(-slope, abs=1e-6 * np.abs(slope).max())
+
+
+def test_each_of_many_starts_is_minimised_as_if_alone():
+    """More starts than are computed at a time, of which one is outside the bounds."""
+    t, sun, observer = _geometry()
+    given = _problem(t, sun, observer)
+    generator = np.random.default_rng(5)
+    states = ellipsoid_search.starts(
+        generator, generator.uniform(5.0, 30.0, 90), generator.uniform(-20.0, 20.0, 90)
+    )
+    states[3, 4] = 0.99
+    cost = many_starts.costs(given, states)
+    found = ellipsoid_search.minimised(given, states, 12)
+    assert np.isinf(found.cost[3]) and np.delete(found.cost < 0.9 * cost, 3).mean() > 0.9
+    for k in (0, 40, 89):
+        alone = ellipsoid_search.minimised(given, states[k : k + 1], 12)
+        assert alone.cost[0] == pytest.approx(found.cost[k], rel=1e-6)
+
+
 def test_derivatives_of_the_convex_model():
     t, sun, observer = _geometry()
-    given = problem.CurveProblem.of(
-        t,
-        1.0,
-        sun,
-        observer,
-        np.zeros(COUNT),
-        np.full(COUNT, 0.02),
-        np.ones((COUNT, 1)),
-        np.full(1, np.inf),
-        0.0,
-    )
+    given = _problem(t, sun, observer)
     state = np.zeros(refinement.WIDTH)
     state[:16] = _start()
     state[16:] = 0.3 * np.random.default_rng(2).normal(size=facets.MODES)
@@ -112,9 +145,9 @@ def test_derivatives_of_the_convex_model():
     for p in (*range(10), 12, 40):
         ends = []
         for sign in (1.0, -1.0):
-            step, new = np.zeros(refinement.SIZE), state.copy()
+            step = np.zeros(refinement.SIZE)
             step[p] = sign * 1e-6
-            many_starts.moved(state, step, new)
+            new = many_starts.moved(state, step)
             new[16:] += step[10:]
             ends.append(refinement.model(given, new).magnitude)
         slope = (ends[0] - ends[1]) / 2e-6 - here.jacobian[p]
@@ -124,7 +157,6 @@ def test_derivatives_of_the_convex_model():
 
 def test_moments_of_elements_are_those_of_the_body():
     generator = np.random.default_rng(3)
-    found = np.empty(4)
     for _ in range(40):
         moments = np.sort(generator.uniform(0.4, 1.0, 3))
         if moments[0] + moments[1] < moments[2]:
@@ -133,10 +165,10 @@ def test_moments_of_elements_are_those_of_the_body():
         e = FreeRotation(Body(moments=moments), spin).elements
         turn = 2.0 * math.pi
         given = e.precession_rate / turn, e.nutation_rate / turn, math.log(e.rho), e.X
-        moments_of_elements.log_ratios(*given, found)
+        found = moments_of_elements.moments(np.array(given))
         order = moments if e.nutation_rate < 0.0 else moments[::-1]
-        assert found[:2] == pytest.approx(np.log(order[:2] / order[2]), abs=1e-12)
-        assert found[2] == 1.0
+        assert found.log_ratios == pytest.approx(np.log(order[:2] / order[2]), abs=1e-12)
+        assert found.exists
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

@@ -1,4 +1,4 @@
-"""Elementary functions of SIMD vectors, which have no instruction: powers, arc tangents.
+"""Elementary functions of SIMD vectors, which have no instruction: powers, angles, logarithms.
 
 Polynomials of least maximum error; the numbers are remade by benchmarks/make_coefficients.py.
 They stand in the code one by one, since a loop over a table is not unrolled before it is inlined.
@@ -48,19 +48,29 @@ _LOG_6 = 0.22201420926957832
 _LOG_7 = 0.19058058608906725
 _LOG_8 = 0.19629753902736757
 
+# Taylor's series of sine and cosine of 2 pi r on |r| <= 1/8, to 2e-14 and 1e-15.
+_SINES = tuple((-1) ** n * math.tau ** (2 * n + 1) / math.factorial(2 * n + 1) for n in range(7))
+_COSINES = tuple((-1) ** n * math.tau ** (2 * n) / math.factorial(2 * n) for n in range(8))
+_SIN_1, _SIN_3, _SIN_5, _SIN_7, _SIN_9, _SIN_11, _SIN_13 = _SINES
+_, _COS_2, _COS_4, _COS_6, _COS_8, _COS_10, _COS_12, _COS_14 = _COSINES
+
 
 @reduction_within
 def power_of_half(a):
     """2^-a for a >= 0, relative to (3e-15 + 1e-16 a); of numbers above 1000 that of 1000."""
-    a = at_most(a, 1000.0)
-    n = nearest_eighth(a)
-    f = a - n
+    return power_of_half_to_1000(at_most(a, 1000.0))
+
+
+@reduction_within
+def power_of_half_to_1000(a):
+    """`power_of_half` of numbers up to 1000."""
+    f = a - nearest_eighth(a)
     p = f * _POWER_6 + _POWER_5
     p = f * p + _POWER_4
     p = f * p + _POWER_3
     p = f * p + _POWER_2
     p = f * p + _POWER_1
-    return inverse_power(n) * (f * p + 1.0)
+    return inverse_power(a) * (f * p + 1.0)
 
 
 @reduction_within
@@ -100,3 +110,26 @@ def binary_logarithm(a):
     p = u * p + _LOG_2
     p = u * p + _LOG_1
     return n + s * (u * p + _LOG_0)
+
+
+@reduction_within
+def cosine_and_sine(v):
+    """Cosine and sine of v turns, |v| below 2^48, to 1e-13."""
+    # of a quarter of the angle, which is doubled twice
+    r = 0.25 * v - 2.0 * nearest_eighth(0.125 * v)
+    z = r * r
+    s = z * _SIN_13 + _SIN_11
+    s = z * s + _SIN_9
+    s = z * s + _SIN_7
+    s = z * s + _SIN_5
+    s = z * s + _SIN_3
+    s = r * (z * s + _SIN_1)
+    c = z * _COS_14 + _COS_12
+    c = z * c + _COS_10
+    c = z * c + _COS_8
+    c = z * c + _COS_6
+    c = z * c + _COS_4
+    c = z * c + _COS_2
+    c = z * c + 1.0
+    c, s = 1.0 - 2.0 * s * s, 2.0 * c * s
+    return 1.0 - 2.0 * s * s, 2.0 * c * s

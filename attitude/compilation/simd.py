@@ -194,8 +194,8 @@ def nearest_eighth(a: Lanes) -> Lanes:
 
 
 def inverse_power(a: Lanes) -> Lanes:
-    """2^-a of multiples of 1/8 below 1022, lane by lane."""
-    return Lanes(2.0**-x for x in a.lanes)
+    """2^-n for the `nearest_eighth` n of a, below 1022, lane by lane."""
+    return Lanes(2.0**-x for x in nearest_eighth(a).lanes)
 
 
 def halved(a: Lanes, times: Lanes) -> Lanes:

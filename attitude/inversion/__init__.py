@@ -19,7 +19,7 @@ pass_search            states of a body of known shape; `known_states`, their ra
 states                 motion and covariance from the parameters of a search
 predictions, figures   magnitudes and figures of a solution
 aliases, verdicts      relations between solutions in words; what a curve decides
-many_starts            Levenberg and Marquardt's iteration from many starts, compiled
+many_starts            Levenberg and Marquardt's iteration from many starts, in arrays
 normal_form_series     attitudes and derivatives from the five elements of a motion, compiled
 ellipsoid_magnitudes   magnitudes of an ellipsoid with all derivatives, compiled
 moments_of_elements    moments of inertia from elements in closed form, compiled

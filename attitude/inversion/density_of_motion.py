@@ -52,7 +52,6 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
     which = free(found)
     is_axial = len(which) < SIZE
     follow = -np.linalg.solve(normal[SIZE:, SIZE:], normal[SIZE:, :SIZE])
-    ratios = np.empty(4)
 
     def density(scaled: FloatArray) -> float:
         offsets = np.zeros(SIZE)
@@ -64,8 +63,7 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
         inside = many_starts.LEAST_X < trial[4] < many_starts.MOST_X
         if not (inside and many_starts.LEAST_RHO < trial[3] < many_starts.MOST_RHO):
             return -math.inf
-        moments_of_elements.log_ratios(trial[0], trial[1], trial[3], trial[4], ratios)
-        if not ratios[2]:
+        if not moments_of_elements.moments(trial[many_starts.OF_MOMENTS]).exists:
             return -math.inf
         return -0.5 * refinement.profiled_cost(problem, trial, tie, False)
 
@@ -76,9 +74,7 @@ def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
     """The state after a change of the eight parameters."""
     step = np.zeros(refinement.SIZE)
     step[:SIZE] = offsets
-    found = state.copy()
-    many_starts.moved(state, step, found)
-    return found
+    return many_starts.moved(state, step)
 
 
 def conditioned(covariance: FloatArray) -> FloatArray:

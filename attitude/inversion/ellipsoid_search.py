@@ -91,30 +91,13 @@ def minimised(
     gain: float = 1e-4,
 ) -> Pool:
     """The states after an iteration from each, in their order."""
-    states = np.ascontiguousarray(states)
-    cost = np.empty(len(states))
-    many_starts.minimise(
-        states,
-        problem.t,
-        problem.sun,
-        problem.observer,
-        problem.y,
-        problem.root,
-        problem.u,
-        fixed,
-        np.array([_RATIOS, tie.width, *tie.moments]),
-        iterations,
-        gain,
-        cost,
-    )
-    return Pool(cost, states)
+    priors = many_starts.Priors(_RATIOS, tie.width, tie.moments)
+    return Pool(*many_starts.minimise(problem, states, fixed, priors, iterations, gain))
 
 
 def screened(problem: CurveProblem, states: FloatArray, groups: int) -> FloatArray:
     """The best state (groups, 16) of each of so many equal groups."""
-    cost = np.empty(len(states))
-    given = problem.t, problem.sun, problem.observer, problem.y, problem.root, problem.u
-    many_starts.costs(states, *given, cost)
+    cost = many_starts.costs(problem, states)
     size = len(states) // groups
     best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(groups, size), axis=1)
     return states[best + size * np.arange(groups)]

@@ -12,29 +12,53 @@ so that 1/|1 - r| = 2 l lambda/(w sqrt(1 + nu)) + c in long-axis, - c in short-a
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from attitude.compilation.decorators import entry_point, subroutine
+
+if TYPE_CHECKING:
+    from attitude.annotations import BoolArray, FloatArray
 
 # Steps of the arithmetic-geometric mean: from kc = 1e-4 on its error is below 1e-15.
 _STEPS = 7
 # 1/|1 - r| nearer than this to where no positive moments exist is continued by a straight line, so
 # that an iteration is led back.
 _EDGE = 0.05
+# Steps of derivatives by precession and nutation, relative, and by ln rho and X.
+_STEP = 1e-6
+
+
+class ElementMoments(NamedTuple):
+    """What follows from elements of shape (...).
+
+    ln I1/I3 and ln I2/I3, log_ratios (2, ...); whether a body has such moments, exists (...); and
+    L/I3, momentum (...), rad per unit of time.
+    """
+
+    log_ratios: FloatArray
+    exists: BoolArray
+    momentum: FloatArray
 
 
 @subroutine
 def _tilts(rho, x):
     """Tangents of half the least and the greatest tilt."""
-    s = rho**4
+    square = x * x
+    fourth, s = square * square, rho * rho * rho * rho
     top0 = low1 = top1 = 0.0
     low0 = 1.0
+    # s^(n n + n) x^(2 n n + n), s^(n n) x^(2 n n - n), and the factors of the next ones
+    y, z, next_y, next_z, even = 1.0, 1.0, s * s * square * x, s * x, 1.0
     for n in range(5):
-        y = s ** (n * n + n) * x ** (2 * n * n + n)
-        z = s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n)) if n > 0 else 0.0
+        other, both = y * even * x, z * (1.0 + even) if n > 0 else 0.0
         if n % 2 == 0:
-            top0, top1, low0 = top0 + y, top1 + y * x ** (2 * n + 1), low0 + z
+            top0, top1, low0 = top0 + y, top1 + other, low0 + both
         else:
-            top1, top0, low1 = top1 + y, top0 + y * x ** (2 * n + 1), low1 + z
+            top1, top0, low1 = top1 + y, top0 + other, low1 + both
+        y, z, even = y * next_y, z * next_z, even * square
+        next_y, next_z = next_y * (s * s * fourth), next_z * (s * s * fourth)
     return rho * (top0 - top1) / (low0 - low1), rho * (top0 + top1) / (low0 + low1)
 
 
@@ -57,12 +81,9 @@ def _integrals(mc, p):
     return mean, 0.5 * math.pi * (b + a * em) / (em * (em + root))
 
 
-@entry_point
-def log_ratios(precession, nutation, log_rho, x, found):
-    """ln I1/I3, ln I2/I3, whether the body exists (1, else 0), and L/I3, into found (4,).
-
-    precession and nutation are in turns per unit of time (lambda / 2 pi, f); L/I3 in rad.
-    """
+@subroutine
+def _of_one(precession, nutation, log_rho, x):
+    """ln I1/I3, ln I2/I3, whether the body exists (1, else 0), and L/I3."""
     size = abs(x)
     low, high = _tilts(math.exp(log_rho), size)
     cosine = (1.0 - low * low) / (1.0 + low * low)
@@ -89,20 +110,42 @@ def log_ratios(precession, nutation, log_rho, x, found):
     first, second = -log_r, math.log((1.0 + nu) / (r + nu))
     one, two = math.exp(first), math.exp(second)
     exists = q > (1.0 if nutation > 0.0 else 0.0) and 2.0 * max(one, two, 1.0) <= one + two + 1.0
+    exists = 1.0 if exists else 0.0
+    momentum = rate * root / (abs(1.0 - r) * cosine)
     # X < 0 exchanges the first two axes
-    found[0], found[1] = (first, second) if x >= 0.0 else (second, first)
-    found[2] = 1.0 if exists else 0.0
-    found[3] = rate * root / (abs(1.0 - r) * cosine)
+    if x < 0.0:
+        return second, first, exists, momentum
+    return first, second, exists, momentum
 
 
-@subroutine
-def with_slopes(precession, nutation, log_rho, x, found, slopes):
-    """As `log_ratios`, with derivatives by precession, nutation, ln rho and X, slopes (2, 4)."""
-    for p in range(4):
-        h = 1e-6 * (abs(precession) if p == 0 else abs(nutation) if p == 1 else 1.0)
-        d = (h if p == 0 else 0.0, h if p == 1 else 0.0, h if p == 2 else 0.0, h if p == 3 else 0.0)
-        log_ratios(precession + d[0], nutation + d[1], log_rho + d[2], x + d[3], found)
-        one, two = found[0], found[1]
-        log_ratios(precession - d[0], nutation - d[1], log_rho - d[2], x - d[3], found)
-        slopes[0, p], slopes[1, p] = 0.5 * (one - found[0]) / h, 0.5 * (two - found[1]) / h
-    log_ratios(precession, nutation, log_rho, x, found)
+@entry_point
+def _of_many(elements, found):
+    """What `_of_one` gives for elements (4, N), into found (4, N)."""
+    for i in range(elements.shape[1]):
+        one, two, exists, momentum = _of_one(
+            elements[0, i], elements[1, i], elements[2, i], elements[3, i]
+        )
+        found[0, i], found[1, i], found[2, i], found[3, i] = one, two, exists, momentum
+
+
+def moments(elements: FloatArray) -> ElementMoments:
+    """The moments that give elements (4, ...): precession, nutation, ln rho, X.
+
+    Precession and nutation are in turns per unit of time (lambda / 2 pi, f).
+    """
+    found = np.empty(elements.shape)
+    _of_many(np.ascontiguousarray(elements.reshape(4, -1)), found.reshape(4, -1))
+    return ElementMoments(found[:2], found[2] > 0.0, found[3])
+
+
+def with_slopes(elements: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """ln I1/I3 and ln I2/I3 (2, ...) of elements (4, ...), and derivatives (4, 2, ...) by these."""
+    h = np.full(elements.shape, _STEP)
+    h[:2] *= np.abs(elements[:2])
+    shifted = np.repeat(elements[:, None], 9, axis=1)
+    which = range(4)
+    shifted[which, [1, 2, 3, 4]] += h
+    shifted[which, [5, 6, 7, 8]] -= h
+    found = moments(shifted).log_ratios
+    slopes = 0.5 * np.swapaxes(found[:, 1:5] - found[:, 5:], 0, 1) / h[:, None]
+    return found[:, 0], slopes

@@ -40,10 +40,7 @@ class ShapeModel:
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     """The magnitudes of a state (WIDTH,), with derivatives."""
     t, count = problem.t, len(problem)
-    k, r, g = np.zeros((4, 4, 2)), np.empty((9, count)), np.empty((9, count))
-    series.coefficients(math.exp(state[3]), state[4], k)
-    series.attitudes(state[0], state[1], state[2], k, t, r)
-    series.tangents(state[0], state[1], state[2], k, t, g)
+    r, g = series.at_epochs(state, t)
     turn, body = state[5:14].reshape(3, 3), r.reshape(3, 3, count)
     sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.sun))
     observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.observer))
@@ -94,12 +91,11 @@ def _penalties(
     """Residuals of all priors (R,), their derivatives (R, SIZE), and the strain."""
     moments = None
     if not is_axial:
-        found, slopes = np.empty(4), np.empty((2, 4))
-        moments_of_elements.with_slopes(state[0], state[1], state[3], state[4], found, slopes)
+        ratios, slopes = moments_of_elements.with_slopes(state[many_starts.OF_MOMENTS])
         by_motion = np.zeros((2, _MOTION))
-        by_motion[:, [3, 4, 6, 7]] = slopes
+        by_motion[:, [3, 4, 6, 7]] = slopes.T
         modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
-        moments = convex.MotionMoments(found[:2].copy(), by_motion, *modes)
+        moments = convex.MotionMoments(ratios, by_motion, *modes)
     return convex.penalties(state[14:], here.areas, here.slopes, moments, _MOTION, tie)
 
 
@@ -209,10 +205,6 @@ def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | 
     )
     if longest > 0.5:
         step = step * (0.5 / longest)
-    trial = state.copy()
-    many_starts.moved(state, step, trial)
+    trial = many_starts.moved(state, step)
     trial[16:] += step[10:]
-    inside = many_starts.LEAST_X < trial[4] < many_starts.MOST_X
-    inside &= many_starts.LEAST_RHO < trial[3] < many_starts.MOST_RHO
-    within = float(np.abs(trial[14:16]).max()) < many_starts.MOST_RATIO
-    return trial if (inside or is_axial) and within else None
+    return trial if many_starts.are_allowed(trial, is_axial) else None

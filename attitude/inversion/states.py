@@ -49,10 +49,7 @@ class PhysicalState(NamedTuple):
 
 def physical(state: FloatArray) -> PhysicalState:
     """The state of motion of the parameters of a search; the largest moment is 1."""
-    k, r = np.zeros((4, 4, 2)), np.empty((9, 1))
-    series.coefficients(math.exp(state[3]), state[4], k)
-    series.attitudes(state[0], state[1], state[2], k, np.zeros(1), r)
-    body = r.reshape(3, 3)
+    body = series.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
     matrix = state[5:14].reshape(3, 3) @ body
     if is_axial(state):
         held = facets.constraints(state[14:16], *facets.areas(state[14:16], state[16:]))
@@ -61,19 +58,16 @@ def physical(state: FloatArray) -> PhysicalState:
         return PhysicalState(
             matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
         )
-    found = np.empty(4)
-    moments_of_elements.log_ratios(state[0], state[1], state[3], state[4], found)
-    ratios = np.array([math.exp(found[0]), math.exp(found[1]), 1.0])
-    return PhysicalState(matrix, found[3] * body[2] / ratios, ratios / ratios.max())
+    found = moments_of_elements.moments(state[many_starts.OF_MOMENTS])
+    ratios = np.exp(np.append(found.log_ratios, 0.0))
+    return PhysicalState(matrix, found.momentum * body[2] / ratios, ratios / ratios.max())
 
 
 def is_admissible(state: FloatArray) -> bool:
     """Whether a body has the moments of a state."""
     if is_axial(state):
         return True
-    found = np.empty(4)
-    moments_of_elements.log_ratios(state[0], state[1], state[3], state[4], found)
-    return bool(found[2])
+    return bool(moments_of_elements.moments(state[many_starts.OF_MOMENTS]).exists)
 
 
 def motion(
@@ -147,9 +141,7 @@ def _slopes(state: FloatArray) -> FloatArray:
         for sign in (1.0, -1.0):
             step = np.zeros(refinement.SIZE)
             step[p] = sign * _STEP * scale[p]
-            moved = state.copy()
-            many_starts.moved(state, step, moved)
-            ends.append(physical(moved))
+            ends.append(physical(many_starts.moved(state, step)))
         turn = ends[0].matrix @ ends[1].matrix.T
         vector = 0.5 * np.array(
             [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 # Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
 BLOCK = 8192
 
-# Facets that are gathered at a time, 0.8 MB of temporary arrays.
-_GATHERED = 32768
+# Facets that are gathered at a time, 1.6 MB of temporary arrays.
+_GATHERED = 65536
 
 # Tables of shadows; each lives as long as its mesh.
 _visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()

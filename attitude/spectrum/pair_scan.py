@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.compilation.decorators import entry_point, reduction
+from attitude.compilation.decorators import entry_point, reduction_subroutine, subroutine
 
 if TYPE_CHECKING:
     from attitude.annotations import IntArray
@@ -62,7 +62,7 @@ def decreases(wr, wi, yr, yi, first, second, lines, ridge, out):
             out[start + lane] = total
 
 
-@entry_point
+@subroutine
 def _fill(wr, wi, yr, yi, at, lane, ridge, g, b):
     """Normal matrix (lower triangle) and right side of one pair, in column `lane`."""
     for m in range(at.size):
@@ -89,7 +89,7 @@ def _fill(wr, wi, yr, yi, at, lane, ridge, g, b):
         g[s, s, lane] += ridge
 
 
-@reduction
+@reduction_subroutine
 def _solve(g, b):
     """Replace b by L^-1 b, for the Cholesky factors L of g (unknown, unknown, 16)."""
     row = np.empty(_SIDE)
