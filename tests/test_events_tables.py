@@ -52,6 +52,7 @@ def test_passes_are_those_of_astropy_and_of_samples(scene, night):
     """Azimuth and elevation by astropy; the visible part by samples a second apart."""
     from astropy import units
     from astropy.coordinates import GCRS, ITRS, AltAz, CartesianRepresentation, EarthLocation
+    from astropy.utils import iers
 
     assert len(night) == 5 and np.all(night.elevation > np.radians(10))
     place = EarthLocation.from_geodetic(20.3653, 69.3482, 157.0)
@@ -59,11 +60,14 @@ def test_passes_are_those_of_astropy_and_of_samples(scene, night):
     # Geometric: the satellite in ITRS less the site, as astropy's documentation of satellites does.
     position = satellite().position(night.epoch, night.culmination)
     gcrs = GCRS(CartesianRepresentation(position.T * units.m), obstime=time)
-    itrs = gcrs.transform_to(ITRS(obstime=time))
-    here = itrs.cartesian - place.get_itrs(time).cartesian
-    seen = ITRS(here, obstime=time, location=place).transform_to(
-        AltAz(obstime=time, location=place)
-    )
+    # The table of the package astropy-iers-data; without one, astropy 6.1 requests a newer file.
+    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
+    with iers.earth_orientation_table.set(table):
+        itrs = gcrs.transform_to(ITRS(obstime=time))
+        here = itrs.cartesian - place.get_itrs(time).cartesian
+        seen = ITRS(here, obstime=time, location=place).transform_to(
+            AltAz(obstime=time, location=place)
+        )
     # Light time and aberration by the satellite's own motion: 7.5 km/s over c, 2.5e-5 rad.
     np.testing.assert_allclose(night.elevation, seen.alt.rad, rtol=0, atol=4e-5)
     np.testing.assert_allclose(night.azimuth, seen.az.rad, rtol=0, atol=4e-5 / np.cos(1.41))

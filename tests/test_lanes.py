@@ -97,6 +97,11 @@ def doubled(array, out):
 
 
 @entry_point
+def packed_by_any_llvm(array, by, out):
+    put_eight(out, 0, packed(eight(array, 0), eight(by, 0)))
+
+
+@entry_point
 def moved(array, by, out):
     """Lanes without gaps, and numbers taken apart and put together."""
     a, b = eight(array, 0), eight(by, 0)
@@ -238,3 +243,18 @@ def test_a_shorter_vector_is_repeated():
         assert found == tuple(expected)
         assert total == (sums[0] + sums[2]) + (sums[1] + sums[3])
         assert square_root == np.sqrt(0.75)
+
+
+def test_lanes_are_packed_without_the_instruction(monkeypatch):
+    """Of LLVM 19; the oldest numba allowed has LLVM 14, where the call of it ended the process."""
+    from attitude.compilation import simd_lowering
+
+    monkeypatch.setattr(simd_lowering, "_COMPRESSES", 1000)
+    array = np.arange(1.0, 9.0)
+    for bits in range(256):
+        by = np.array([1.0 if bits >> k & 1 else -0.0 for k in range(8)])
+        out, expected = np.full(8, np.nan), np.zeros(8)
+        kept = array[by > 0.0]
+        expected[: len(kept)] = kept
+        packed_by_any_llvm(array, by, out)
+        assert np.array_equal(out, expected)

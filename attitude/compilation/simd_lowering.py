@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from llvmlite import ir
+from llvmlite.binding import llvm_version_info
 from numba import types
+from numba.core import cgutils
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 from attitude.compilation import error_free, simd
@@ -15,6 +17,9 @@ from attitude.compilation.error_free import is_instruction
 
 _DOUBLE = ir.DoubleType()
 _INDEX = ir.IntType(32)
+# LLVM has `llvm.experimental.vector.compress` from this version on.  An earlier one takes the name
+# for a function of another library, whose address is zero.
+_COMPRESSES = 19
 
 
 class LanesType(types.Type):
@@ -158,10 +163,27 @@ def _packed_type(a, by):
 @lowered(simd.packed)
 def _packed(context, builder, signature, arguments):
     kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
+    if llvm_version_info[0] < _COMPRESSES:
+        return _packed_one_by_one(builder, arguments[0], mask)
     shape = ir.FunctionType(kind, [kind, mask.type, kind])
     name = f"llvm.experimental.vector.compress.v{kind.count}f64"
     function = builder.module.globals.get(name) or ir.Function(builder.module, shape, name)
     return builder.call(function, [arguments[0], mask, ir.Constant(kind, [0.0] * kind.count)])
+
+
+def _packed_one_by_one(builder, a, mask):
+    """As the instruction: each lane is stored after those kept, or a zero in its place."""
+    count, place = a.type.count, ir.Constant(_INDEX, 0)
+    memory = cgutils.alloca_once(builder, a.type)
+    zero = ir.Constant(_DOUBLE, 0.0)
+    builder.store(ir.Constant(a.type, [0.0] * count), memory)
+    first = builder.bitcast(memory, _DOUBLE.as_pointer())
+    for k in range(count):
+        kept = builder.extract_element(mask, _INDEX(k))
+        number = builder.select(kept, builder.extract_element(a, _INDEX(k)), zero)
+        builder.store(number, builder.gep(first, [place]))
+        place = builder.add(place, builder.zext(kept, _INDEX))
+    return builder.load(memory)
 
 
 @typed(simd.largest_lane)

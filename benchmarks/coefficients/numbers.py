@@ -56,7 +56,7 @@ def _of_doubles():
             lambda: [3 * mpf(2) ** 51],
         ),
         _exact(
-            "compilation/simd_lowering.py",
+            "compilation/simd_bits_lowering.py",
             ("_WHOLE", "_EIGHTHS"),
             "3 2^51, and 3 2^48: sums with eighths below 2^48 have an ulp of 1/8",
             lambda: [3 * mpf(2) ** 51, 3 * mpf(2) ** 48],
