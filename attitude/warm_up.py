@@ -16,7 +16,7 @@ from attitude.free_rotation import FreeRotation
 from attitude.light_curve import Visibility, brightness
 from attitude.scattering import Law, Material, Materials
 from attitude.scene import Scene
-from attitude.shape import Ellipsoid, Mesh
+from attitude.shape import Ellipsoid, Mesh, box
 from attitude.solution.warm_up import compile_ahead, compile_loops, compile_stages
 from attitude.spin import Spin
 from attitude.splitting import TorquedRotation
@@ -112,3 +112,4 @@ def light_curves() -> None:
     for law in laws:
         brightness(mesh, law, *directions)
         brightness(concave, law, *directions, shadows=table)
+        brightness(box((3, 2, 1)), law, *directions)

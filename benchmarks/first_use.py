@@ -108,6 +108,8 @@ scene = Scene(motion, "mars barycenter", shape=shape.box_wing((10, 4, 4), (14, 5
 scene.at(np.linspace(0.0, 6e3, 10)).magnitude
 """,
 }
+# What has seconds of its own: a search for spin states, and a page with all epochs.
+APART = "`attitude invert`, a search of 2 s", "`attitude view toutatis`"
 ALL = "from attitude import warm_up\nfor each in warm_up.features(True): each()"
 
 
@@ -144,8 +146,22 @@ def measured(rounds, everything):
     for name, code in LARGE.items():
         found = [least(code, rounds, fresh) for fresh in (True, False)]
         yield name, (*found, least(code, 1, True, always=True))
+    yield "all of the above in one process", (least(in_one_process(), 1, True), None, None)
     if everything:
         yield "all features, as `attitude warm-up --all`", (least(ALL, 1, True), None, None)
+
+
+def in_one_process():
+    """The code of all rows, but those that are `APART`, one after the other."""
+    parts = ["from attitude.cli import main"]
+    for name, code in {**SMALL, **LARGE}.items():
+        if name in APART:
+            continue
+        if isinstance(code, list):
+            given = [each for each in code[2:] if each != "--output"]
+            code = f"assert main({given!r}) == 0"
+        parts.append(code)
+    return "\n".join(parts)
 
 
 def least(code, rounds, fresh, always=False):
@@ -164,7 +180,8 @@ def least(code, rounds, fresh, always=False):
             subprocess.run(
                 command,
                 cwd=ROOT,
-                env={**os.environ, "NUMBA_CACHE_DIR": cache, **choice},
+                # tables of shadows are kept there
+                env={**os.environ, "NUMBA_CACHE_DIR": cache, "XDG_CACHE_HOME": cache, **choice},
                 stdout=subprocess.DEVNULL,
                 check=True,
             )

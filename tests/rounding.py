@@ -3,7 +3,8 @@
 import numpy as np
 
 from attitude.compilation.decorators import entry_point, subroutine
-from attitude.solution.step import advance, gains, loaded, stored
+from attitude.solution.motion_state import loaded, stored
+from attitude.solution.step import advance, gains
 from attitude.solution.twofloat import ZERO, add, mul, square, sub, two_prod, two_sum
 
 

@@ -64,6 +64,7 @@ ORDERS = {
             "error_free",
             "simd_lowering",
             "simd_array_lowering",
+            "simd_bits_lowering",
             "streaming_lowering",
             "wide_lowering",
             "pointers",
@@ -74,9 +75,9 @@ ORDERS = {
     ),
     "solution": (
         *("codes", "record", "twofloat", "elliptic", "phases", "series", "classify", "constants"),
-        *("coefficients", "given_axes", "uniform", "kernel", "motion", "step", "flow", "joints"),
-        *("chain", "chain_members", "march_layout", "torqued_step", "march", "march_members"),
-        *("adaptive", "regimes", "place_of_d"),
+        *("coefficients", "given_axes", "uniform", "kernel", "motion", "motion_state", "step"),
+        *("flow", "joints", "chain", "chain_members", "march_layout", "torqued_step", "march"),
+        *("march_members", "two_flights", "two_steps", "adaptive", "regimes", "place_of_d"),
         *(
             "vectors",
             "labelled_axes",

@@ -117,18 +117,18 @@ def test_small_derivatives_need_no_compiler(folder):
 
 
 def test_working_memory_is_not_work(monkeypatch):
-    """Of an argument named block the size does not count."""
+    """Of arguments named block or records the size does not count."""
     monkeypatch.setattr(choice, "MODE", "automatic")
     monkeypatch.setattr(choice, "_spent", 0.0)
     seen = []
     monkeypatch.setattr(choice, "is_worth_python", lambda *given: seen.append(given) or True)
 
     @slowly_compiled
-    def doubled(x, block, out):
+    def doubled(x, block, records, out):
         for i in range(len(x)):
             out[i] = 2.0 * x[i]
 
-    doubled(np.arange(3.0), np.empty(10**6), np.empty(3))
+    doubled(np.arange(3.0), np.empty(10**6), np.empty(10**6), np.empty(3))
     predicted, _, _, to_compile = seen[0]
     assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
 
@@ -194,6 +194,31 @@ def test_an_entry_point_measures_its_pace(monkeypatch):
     doubled(2.0 * x, out)
     assert out.tolist() == [0.0, 4.0, 8.0]
     assert doubled._dispatcher is not None
+
+
+def test_python_calls_no_machine_code(monkeypatch):
+    """An entry point that was compiled before is not compiled for the types of Python."""
+    monkeypatch.setattr(choice, "MODE", "automatic")
+    monkeypatch.setattr(choice, "_forced", 0)
+    monkeypatch.setitem(globals(), "_inner", sized_entry_point(_doubled))
+    outer = sized_entry_point(_doubled_by_another)
+    monkeypatch.setattr(_inner, "_spent", choice.TO_COMPILE)  # noqa: F821  made above
+    x, out = np.arange(3.0), np.empty(3)
+    _inner(x, out)  # noqa: F821
+    compiled = _inner._dispatcher  # noqa: F821
+    assert len(compiled.signatures) == 1
+    outer(x[::2], out[::2])
+    assert out.tolist() == [0.0, 2.0, 4.0]
+    assert len(compiled.signatures) == 1 and outer._dispatcher is None
+
+
+def _doubled(x, out):
+    for i in range(len(x)):
+        out[i] = 2.0 * x[i]
+
+
+def _doubled_by_another(x, out):
+    _inner(x, out)  # noqa: F821  set by the test
 
 
 def test_warm_up_compiles_what_a_later_process_loads():

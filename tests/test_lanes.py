@@ -17,6 +17,7 @@ from attitude.compilation.simd import (
     eight,
     every,
     exponent,
+    for_each,
     four,
     halved,
     inverse_power,
@@ -28,6 +29,7 @@ from attitude.compilation.simd import (
     put_eight,
     root,
     sixteen,
+    summed_for_each,
     summed_up,
 )
 
@@ -61,6 +63,15 @@ def fused(a, b, x):
     p, q = lanes(a), lanes(b)
     product = p * q
     return summed_up(fma(p, q, product * -1.0)), summed_up(fma(p, x, (p * x) * -1.0))
+
+
+@entry_point
+def repeated(a, b, x):
+    """A formula over four numbers for each of two lanes, and for a double; its root."""
+    two, weights = lanes((a[0], a[1])), lanes((1.0, 2.0, 4.0, 8.0))
+    many = for_each(b, two) * two + lanes((x, a[2])) * for_each(a, two)
+    found = doubles_of(summed_for_each(fma(many, two, -many), two))
+    return found, summed_for_each(for_each(b, x) * x + weights, x), root(x)
 
 
 @entry_point
@@ -212,3 +223,18 @@ def test_strided_arrays_are_refused():
         pytest.skip("Python takes any array")
     with pytest.raises(Exception, match="eight"):
         first_eight(numbers[::2])
+
+
+def test_a_shorter_vector_is_repeated():
+    """Each lane has the sums of its own formula, of the same pairs; compiled and in Python."""
+    expected = []
+    for lane, other in ((0.1, 0.75), (1.0 / 3.0, -2.5)):
+        many = [fma(b, lane, 0.0) + other * a for a, b in zip(A, B, strict=True)]
+        terms = [fma(each, lane, -each) for each in many]
+        expected.append((terms[0] + terms[2]) + (terms[1] + terms[3]))
+    sums = [0.75 * b + w for b, w in zip(B, (1.0, 2.0, 4.0, 8.0), strict=True)]
+    for function in (repeated, repeated.py_func):
+        found, total, square_root = function(A, B, 0.75)
+        assert found == tuple(expected)
+        assert total == (sums[0] + sums[2]) + (sums[1] + sums[3])
+        assert square_root == np.sqrt(0.75)

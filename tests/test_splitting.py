@@ -9,16 +9,8 @@ from mpmath import mp, mpf
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths, quaternion
 from attitude.compilation.decorators import entry_point
-from attitude.solution.step import (
-    LONGEST_PIECE,
-    advance,
-    gains,
-    increment,
-    loaded,
-    pieces,
-    rates,
-    stored,
-)
+from attitude.solution.motion_state import loaded, stored
+from attitude.solution.step import LONGEST_PIECE, advance, gains, increment, pieces, rates
 from attitude.splitting import steps as torqued_steps
 from attitude.splitting.schemes import SCHEMES, Scheme, scheme
 from attitude.splitting.torqued_rotation import TorquedRotation

@@ -6,10 +6,12 @@ import numba
 import numpy as np
 import pytest
 from astropy import units
+from mpmath import mp, mpf
 
 from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, quaternion
 from attitude.compilation.pointers import C_FUNCTION
 from attitude.shape import Mesh
+from attitude.solution.march import kicks
 from attitude.splitting.torqued_rotation import TorquedRotation
 from attitude.torques import (
     ConstantTorque,
@@ -142,11 +144,47 @@ def test_constant_torque_spins_up_a_sphere():
 def test_linear_damping_of_a_sphere_is_exponential():
     sphere = Body(moments=(5, 5, 5))
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.3, 0.2, -0.1))
-    for scheme, limit in (("kick-rotate-kick", 1e-9), ("blanes-moan", 1e-9)):
+    for scheme in ("kick-rotate-kick", "blanes-moan"):
         motion = TorquedRotation(sphere, spin, LinearDamping(0.2), step=0.1, scheme=scheme)
         found = motion.at(20.0).angular_velocity
-        # a kick is Runge-Kutta's fourth order in h C / I = 4e-3 or less
-        assert np.allclose(found, np.array([0.3, 0.2, -0.1]) * np.exp(-0.8), rtol=limit)
+        # kicks are exact: 200 steps round
+        assert np.allclose(found, np.array([0.3, 0.2, -0.1]) * np.exp(-0.8), rtol=1e-14)
+
+
+@pytest.mark.parametrize("h", [1e-6, 0.02, 0.7, 9.0, -2.0])
+def test_a_kick_of_damping_is_exact(h):
+    """At a fixed attitude, w' = a + J w has an exponential; and -h undoes h."""
+    damping = LinearDamping([[6.0, 1.0, -2.0], [0.5, 9.0, 3.0], [1.0, -4.0, 8.0]])
+    body = Body(tensor=TENSOR / 20.0)
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.4, 0.3, -0.2))
+    motion = TorquedRotation(body, spin, [damping, ConstantTorque((1.0, -2.0, 0.5))], step=0.1)
+    system, start = motion._system, motion._system.start[None]
+
+    def kicked(state, h):
+        out, rest = np.empty_like(state), (np.zeros(1), np.zeros((1, 1)))
+        numbers, _, models = system.setup
+        system.run(kicks, 0.0, numbers, models, state, rest[0], np.full(1, h), *rest, out)
+        return out
+
+    rate = -np.linalg.solve(body.tensor, damping.coefficient)
+    both = np.zeros((4, 4))
+    both[:3, :3], both[:3, 3] = rate, np.linalg.solve(body.tensor, (1.0, -2.0, 0.5))
+    with mp.workdps(30):  # scipy's exponential errs by 6e-13 where it grows
+        exact = mp.expm(mpf(h) * mp.matrix(both)) * mp.matrix([*spin.angular_velocity, 1.0])
+        expected = np.array([float(x) for x in exact[:3]])
+    after = kicked(start, h)
+    found = system.axes @ after[0, 4:7]
+    # rounding of the 100 pieces of the longest kick; of the rates' matrix where it grows by e^13
+    assert np.max(np.abs(found - expected)) < 2e-14 * np.max(np.abs(expected))
+    back = kicked(after, -h)[0, 4:7] - start[0, 4:7]
+    # undone growth leaves the rounding of the larger side
+    assert np.max(np.abs(back)) < 1e-15 * np.exp(abs(h) * np.max(np.abs(np.linalg.eigvals(rate))))
+
+
+def test_a_kick_of_strong_damping_stays_finite():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.4, 0.3, -0.2))
+    motion = TorquedRotation(BODY, spin, LinearDamping(400.0), step=1.0)
+    assert np.max(np.abs(motion.at(10.0).angular_velocity)) < 1e-50
 
 
 def test_damping_on_the_schemes_order():

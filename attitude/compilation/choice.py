@@ -24,7 +24,9 @@ from typing import Final
 # the loops of a propagation, and compiling one function, most of which take 0.3 to 2 s.
 TO_LOAD: Final = 0.5
 TO_COMPILE: Final = 1.0
-# The same of one function of derivatives: setup, or columns of one form.
+# The same of one short loop of `paths`, and of one function of derivatives: setup, or columns of
+# one form.
+TO_COMPILE_SHORT: Final = 0.4
 TO_COMPILE_DERIVATIVES: Final = 5.0
 
 

@@ -59,8 +59,8 @@ if hasattr(os, "register_at_fork"):
 UNCOMPILED: bool = choice.MODE == "never"
 # Seconds for each number of the arguments in Python, until a call was measured.
 _FIRST_GUESS = 1e-4
-# The name of arguments that are working memory, whose size says nothing about the work.
-_MEMORY = "block"
+# Names of arguments that are working memory or tables, whose size says nothing about the work.
+_NO_WORK = {"block", "records", "cells", "starts", "widths", "knots", "knots_low", "table"}
 
 
 class Compilable:
@@ -98,8 +98,12 @@ class Compilable:
         self.__wrapped__ = python
 
     def __call__(self, *arguments: Any) -> Any:
+        return self.uncompiled(*arguments)
+
+    def uncompiled(self, *arguments: Any) -> Any:
+        """The result, computed in Python."""
         if self._python is None:
-            self._python = _with_ieee_math(self.py_func)
+            self._python = _for_python(self.py_func)
         return self._python(*arguments)
 
     def __repr__(self) -> str:
@@ -162,7 +166,7 @@ class EntryPoint(Compilable):
         arrays = [
             each
             for each, name in zip(arguments, self._names, strict=True)
-            if isinstance(each, np.ndarray) and name != _MEMORY
+            if isinstance(each, np.ndarray) and name not in _NO_WORK
         ]
         size = 1 + max((each.size for each in arrays), default=0)
         kept, predicted = self._is_on_disk, size * self._pace
@@ -198,7 +202,7 @@ class EntryPoint(Compilable):
     def _in_python(self, *arguments: Any) -> Any:
         # Compiled code neither raises nor warns at a division by zero or an overflow.
         with np.errstate(all="ignore"):
-            return super().__call__(*map(_with_fields, arguments))
+            return self.uncompiled(*map(_with_fields, arguments))
 
 
 def compiled_names() -> set[str]:
@@ -206,10 +210,16 @@ def compiled_names() -> set[str]:
     return set(_compiled)
 
 
-def _with_ieee_math(given: Callable[..., Any]) -> Callable[..., Any]:
-    """The function with `ieee` under the name ``math``."""
+def _for_python(given: Callable[..., Any]) -> Callable[..., Any]:
+    """The function with `ieee` under the name ``math`` and entry points that are not compiled.
+
+    Compiled ones would be compiled anew for the types of Python.
+    """
     function = cast(FunctionType, given)
     names = {**function.__globals__, "math": ieee}
+    for name in function.__code__.co_names:
+        if isinstance(names.get(name), EntryPoint):
+            names[name] = names[name].uncompiled
     return FunctionType(
         function.__code__, names, function.__name__, function.__defaults__, function.__closure__
     )
@@ -233,6 +243,11 @@ def entry_point(function: Callable[..., Any]) -> EntryPoint:
 def sized_entry_point(function: Callable[..., Any]) -> EntryPoint:
     """As `entry_point`, for loops over entries of arrays: few run in Python (`choice`)."""
     return EntryPoint(function, _EXACT, sized=True)
+
+
+def quickly_compiled(function: Callable[..., Any]) -> EntryPoint:
+    """As `sized_entry_point`, for short loops, which take less time to compile."""
+    return EntryPoint(function, _EXACT, sized=True, to_compile=choice.TO_COMPILE_SHORT)
 
 
 def slowly_compiled(function: Callable[..., Any]) -> EntryPoint:

@@ -58,15 +58,19 @@ _, _COS_2, _COS_4, _COS_6, _COS_8, _COS_10, _COS_12, _COS_14 = _COSINES
 @reduction_within
 def power_of_half(a):
     """2^-a for a >= 0, relative to (3e-15 + 1e-16 a); of numbers above 1000 that of 1000."""
-    a = at_most(a, 1000.0)
-    n = nearest_eighth(a)
-    f = a - n
+    return power_of_half_to_1000(at_most(a, 1000.0))
+
+
+@reduction_within
+def power_of_half_to_1000(a):
+    """`power_of_half` of numbers up to 1000."""
+    f = a - nearest_eighth(a)
     p = f * _POWER_6 + _POWER_5
     p = f * p + _POWER_4
     p = f * p + _POWER_3
     p = f * p + _POWER_2
     p = f * p + _POWER_1
-    return inverse_power(n) * (f * p + 1.0)
+    return inverse_power(a) * (f * p + 1.0)
 
 
 @reduction_within

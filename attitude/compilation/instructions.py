@@ -31,19 +31,19 @@ def fma(a: Any, b: Any, c: Any) -> Any:
     return _fma(float(a), float(b), float(c))
 
 
-def loop_fma(a: float, b: float, c: float) -> float:
+def loop_fma(a: Any, b: Any, c: Any) -> Any:
     """As `fma`, for loops over epochs: vectorised also for processors without the instruction.
 
     There it is computed by error-free transforms, with the same bits but for one case in 1e15 and
     for products below 1e-290, whose rounding errors underflow; |b| is at most 1e300.  A `b` that
     several calls share is split once.
     """
-    return _fma(a, b, c)
+    return fma(a, b, c)
 
 
-def descending_fma(a: float, b: float, c: float) -> float:
+def descending_fma(a: Any, b: Any, c: Any) -> Any:
     """As `loop_fma`, for |c| >= |a b|: three operations less."""
-    return _fma(a, b, c)
+    return fma(a, b, c)
 
 
 if hasattr(math, "fma"):

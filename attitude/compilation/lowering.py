@@ -19,6 +19,7 @@ from attitude.compilation import (
     instructions,
     pointers,
     simd_array_lowering,  # noqa: F401  registers its instructions
+    simd_bits_lowering,  # noqa: F401  registers its instructions
     simd_lowering,
     streaming_lowering,  # noqa: F401  registers its instructions
 )
@@ -114,12 +115,14 @@ def _llvm(builder, name, arguments):
 
 
 @type_callable(instructions.fma)
+@type_callable(instructions.loop_fma)
+@type_callable(instructions.descending_fma)
 def _fma_type(context):
     def typer(a, b, c):
         kind = simd_lowering.lanes_among((a, b, c))
         if kind is None:
             return _F8(_F8, _F8, _F8)
-        return kind(*(each if each == kind else _F8 for each in (a, b, c)))
+        return kind(*simd_lowering.operands((a, b, c)))
 
     return typer
 
@@ -133,15 +136,19 @@ def _fma(context, builder, signature, arguments):
     return simd_lowering.fused(builder, signature.return_type, arguments)
 
 
-@_instruction(instructions.loop_fma, _F8(_F8, _F8, _F8))
+@lower_builtin(instructions.loop_fma, types.VarArg(types.Any))
 def _loop_fma(context, builder, signature, arguments):
+    if signature.return_type != _F8:
+        return simd_lowering.fused(builder, signature.return_type, arguments)
     if is_instruction("llvm.fma", 3):
         return _llvm(builder, "llvm.fma", arguments)
     return error_free.fma(builder, *arguments)
 
 
-@_instruction(instructions.descending_fma, _F8(_F8, _F8, _F8))
+@lower_builtin(instructions.descending_fma, types.VarArg(types.Any))
 def _descending_fma(context, builder, signature, arguments):
+    if signature.return_type != _F8:
+        return simd_lowering.fused(builder, signature.return_type, arguments)
     if is_instruction("llvm.fma", 3):
         return _llvm(builder, "llvm.fma", arguments)
     return error_free.descending_fma(builder, *arguments)

@@ -1,13 +1,14 @@
-"""SIMD vectors of four or eight doubles as values, for code that LLVM does not vectorise.
+"""SIMD vectors of a few doubles as values, for code that LLVM does not vectorise.
 
 LLVM unrolls a short loop before it could vectorise it, and does not join eight copies of a formula.
 Here eight doubles are one value of the machine's vector type (one AVX-512 register, two of AVX2,
 four of NEON) that compiled code adds, multiplies and divides with the usual operators, with doubles
-on either side; `instructions.fma` takes such values too.  Products and sums are fused only where
-the caller is compiled with that option (`decorators.reduction`).
+on either side, or a shorter vector, which is repeated; `instructions.fma` takes such values too.
+Functions that take `Lanes | float` make one formula of it for one body and for several.  Products
+and sums are fused only where the caller is compiled with that option (`decorators.reduction`).
 
-The functions below are the definitions in Python; `simd_lowering` and
-`simd_array_lowering` have the vector instructions.
+The functions below are the definitions in Python; `simd_lowering`, `simd_array_lowering` and
+`simd_bits_lowering` have the vector instructions.
 """
 
 from __future__ import annotations
@@ -40,7 +41,11 @@ class Lanes:
         self.lanes = tuple(map(float, numbers))
 
     def _with(self, other: Lanes | float, function: Callable[[float, float], float]) -> Lanes:
-        return Lanes(map(function, self.lanes, _spread(other, len(self.lanes))))
+        count = _longest(self, other)
+        return Lanes(map(function, _spread(self, count), _spread(other, count)))
+
+    def __neg__(self) -> Lanes:
+        return Lanes(-x for x in self.lanes)
 
     def __add__(self, other: Lanes | float) -> Lanes:
         return self._with(other, lambda a, b: a + b)
@@ -68,13 +73,19 @@ class Lanes:
     @staticmethod
     def fused(*three: Lanes | float) -> Lanes:
         """a b + c with one rounding, of vectors and doubles."""
-        count = next(len(each.lanes) for each in three if isinstance(each, Lanes))
+        count = _longest(*three)
         return Lanes(map(fma, *(_spread(each, count) for each in three)))
 
 
 def _spread(x: Lanes | float, count: int) -> tuple[float, ...]:
-    """The lanes of a vector, or a double in every lane."""
-    return x.lanes if isinstance(x, Lanes) else (float(x),) * count
+    """The lanes of a vector, repeated, or a double in every lane."""
+    given = x.lanes if isinstance(x, Lanes) else (float(x),)
+    return given * (count // len(given))
+
+
+def _longest(*given: Lanes | float) -> int:
+    """The number of lanes of the longest vector among some."""
+    return max(len(each.lanes) for each in given if isinstance(each, Lanes))
 
 
 def _quotient(a: float, b: float) -> float:
@@ -153,9 +164,17 @@ def chosen(by: Lanes, a: Lanes, b: Lanes) -> Lanes:
     return Lanes(x if k > 0.0 else y for k, x, y in zip(by.lanes, a.lanes, b.lanes, strict=True))
 
 
-def root(a: Lanes) -> Lanes:
+def root(a: Lanes | float) -> Lanes | float:
     """The square root, lane by lane; NaN of negative numbers."""
+    if not isinstance(a, Lanes):
+        return math.nan if a < 0.0 else math.sqrt(a)
     return Lanes(math.nan if x < 0.0 else math.sqrt(x) for x in a.lanes)
+
+
+def for_each(numbers: tuple[float, ...], like: Lanes | float) -> Lanes:
+    """A vector of each number of a tuple, once for a double, once for each lane of a vector."""
+    count = len(like.lanes) if isinstance(like, Lanes) else 1
+    return Lanes(number for number in numbers for _ in range(count))
 
 
 def packed(a: Lanes, by: Lanes) -> Lanes:
@@ -175,8 +194,8 @@ def nearest_eighth(a: Lanes) -> Lanes:
 
 
 def inverse_power(a: Lanes) -> Lanes:
-    """2^-a of multiples of 1/8 below 1022, lane by lane."""
-    return Lanes(2.0**-x for x in a.lanes)
+    """2^-n for the `nearest_eighth` n of a, below 1022, lane by lane."""
+    return Lanes(2.0**-x for x in nearest_eighth(a).lanes)
 
 
 def halved(a: Lanes, times: Lanes) -> Lanes:
@@ -192,11 +211,21 @@ def exponent(a: Lanes) -> Lanes:
 
 def summed_up(a: Lanes) -> float:
     """The sum of the lanes: the upper half is added to the lower one until one lane is left."""
+    return _added(a, 1)[0]
+
+
+def summed_for_each(a: Lanes, like: Lanes | float) -> Lanes | float:
+    """The sum over the numbers of `for_each`: a double, or a vector as long as `like`."""
+    return Lanes(_added(a, len(like.lanes))) if isinstance(like, Lanes) else summed_up(a)
+
+
+def _added(a: Lanes, count: int) -> list[float]:
+    """Lanes whose upper half is added to the lower one until so many are left."""
     left = list(a.lanes)
-    while len(left) > 1:
+    while len(left) > count:
         half = len(left) // 2
         left = [left[k] + left[half + k] for k in range(half)]
-    return left[0]
+    return left
 
 
 def largest_lane(a: Lanes) -> float:

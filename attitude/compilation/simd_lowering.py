@@ -90,7 +90,7 @@ def _bits_type(word):
 def _bits(context, builder, signature, arguments):
     kind = signature.return_type
     parts = builder.bitcast(arguments[0], ir.VectorType(ir.IntType(8), kind.count))
-    counted = builder.call(_function(builder, "llvm.ctpop.v8i8", parts.type, 1), [parts])
+    counted = builder.call(function_named(builder, "llvm.ctpop.v8i8", parts.type, 1), [parts])
     return builder.uitofp(counted, kind.vector)
 
 
@@ -144,7 +144,9 @@ def _root_type(a):
 @lowered(simd.root)
 def _root(context, builder, signature, arguments):
     kind = signature.return_type
-    function = _function(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
+    if not isinstance(kind, LanesType):
+        return builder.call(function_named(builder, "llvm.sqrt.f64", _DOUBLE, 1), arguments)
+    function = function_named(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
     return builder.call(function, arguments)
 
 
@@ -162,101 +164,6 @@ def _packed(context, builder, signature, arguments):
     return builder.call(function, [arguments[0], mask, ir.Constant(kind, [0.0] * kind.count)])
 
 
-# Adding these leaves a whole number below 2^51, or one of eighths below 2^48, in the low bits.
-_WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
-
-
-@typed(simd.truncated)
-def _truncated_type(a):
-    return a
-
-
-@lowered(simd.truncated)
-def _truncated(context, builder, signature, arguments):
-    kind = signature.return_type
-    whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
-    return builder.sitofp(whole, kind.vector)
-
-
-@typed(simd.nearest_eighth)
-def _nearest_type(a):
-    return a
-
-
-@lowered(simd.nearest_eighth)
-def _nearest_eighth(context, builder, signature, arguments):
-    kind = signature.return_type
-    total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
-    return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
-
-
-@typed(simd.inverse_power)
-def _power_type(a):
-    return a
-
-
-@lowered(simd.inverse_power)
-def _inverse_power(context, builder, signature, arguments):
-    kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
-    low = builder.bitcast(_in_low_bits(builder, kind, arguments[0], _EIGHTHS), integers)
-    place = builder.and_(low, ir.Constant(integers, [7] * kind.count))
-    table = ir.Constant(ir.VectorType(_DOUBLE, 8), [2.0 ** (-k / 8.0) for k in range(8)])
-    power = ir.Constant(kind.vector, ir.Undefined)
-    # LLVM makes one permutation of eight such lanes where the processor has it.
-    for k in range(kind.count):
-        one = builder.extract_element(table, builder.extract_element(place, _INDEX(k)))
-        power = builder.insert_element(power, one, _INDEX(k))
-    whole = builder.shl(builder.sub(low, place), ir.Constant(integers, [49] * kind.count))
-    return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
-
-
-@typed(simd.halved)
-def _halved_type(a, times):
-    return a
-
-
-@lowered(simd.halved)
-def _halved(context, builder, signature, arguments):
-    kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
-    times = builder.bitcast(_in_low_bits(builder, kind, arguments[1], _WHOLE), integers)
-    shifted = builder.shl(times, ir.Constant(integers, [52] * kind.count))
-    bits = builder.sub(builder.bitcast(arguments[0], integers), shifted)
-    return builder.bitcast(bits, kind.vector)
-
-
-@typed(simd.exponent)
-def _exponent_type(a):
-    return a
-
-
-@lowered(simd.exponent)
-def _exponent(context, builder, signature, arguments):
-    kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
-    # the bits of 3/4, by which the exponents of 3/4 to 3/2 become zero
-    first = ir.Constant(integers, [0x3FE8 << 48] * kind.count)
-    above = builder.sub(builder.bitcast(arguments[0], integers), first)
-    shifted = builder.ashr(above, ir.Constant(integers, [52] * kind.count))
-    return builder.sitofp(shifted, kind.vector)
-
-
-def _in_low_bits(builder, kind, a, number):
-    """The sum with a number that rounds to a multiple of a power of two in the low bits."""
-    return _fenced(builder, kind, builder.fadd(a, _all(kind, number)))
-
-
-def _fenced(builder, kind, a):
-    """The vector, across which the compiler does not reorder sums."""
-    name = f"llvm.arithmetic.fence.v{kind.count}f64"
-    return builder.call(_function(builder, name, kind.vector, 1), [a])
-
-
-def _all(kind, number):
-    return ir.Constant(kind.vector, [number] * kind.count)
-
-
 @typed(simd.largest_lane)
 @typed(simd.summed_up)
 def _one_lane_type(a):
@@ -265,14 +172,45 @@ def _one_lane_type(a):
 
 @lowered(simd.summed_up)
 def _summed_up(context, builder, signature, arguments):
-    (left,) = arguments
-    half = signature.args[0].count // 2
-    while half:
+    return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
+
+
+@typed(simd.summed_for_each)
+def _summed_for_each_type(a, like):
+    return like(a, like)
+
+
+@lowered(simd.summed_for_each)
+def _summed_for_each(context, builder, signature, arguments):
+    kind = signature.return_type
+    if isinstance(kind, LanesType):
+        return _added(builder, arguments[0], kind.count)
+    return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
+
+
+def _added(builder, left, count):
+    """The upper half of the lanes is added to the lower one until so many are left."""
+    while left.type.count > count:
+        half = left.type.count // 2
         low = builder.shuffle_vector(left, left, _picked(range(half)))
         high = builder.shuffle_vector(left, left, _picked(range(half, 2 * half)))
         left = builder.fadd(low, high)
-        half //= 2
-    return builder.extract_element(left, _INDEX(0))
+    return left
+
+
+@typed(simd.for_each)
+def _for_each_type(numbers, like):
+    return LanesType(len(numbers) * (like.count if isinstance(like, LanesType) else 1))
+
+
+@lowered(simd.for_each)
+def _for_each(context, builder, signature, arguments):
+    kind = signature.return_type
+    made, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
+    for k in range(kind.count):
+        one = builder.extract_value(arguments[0], k // count)
+        made = builder.insert_element(made, one, _INDEX(k))
+    return made
 
 
 @lowered(simd.largest_lane)
@@ -306,27 +244,36 @@ def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
     arguments = [_spread(builder, kind, each) for each in arguments]
     if not is_instruction("llvm.fma", 3):
         return error_free.fma(builder, *arguments)
-    function = _function(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
+    function = function_named(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
     return builder.call(function, arguments)
 
 
 def lanes_among(kinds: Iterable[Any]) -> LanesType | None:
-    """The one type of the vectors among the operands, the others being doubles; else None."""
-    found = {kind for kind in kinds if isinstance(kind, LanesType)}
+    """The type of the longest vectors among the operands, the others being doubles; else None."""
+    kinds = list(kinds)
+    found = [kind for kind in kinds if isinstance(kind, LanesType)]
     others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
-    return found.pop() if len(found) == 1 and not others else None
+    return max(found, key=lambda kind: kind.count) if found and not others else None
 
 
-def _function(builder, name, kind, count):
+def operands(given: Iterable[Any]) -> Iterable[Any]:
+    """The types as which an operator takes its operands: vectors as they are, else doubles."""
+    return (each if isinstance(each, LanesType) else types.float64 for each in given)
+
+
+def function_named(builder: Any, name: str, kind: Any, count: int) -> Any:
     """LLVM's function of that name, of `count` values of a type to one."""
     found = builder.module.globals.get(name)
     return found or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
 
 
 def _spread(builder, kind, x):
-    """A double in every lane; a vector unchanged."""
+    """A double in every lane; a vector unchanged, or a shorter one repeated."""
     if x.type == kind.vector:
         return x
+    if isinstance(x.type, ir.VectorType):
+        places = [k % x.type.count for k in range(kind.count)]
+        return builder.shuffle_vector(x, x, _picked(places))
     none = ir.Constant(kind.vector, ir.Undefined)
     first = builder.insert_element(none, x, _INDEX(0))
     return builder.shuffle_vector(first, none, _picked([0] * kind.count))
@@ -344,7 +291,7 @@ def _operator(symbol, instruction):
     @typed(symbol)
     def typer(a, b):
         kind = lanes_among((a, b))
-        return kind and kind(*(each if each == kind else types.float64 for each in (a, b)))
+        return kind and kind(*operands((a, b)))
 
     def applied(context, builder, signature, arguments):
         kind = signature.return_type
@@ -358,3 +305,13 @@ _operator(operator.add, "fadd")
 _operator(operator.sub, "fsub")
 _operator(operator.mul, "fmul")
 _operator(operator.truediv, "fdiv")
+
+
+@typed(operator.neg)
+def _negative_type(a):
+    return a if isinstance(a, LanesType) else None
+
+
+@lower_builtin(operator.neg, LanesType)
+def _negative(context, builder, signature, arguments):
+    return builder.fneg(arguments[0])

@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from attitude.light_curve.visibility import Visibility
     from attitude.scattering import Law
 
-# Rows in a piece of work: a millisecond with ellipsoids, and 50 ms if each is of another member.
-_ROWS = 1 << 15
+# Rows in a piece of work: 2 ms with ellipsoids, and 0.1 s if each is of another member.  Threads
+# wait for the interpreter lock at each call of compiled code: the more of them, the longer.
+_ROWS = 1 << 16
 # Rows of meshes in a piece: a facet costs a nanosecond.
 _ROWS_OF_MESHES = 1 << 12
-# Pieces that a thread takes at a time: the thread that waits for them takes 0.05 ms for each.
-_PIECES = 3
 
 
 class Light:
@@ -96,18 +95,20 @@ class Light:
         def work(begin: int, end: int) -> None:
             for part in parts[begin:end]:
                 piece = rows.piece(part)
-                both = [rows.vectors(each, part) for each in (sun, observer)]
-                found = self._of(piece, *both)
+                both = rows.vectors(sun, part), rows.vectors(observer, part)
+                in_place = isinstance(piece.place, slice)
+                found = out[piece.place] if in_place else np.empty(len(piece.member))
+                self._fill(piece, *both, found)
                 if band is not None:
-                    found = of_brightness(found, band)
+                    found[:] = of_brightness(found, band)
                 if apparent:
                     found += _modulus(*both)
-                out[piece.place] = found
+                if not in_place:
+                    out[piece.place] = found
 
-        in_blocks(work, len(parts), _PIECES, threads, ProgressBar("light curves"))
+        in_blocks(work, len(parts), 1, threads, ProgressBar("light curves"))
 
-    def _of(self, piece: Piece, sun: FloatArray, observer: FloatArray) -> FloatArray:
-        found = np.empty(len(piece.member))
+    def _fill(self, piece: Piece, sun: FloatArray, observer: FloatArray, found: FloatArray) -> None:
         fill = self._of_ellipsoids if self._has_axes else self._of_meshes
         fill(piece, sun, observer, found)
         if self._law.has_phase:
@@ -117,7 +118,6 @@ class Light:
             found *= self._law.phase(np.nan_to_num(separation(*units)))
         if np.isnan(found).any():
             self._explain(piece, sun, observer)
-        return found
 
     def _of_ellipsoids(
         self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from attitude.annotations import FloatArray, IntArray
 
 # The constants of so many members are computed together: they stay in the second-level cache.
-BLOCK = 256
+BLOCK = 512
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude.annotations import FloatArray, IntArray
+    from attitude.light_curve.few_facets import Packs
     from attitude.scattering import Law
 
 # Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work.
 BLOCK = 8192
 
-# Facets that are gathered at a time, 0.8 MB of temporary arrays.
-_GATHERED = 32768
+# Facets that are gathered at a time, 1.6 MB of temporary arrays.
+_GATHERED = 65536
 
 # Tables of shadows; each lives as long as its mesh.
 _visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()
@@ -261,13 +262,16 @@ def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
 
 def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
     """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
-    from attitude.light_curve import sums
+    from attitude.light_curve import few_facets, sums
 
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     # Names of the same material are one row: fewer facets are filled up.
     rows, same = np.unique(rows, axis=0, return_inverse=True)
     number = same.reshape(-1)[number]
+    packs = few_facets.packs_of(mesh, number, len(rows), clusters.order)
+    if packs is not None and law.elements is not None:
+        return _times(clusters.area, _few_kernel(law, rows, packs, table))
     which = np.where(clusters.order < 0, -1, number[clusters.order])
     masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
     masks.flags.writeable = False
@@ -297,6 +301,28 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
             begin = end
 
     return _times(clusters.area, kernel)
+
+
+def _few_kernel(
+    law: Law, rows: FloatArray, packs: Packs, table: Visibility | None
+) -> Callable[..., None]:
+    """The sum over a mesh of few facets, all of which are evaluated."""
+    from attitude.light_curve import few_facets, sums
+
+    assert law.of_phase is not None and law.elements is not None
+    masks, resolution = few_facets.arranged(np.zeros((1, 0), dtype=np.uint8), packs), 0
+    if table is not None:
+        masks, resolution = table.arranged(packs), table.resolution
+    summed = few_facets.summed(law.of_phase, law.elements)
+
+    def kernel(*arrays: FloatArray) -> None:
+        *directions, out = arrays
+        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        half = np.empty((2, out.size))
+        sums.halves(*directions, *half)
+        summed(rows, packs.first, packs.facets, masks, *cells, *directions, *half, out)
+
+    return kernel
 
 
 def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:

@@ -55,7 +55,7 @@ _LEAF, _WIDTH = np.uint64(LEAF), np.uint64(_LANES)
 _BESIDE, _UPWARD = 1e250, 1e150
 
 
-@reduction_inlined
+@reduction_within
 def axes_of(face):
     """The axis of a face of the cube, those of its columns and of its rows."""
     axis = face // 2

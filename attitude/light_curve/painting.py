@@ -26,6 +26,10 @@ from attitude.light_curve.outline_painting import (
 )
 
 if TYPE_CHECKING:
+    from typing import Any
+
+    from numpy.typing import NDArray
+
     from attitude.annotations import FloatArray
 
 # Heights above the plane of a facet up to this share of the size of the body are rounding: those
@@ -56,43 +60,51 @@ def surroundings(points: FloatArray, size: float) -> FloatArray:
     return np.concatenate([middle, 1.001 * reach + 1e-12 * size], axis=1)
 
 
+def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ...]:
+    """The arrays in which `paint` works on some facets, for the leaves of a `Hierarchy`.
+
+    numpy makes them: numba would compile a function for each.
+    """
+    # One count more a row, for changes beyond the last column.
+    counts = np.zeros(FACES * resolution * (resolution + 1), np.uint64)
+    drawn = np.zeros(2 * FACES, np.int64)
+    drawn[::2] = resolution
+    return (
+        np.full(FACES * resolution**2 * members, 255, np.uint8),
+        *(counts, counts.view(np.uint8), drawn, np.zeros(4 * FACES, np.int64)),
+        *(np.zeros(leaves + 1, np.int64), np.empty(leaves, np.int64)),
+        np.zeros(_LANES * LEAF * (leaves + 1)),
+    )
+
+
 @reduction
 def paint(
     boxes, edges, sides, first_edges, fronts, corners, facing, normals, points, middles, size,
-    members, across, up, shifts, resolution, both, masks, place,
+    members, across, up, shifts, resolution, both, sky, counts, changes, drawn, frames, marks,
+    found, shown, masks, place,
 ):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
     `boxes` are those of a `Hierarchy`, in whose order are corners (F, 3, 3) and normals with their
     heights above the origin, `facing` (F, 4); edges to fronts are its `Outlines`; normals (F, 3)
-    and points (F, 3, 8) with their `surroundings` are in the order of the mesh, all in m; `size` is
+    and points (F * 24,) with their `surroundings` are in the order of the mesh, all in m; `size` is
     that of the body.  `across` and `up` are `tangents` and `shifts` the parts of a cell by which
-    points look beside its middle, along rows, then along columns; masks are
-    (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
+    points look beside its middle, along rows, then along columns; sky to shown are `memory`; masks
+    are (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
     """
     leaves = boxes.shape[0] // 2
     count = np.uint64(members.size)
     cells = np.uint64(masks.shape[0])
-    sky = np.full(cells * count, 255, np.uint8)
-    flat = points.reshape(-1)
-    # One count more a row, for changes beyond the last column.
-    counts = np.zeros(FACES * resolution * (resolution + 1), np.uint64)
-    changes = counts.view(np.uint8)
-    drawn = np.zeros(2 * FACES, np.int64)
-    drawn[::2] = resolution
-    frames = np.zeros(4 * FACES, np.int64)
-    marks, found = np.zeros(leaves + 1, np.int64), np.empty(leaves, np.int64)
-    shown = np.zeros(_LANES * LEAF * (leaves + 1))
     for m in range(count):
         k = members[m]
         if k >= 0:
             faces = frame(normals[k], resolution, frames)
             groups = _look_around(
-                boxes, fronts, corners, facing, normals[k], flat, 24 * k, middles[k], size, both,
+                boxes, fronts, corners, facing, normals[k], points, 24 * k, middles[k], size, both,
                 faces, marks, found, shown,
             )  # fmt: skip
             draw_groups(
-                found, groups, edges, sides, first_edges, corners, flat, 24 * k, up, shifts,
+                found, groups, edges, sides, first_edges, corners, points, 24 * k, up, shifts,
                 resolution, frames, marks, shown, changes, drawn,
             )  # fmt: skip
             for q in range(groups):
@@ -153,7 +165,7 @@ def _mark(marks, node, leaves, mark):
         marks[k] = mark
 
 
-@reduction_inlined
+@reduction_within
 def _after(node):
     """The node that follows when the children of a node are skipped; 0 at the end."""
     while node & 1:

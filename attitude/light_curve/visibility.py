@@ -13,7 +13,7 @@ rather than its middle.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude.annotations import FloatArray
+    from attitude.light_curve.few_facets import Packs
 
 # Points of each facet, one bit each.
 POINTS = 8
@@ -64,6 +65,8 @@ class Visibility:
     resolution: int
     clusters: Clusters
     corners: FloatArray
+    # The last answer of `arranged` and what it was asked with.
+    _last: list[Any] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         for array in (self.masks, self.corners):
@@ -141,6 +144,17 @@ class Visibility:
                 table_files.write(file, masks)
         return cls(masks, resolution, clusters, mesh.corners)
 
+    def arranged(self, packs: Packs) -> NDArray[np.uint64]:
+        """The masks as `few_facets.arranged` has them; those of the last packs are kept."""
+        from attitude.light_curve import few_facets
+
+        last = self._last[-1:]
+        if not last or not np.array_equal(last[0][0], packs.order):
+            found = few_facets.arranged(self.masks, packs, self.clusters.order)
+            self._last[:] = last = [(packs.order, found)]
+        words: NDArray[np.uint64] = last[0][1]
+        return words
+
     def is_of(self, mesh: Mesh) -> bool:
         """Whether the table, which may have been unpickled, belongs to a mesh.
 
@@ -215,7 +229,7 @@ def _painted(
     facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
     normals = np.ascontiguousarray(mesh.normals)
     size = float(np.max(np.abs(corners)))
-    middles = painting.surroundings(points, size)
+    middles, flat = painting.surroundings(points, size), points.reshape(-1)
     both = not mesh.is_closed or bool(np.any(parts(mesh.facets, len(mesh.vertices))))
 
     def work(begin: int, end: int) -> None:
@@ -223,7 +237,8 @@ def _painted(
         painting.paint(
             *(tree.boxes, outlines.edges, outlines.sides, outlines.first, outlines.fronts),
             *(near, facing),
-            *(normals, points, middles, size, members, across, up, shifts, resolution, both),
+            *(normals, flat, middles, size, members, across, up, shifts, resolution, both),
+            *painting.memory(len(members), resolution, len(tree.boxes) // 2),
             *(masks, begin * SIZE),
         )
 

@@ -17,13 +17,13 @@ Source: Clenshaw's recurrence; Press et al., Numerical Recipes (2007), section 5
 
 import math
 
-from attitude.compilation.decorators import sized_entry_point, subroutine
+from attitude.compilation.decorators import quickly_compiled, subroutine
 from attitude.compilation.instructions import fma
 from attitude.compilation.simd import doubles_of, eight, four, lanes, positive_bits, put_eight, root
 from attitude.solution.twofloat import two_sum
 
 
-@sized_entry_point
+@quickly_compiled
 def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
     """Fill piece and x for pieces of one width in seconds.
 
@@ -43,7 +43,7 @@ def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
     return outside
 
 
-@sized_entry_point
+@quickly_compiled
 def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, widths, piece, x):
     """As `place_equal`, where each piece fills one or more cells of one width.
 
@@ -64,7 +64,7 @@ def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, wid
     return outside
 
 
-@sized_entry_point
+@quickly_compiled
 def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
     """As `place_equal`, for pieces between ascending knots (pieces + 1,), seconds in two doubles.
 
@@ -139,7 +139,7 @@ def _four_at_once(rows, first, count, t):
     return fma(t, a, four(rows, first) - last)
 
 
-@sized_entry_point
+@quickly_compiled
 def values(records, skip, count, piece, x, factor, out):
     """Fill out (3, N) with the vector at each epoch times a factor.
 
@@ -163,7 +163,7 @@ def values(records, skip, count, piece, x, factor, out):
                 out_a[k], out_b[k], out_c[k] = a * factor, b * factor, c * factor
 
 
-@sized_entry_point
+@quickly_compiled
 def directions(
     hi, lo, base_hi, base_lo, most, width, cells, starts, widths, records, rows, count, sign,
     begin, end, unit, length,
@@ -223,7 +223,7 @@ def _row_of(seconds, most, width, cells):
     return cells[cell if cell < cells.size else cells.size - 1]
 
 
-@sized_entry_point
+@quickly_compiled
 def values_and_rates(records, skip, count, piece, x, widths, factor, out, rate):
     """As `values`, and fill rate (3, N) with the derivative by time.
 

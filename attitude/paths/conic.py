@@ -17,7 +17,7 @@ Source: Stumpff (1959); Danby, Fundamentals of Celestial Mechanics (1988), secti
 
 import math
 
-from attitude.compilation.decorators import sized_entry_point, subroutine
+from attitude.compilation.decorators import quickly_compiled, subroutine
 from attitude.compilation.instructions import fma
 from attitude.solution.twofloat import two_sum
 
@@ -79,7 +79,7 @@ def _solve(t, q, e, k, b):
     return s
 
 
-@sized_entry_point
+@quickly_compiled
 def states(hi, lo, base_hi, base_lo, period, q, e, k, basis, position, velocity):
     """Fill position and velocity (3, N), m and m/s, at epochs hi (N,) + lo (N,) or (1,) seconds.
 

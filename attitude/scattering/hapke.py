@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude.compilation.decorators import reduction_subroutine, reduction_within
-from attitude.compilation.elementary import power_of_half, share_of_half_turn
+from attitude.compilation.elementary import (
+    power_of_half,
+    power_of_half_to_1000,
+    share_of_half_turn,
+)
 from attitude.compilation.instructions import fence
 from attitude.compilation.simd import at_least, at_most, chosen, root
 from attitude.scattering.law import Law
 from attitude.scattering.parameters import NumberField, parameter
+
+if TYPE_CHECKING:
+    from attitude.annotations import FloatArray
 
 # Below this tangent of the mean slope the surface is smooth to rounding.
 _SMOOTH = 1e-18
 # Lower bound of numbers that vanish together with others, where their quotient does not count.
 _LEAST = 1e-40
 _LN2 = math.log(2.0)
+# Bound of -log2 of E1.
+_STEEPEST = 42.0
 
 
 @reduction_subroutine
@@ -31,8 +41,7 @@ def _of_phase(row, cos_half, sin_half, phase_terms):
     surge = row[2] * row[3] * cos_half / (row[3] * cos_half + sin_half)
     phase_terms[0] = (1.0 + surge) * (1.0 - g * g) / (base * math.sqrt(base))
     phase_terms[1] = sin_half * sin_half
-    phase_terms[2] = math.tan(row[4])
-    phase_terms[3] = math.sqrt(1.0 - row[0])
+    phase_terms[2], phase_terms[3] = row[5], row[6]
 
 
 @reduction_within
@@ -75,8 +84,8 @@ def _rough(row, phase_terms, mu0, mu):
     sines = sin_a * sin_b
     more = a * b + sines + 1.0
     apart = sin_a * b - sin_b * a
-    inverse = 1.0 / (more * sines)
-    sin2 = (more * phase_terms[1] - 0.5 * apart * apart) * inverse
+    inverse = 0.5 / (more * sines)
+    sin2 = (more * (2.0 * phase_terms[1]) - apart * apart) * inverse
     sin2 = at_most(at_least(sin2, 0.0), 1.0)
     cos2 = 1.0 - sin2
     cos_psi = cos2 - sin2
@@ -86,29 +95,32 @@ def _rough(row, phase_terms, mu0, mu):
     angle = chosen(cos_psi, angle, 1.0 - angle)
     hidden = power_of_half(sin2 * (steep * (2.0 / _LN2)))
     # -ln E1 and -ln E2 are multiples of the cotangent of i or e, and of its square
-    scaled = inverse * (more * (2.0 / math.pi / _LN2 / tan_bar))
-    cot_a, cot_b = a * sin_b * scaled, b * sin_a * scaled
-    e1a, e1b = power_of_half(cot_a), power_of_half(cot_b)
-    e2a = power_of_half(cot_a * cot_a * (0.25 * math.pi * _LN2))
-    e2b = power_of_half(cot_b * cot_b * (0.25 * math.pi * _LN2))
+    scaled = inverse * (more * (4.0 / math.pi / _LN2 / tan_bar))
+    # Beyond the bound, 2^-42 and 2^-960, they count as nothing.
+    cot_a, cot_b = at_most(a * sin_b * scaled, _STEEPEST), at_most(b * sin_a * scaled, _STEEPEST)
+    e1a, e1b = power_of_half_to_1000(cot_a), power_of_half_to_1000(cot_b)
+    e2a = power_of_half_to_1000(cot_a * cot_a * (0.25 * math.pi * _LN2))
+    e2b = power_of_half_to_1000(cot_b * cot_b * (0.25 * math.pi * _LN2))
     slope_a, slope_b = sin_a * tan_bar, sin_b * tan_bar
     da, db = 2.0 - e1a, 2.0 - e1b
     below = at_least(db - angle * e1a, _LEAST)
     ya = a * below + slope_a * (cos_psi * e2b + sin2 * e2a)
     yb = b * below + slope_b * (e2b - sin2 * e2a)
-    # H(mu0_e) H(mu_e) is `above` / `under`
-    twice = 2.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
-    above = (ya * twice + below) * (yb * twice + below)
-    twice *= gamma
-    under = (ya * twice + below) * (yb * twice + below)
-    several = (phase_terms[0] - 1.0) * under + above
-    shaded = (b * db + slope_b * e2b) * (a * da + slope_a * e2a * (1.0 - hidden))
-    return (
-        (0.25 / math.pi * row[0])
-        * (ya * yb * da * db)
-        * several
-        / (below * at_least(ya + yb, _LEAST) * under * shaded)
+    # H(mu0_e) H(mu_e) is (L + c Ya) (L + c Yb) over the same with c gamma for c.
+    larger = 2.0 / math.sqrt(1.0 + math.pi * tan_bar * tan_bar)
+    smaller = larger * gamma
+    product, squared = ya * yb, below * below
+    both = below * at_least(ya + yb, _LEAST)
+    under = squared + both * smaller + product * (smaller * smaller)
+    # [p (1 + B) - 1] under + above, times w / (4 pi)
+    scale, rest = 0.25 / math.pi * row[0], phase_terms[0] - 1.0
+    several = (
+        squared * (scale * phase_terms[0])
+        + both * (scale * (larger + rest * smaller))
+        + product * (scale * (larger * larger + rest * (smaller * smaller)))
     )
+    shaded = (b * db + slope_b * e2b) * (a * da + slope_a * e2a * (1.0 - hidden))
+    return (product * da * db) * several / (both * under * shaded)
 
 
 @dataclass(frozen=True)
@@ -144,3 +156,7 @@ class Hapke(Law):
     b0: NumberField = parameter(2.5, low=0.0, high=10.0)
     h: NumberField = parameter(0.025, low=1e-6, high=10.0)
     roughness: NumberField = parameter(np.radians(20.0), low=0.0, high=np.radians(60.0), unit="rad")
+
+    def row(self) -> FloatArray:
+        """The fields in order, tan(theta-bar), and gamma = sqrt(1 - w)."""
+        return np.append(super().row(), [math.tan(self.roughness), math.sqrt(1.0 - self.w)])

@@ -1,9 +1,10 @@
 """Loops of splitting integrators with steps as long as an error estimate allows.
 
-Each step is taken whole and in two halves from one state.  The state after the halves goes on; the
-difference of both, divided by 2^p - 1 for a scheme of order p, is its error.  A step is kept as
-long as its error is within the tolerance and no much longer one would be: between changes the
-samples of paths can be computed in advance.
+Each step is taken whole and in two halves from one state, the whole one together with the first
+half (`solution.two_steps`).  The state after the halves goes on; the difference of both, divided by
+2^p - 1 for a scheme of order p, is its error.  A step is kept as long as its error is within the
+tolerance and no much longer one would be: between changes the samples of paths can be computed in
+advance.
 
 A second motion may go along that takes all steps whole.  Steps of both follow the same mesh, once
 halved, so the difference of the motions bounds the error of the first at any later time wherever
@@ -16,8 +17,16 @@ from typing import Final
 from attitude.compilation.decorators import entry_point, subroutine
 from attitude.compilation.pointers import scratch
 from attitude.solution import march_layout as layout
-from attitude.solution.step import loaded, stored
+from attitude.solution.motion_state import loaded, stored
 from attitude.solution.torqued_step import body_of, torqued_step, torques_of
+from attitude.solution.two_steps import (
+    ALONE,
+    ONE_BY_ONE,
+    OTHER,
+    SAME_START,
+    can_be_two,
+    two_steps,
+)
 
 # Share of the step that the estimate allows, and limits of a change.
 _SAFETY: Final = 0.9
@@ -37,6 +46,8 @@ _NEGLIGIBLE: Final = 1e-3
 _ROUNDED: Final = 1e-17
 # The first steps, whose length is a guess, show no order.
 _GUESSED: Final = 8
+# What `two_steps` knows of the torque at the start of a step.
+_UNKNOWN: Final = False, (0.0, 0.0, 0.0)
 
 
 @entry_point
@@ -63,7 +74,8 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
     work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
     rows, each = given.shape[0], (3 * n + 2) * row
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
-    paired = len(coarse) > 0
+    paired, held = len(coarse) > 0, _UNKNOWN
+    pieces = _longest_pieces(clock, plan, torques)
     state = loaded(fine)
     beside = loaded(coarse) if paired else state
     t, length = clock[layout.TIME], clock[layout.LENGTH]
@@ -82,9 +94,9 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
             fault, when = layout.TOO_ROUGH, t
             break
         tried += 1
-        first = given.ctypes.data + taken * each
-        whole, other, halves, fault, when, turn = _tried(
-            body, plan, torques, (t, middle, end), state, beside, paired, first, row, work
+        times, sampled = (t, middle, end), (given.ctypes.data + taken * each, row, work)
+        whole, other, halves, fault, when, turn, ahead = _tried(
+            body, plan, torques, times, state, beside, paired, sampled, held, pieces
         )
         if fault == layout.BAD_TORQUE:
             break
@@ -95,10 +107,10 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
         longest = abs(length) if cut else _SAFETY * _longest(clock[layout.TURN_LIMIT], halves[1])
         length, accepted = _judged(clock, counts, error, h, length, order, longest)
         if accepted:
-            w1, w2, w3 = halves[1]
-            speed = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
-            _watch(clock, counts, error, h, order, speed)
+            _watch(clock, counts, error, h, order, halves[1])
             t, state, beside = end, halves, other
+            # samples of the end of a step and of the start of the next may differ by a rounding
+            held = ahead if rows == 0 else _UNKNOWN
             taken += 1
             if paired:
                 clock[layout.APART] = max(clock[layout.APART], _angle(state, beside))
@@ -120,14 +132,42 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
 
 
 @subroutine
-def _tried(body, plan, torques, times, state, beside, paired, first, row, work):
+def _longest_pieces(clock, plan, torques):
+    """The squares of the longest pieces of free motions for `two_steps`; zeros if it cannot be."""
+    if not can_be_two(plan, torques):
+        return 0.0, 0.0
+    return clock[layout.FINE_PIECE] ** 2, clock[layout.WHOLE_PIECE] ** 2
+
+
+@subroutine
+def _tried(body, plan, torques, times, state, beside, paired, given, held, pieces):
     """A step whole, that of the motion beside it, and in two halves; then as `torqued_step`.
 
-    times   s at its start, middle and end
-    first   address of its samples
+    times      s at its start, middle and end
+    given      address of its samples, bytes of a row of them, and address of the scratch memory
+    held       as in `two_steps`, which is returned for the next step
+    pieces     of `_longest_pieces`
     """
     n = plan[1]
     t, middle, end = times
+    first, row, work = given
+    if pieces[0] > 0.0:
+        half, h, two = 0.5 * (end - t), end - t, (state, state)
+        known, whole, outcome, when = held, state, ONE_BY_ONE, 0.0
+        for part in range(2):  # one call, compiled once
+            begin, stop, samples, second = t, middle, n + 1, SAME_START
+            if part == 1:
+                whole = two[1]
+                two = two[0], beside if paired else two[0]
+                begin, stop, samples, second = middle, end, 2 * n + 1, OTHER if paired else ALONE
+            two, known, outcome, when = two_steps(
+                *(body, plan, torques, two, second, ((begin, stop), (t, end)), (half, h)),
+                *((first + samples * row, first), row, work, known, pieces),
+            )
+            if outcome != layout.FINE:
+                break
+        if outcome != ONE_BY_ONE:
+            return whole, two[1], two[0], outcome, when, 0.0, known
     now = whole = other = state
     fault, when, turn = layout.FINE, 0.0, 0.0
     for part in range(4):  # one call, compiled once
@@ -149,7 +189,7 @@ def _tried(body, plan, torques, times, state, beside, paired, first, row, work):
             whole = now
         elif part == 1:
             other = now
-    return whole, other, now, fault, when, turn
+    return whole, other, now, fault, when, turn, _UNKNOWN
 
 
 @subroutine
@@ -159,6 +199,10 @@ def _judged(clock, counts, error, h, length, order, longest):
     longest   s, to which the step may grow
     """
     tolerance = clock[layout.TOLERANCE]
+    if error <= tolerance < _same(order) * error and abs(h) <= abs(length):
+        counts[layout.REFUSALS] = 0
+        counts[layout.TAKEN] += 1
+        return length, True
     ratio = math.pow(tolerance / max(error, 1e-300), 1.0 / (order + 1.0))
     factor = min(max(_SAFETY * ratio, _SHRINK), _GROW)
     if not error <= tolerance:
@@ -171,6 +215,12 @@ def _judged(clock, counts, error, h, length, order, longest):
     if longer > _WORTH_GROWING * abs(length):
         length = math.copysign(longer, h)
     return length, True
+
+
+@subroutine
+def _same(order):
+    """Below this multiple of the error the tolerance allows no step that is worth growing to."""
+    return (_WORTH_GROWING / _SAFETY) ** (order + 1)
 
 
 @entry_point
@@ -268,12 +318,13 @@ def _angle(one, two):
 
 
 @subroutine
-def _watch(clock, counts, error, h, order, speed):
+def _watch(clock, counts, error, h, order, w):
     """Sum the turn of the body, and the errors of steps in which the torque is not smooth."""
+    speed = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     clock[layout.TURNED] += abs(h) * speed
     if error <= _ROUNDED:
         return
-    power, usual = math.pow(abs(h), order + 1.0), clock[layout.USUAL]
+    power, usual = abs(h) ** (order + 1), clock[layout.USUAL]
     found = error / power
     if counts[layout.TAKEN] <= _GUESSED:
         clock[layout.USUAL] = max(found, usual)

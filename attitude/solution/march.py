@@ -6,7 +6,8 @@
 from attitude.compilation.decorators import entry_point
 from attitude.compilation.pointers import scratch
 from attitude.solution import march_layout as layout
-from attitude.solution.step import gains, loaded, stored
+from attitude.solution.motion_state import loaded, stored
+from attitude.solution.step import gains
 from attitude.solution.torqued_step import (
     accelerations_of,
     body_of,
@@ -23,7 +24,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """Take `steps` steps.
 
     Given
-        c        (20,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
+        c        (30,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
         start    number of steps from the epoch to the first, a double; h s, of either sign
         given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next

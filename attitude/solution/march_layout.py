@@ -9,13 +9,15 @@ from typing import Final
 
 ENTRY_BYTES: Final = 8
 
-# Body: 20 doubles.
+# Body: 30 doubles.
 MOMENTS: Final = 0  # (3) principal moments, ascending, in a unit that makes the largest about 1
 INVERSES: Final = 3  # (3) their inverses, in the unit of the torques
 TURN: Final = 6  # (4) principal axes to body axes, wxyz
 MATRIX: Final = 10  # (3, 3) the same as a matrix, by rows
 LARGEST_TURN: Final = 19  # the largest angle of a free motion between two kicks, rad
-BODY_ENTRIES: Final = 20
+DAMPING: Final = 20  # (3, 3) angular acceleration over the principal axes by the rate, 1/s, by rows
+DAMPING_SIZE: Final = 29  # its largest sum of the sizes in a row
+BODY_ENTRIES: Final = 30
 
 # Scheme: three rows of n + 1 doubles, in units of the step.
 KICKS: Final = 0
@@ -67,7 +69,9 @@ USUAL: Final = 8  # error of recent steps over the power of their length
 ROUGH: Final = 9  # sum of the errors of steps at which the torque is not smooth
 ROUGH_TURNED: Final = 10  # sum of these errors times TURNED at their steps
 LIMIT: Final = 11  # steps end where the estimate of the error of paired motions exceeds it, rad
-CLOCK_ENTRIES: Final = 12
+FINE_PIECE: Final = 12  # longest pieces of free motions in halves: see `two_flights`
+WHOLE_PIECE: Final = 13  # in whole steps
+CLOCK_ENTRIES: Final = 14
 
 # Counters of adaptive steps: whole numbers.
 TAKEN: Final = 0  # since the epoch

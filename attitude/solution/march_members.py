@@ -3,7 +3,7 @@
 from attitude.compilation.decorators import entry_point
 from attitude.compilation.pointers import scratch
 from attitude.solution import march_layout as layout
-from attitude.solution.step import loaded, stored
+from attitude.solution.motion_state import loaded, stored
 from attitude.solution.torqued_step import body_of, torqued_step, torques_of
 
 
@@ -12,7 +12,7 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
     """Take `steps` steps with each of N states, and parts of steps to epochs between.
 
     Given
-        c        (1 or N, 20) numbers of the bodies, scheme (3, n + 1), models (1 or N, M, 5):
+        c        (1 or N, 30) numbers of the bodies, scheme (3, n + 1), models (1 or N, M, 5):
                  `march_layout`
         start    number of steps from the epoch to the first, a double; h s, of either sign
         number   (T,) whole steps from the first to the one before each epoch, ascending, at most

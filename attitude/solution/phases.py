@@ -70,21 +70,7 @@ def phase(rate_hi, rate_lo, start_hi, start_lo, t, t_low, winds):
 def sincos(s, lo):
     """Sine and cosine of 2 pi (s + lo), |lo| small, s a few turns at the most."""
     quarters = rint(4.0 * s)
-    r = s - 0.25 * quarters
-    z = r * r
-    a = descending_fma(_SIN_13, z, _SIN_11)
-    a = descending_fma(a, z, _SIN_9)
-    a = descending_fma(a, z, _SIN_7)
-    a = descending_fma(a, z, _SIN_5)
-    a = descending_fma(a, z, _SIN_3)
-    b = descending_fma(_COS_14, z, _COS_12)
-    b = descending_fma(b, z, _COS_10)
-    b = descending_fma(b, z, _COS_8)
-    b = descending_fma(b, z, _COS_6)
-    b = descending_fma(b, z, _COS_4)
-    b = descending_fma(b, z, _COS_2)
-    sine = loop_fma(r, _SIN_1, r * loop_fma(a, z, _SIN_1_LOW))
-    cosine = descending_fma(b, z, 1.0)
+    sine, cosine = sincos_of_eighth(s - 0.25 * quarters)
     # first order in lo
     small = _SIN_1 * lo
     sine, cosine = loop_fma(cosine, small, sine), loop_fma(-sine, small, cosine)
@@ -97,6 +83,24 @@ def sincos(s, lo):
     x = from_bits(as_bits(x) ^ ((count & 2) << 62))
     y = from_bits(as_bits(y) ^ (((count + 1) & 2) << 62))
     return x, y
+
+
+@force_inlined
+def sincos_of_eighth(r):
+    """Sine and cosine of 2 pi r for |r| <= 1/8, a double or a SIMD vector."""
+    z = r * r
+    a = descending_fma(_SIN_13, z, _SIN_11)
+    a = descending_fma(a, z, _SIN_9)
+    a = descending_fma(a, z, _SIN_7)
+    a = descending_fma(a, z, _SIN_5)
+    a = descending_fma(a, z, _SIN_3)
+    b = descending_fma(_COS_14, z, _COS_12)
+    b = descending_fma(b, z, _COS_10)
+    b = descending_fma(b, z, _COS_8)
+    b = descending_fma(b, z, _COS_6)
+    b = descending_fma(b, z, _COS_4)
+    b = descending_fma(b, z, _COS_2)
+    return loop_fma(r, _SIN_1, r * loop_fma(a, z, _SIN_1_LOW)), descending_fma(b, z, 1.0)
 
 
 @force_inlined

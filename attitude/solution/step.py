@@ -44,17 +44,17 @@ from typing import Final
 
 from attitude.compilation.decorators import force_inlined, subroutine
 from attitude.compilation.instructions import fma
-from attitude.compilation.simd import lanes, root, summed_up
-from attitude.solution.given_axes import product
+from attitude.compilation.simd import for_each, root, summed_for_each
+from attitude.solution.motion_state import moved_by
 from attitude.solution.phases import sincos
-from attitude.solution.twofloat import quick_two_sum, two_prod, two_sum
+from attitude.solution.twofloat import two_prod, two_sum
 
 # The largest change of the state over one increment, as an angle (see `pieces`).
 # Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
 LONGEST_PIECE: Final = 0.1
 # Momenta below the square root of this (moments at most 1) turn a body so little in any time that
 # the square of the angle is below a rounding.
-_NO_MOMENTUM = 1e-150
+NO_MOMENTUM: Final = 1e-150
 # Gauss-Jacobi on (0, 1) with weight x^2, four points; their squares; weights over the squares.
 _POINTS = 0.20414858210322714, 0.4829527048956325, 0.7613992624481377, 0.9514994505530027
 _SQUARES = 0.041676643574758074, 0.23324331516600788, 0.5797288368565681, 0.9053512044026659
@@ -111,7 +111,7 @@ def rates(k, w):
 
 
 @subroutine
-def _speed(w, rate):
+def speed_of(w, rate):
     """|w|^2, and |w|^2 times the square of the rate of change of the state, an angle over time.
 
     A piece is limited by the motion of the angular velocity over the body, not by the turn of the
@@ -125,7 +125,7 @@ def _speed(w, rate):
 @subroutine
 def pieces(k, w, h):
     """The number of equal pieces, at least one, of a free motion of h seconds."""
-    size, speed = _speed(w, rates(k, w))
+    size, speed = speed_of(w, rates(k, w))
     if not speed > 0.0:
         return 1
     return max(1, math.ceil(abs(h) * math.sqrt(speed / size) / LONGEST_PIECE))
@@ -145,22 +145,45 @@ def increment(moments, w, rate, h):
         n, rest   rounding errors: 1 + n is the factor that makes q(t) of unit length; (3) to be
                   added to w(t) - w
     """
-    i1, i2, i3 = moments
-    w1, w2, w3 = w
-    _, e1, e3, _ = rate
-    m1, m2, m3 = i1 * w1, i2 * w2, i3 * w3
-    square = fma(m1, m1, fma(m2, m2, m3 * m3))
-    if not square > _NO_MOMENTUM:
+    momentum, square = momentum_of(moments, w)
+    if not square > NO_MOMENTUM:
         none, half = 0.0 * square, 0.5 * h  # NaN stays NaN
-        turn = none, half * w1, half * w2, half * w3
+        turn = none, half * w[0], half * w[1], half * w[2]
         return turn, (none, none, none), none, (none, none, none)
+    over = 1.0 / root(square)
+    energy, turns = linear_turns(momentum, w, h, over)
+    linear = over, energy, sincos(turns, 0.0)
+    return turn_and_change(moments, w, rate, h, momentum, square, linear)
+
+
+@subroutine
+def momentum_of(moments, w):
+    """The momentum over the body, and its square."""
+    m1, m2, m3 = moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]
+    return (m1, m2, m3), fma(m1, m1, fma(m2, m2, m3 * m3))
+
+
+@subroutine
+def linear_turns(m, w, h, over):
+    """Twice the energy, and the part of chi/2 that is linear in time in turns; `over`: 1/L."""
+    energy = fma(m[0], w[0], fma(m[1], w[1], m[2] * w[2]))
+    return energy, energy * h * over * _OVER_4_PI
+
+
+@force_inlined
+def turn_and_change(moments, w, rate, h, momentum, square, linear):
+    """What `increment` returns; its arguments are doubles or SIMD vectors.
+
+    linear   1/L, twice the energy, and sine and cosine of the part of chi/2 that is linear in time
+    """
+    i1, i2, i3 = moments
+    _, e1, e3, _ = rate
+    m1, m2, m3 = momentum
+    over, energy, (sine, cosine) = linear
     hh = h * h
     s = fma(h, _sine(hh * e1[0], hh * e3[0]), h)
-
-    # chi/2: the part that is linear in time in turns, the area in radians
-    over, inverse = 1.0 / math.sqrt(square), 1.0 / square
-    energy = fma(m1, w1, fma(m2, w2, m3 * w3))
-    sine, cosine = sincos(energy * h * over * _OVER_4_PI, 0.0)
+    inverse = 1.0 / square
+    # the rest of chi/2, in radians
     area = 0.5 * s * over * _area(moments, (m1, m2, m3), w, rate, s, inverse, energy * inverse)
     second, third = -0.5 * (area * area), fma(area * area, area * (-1.0 / 6.0), area)
     sine, cosine = (
@@ -202,7 +225,7 @@ def _area(moments, m, w, rate, s, inverse, ratio):
     v1, v2, v3 = m1 * fma(-ratio, i1, 1.0), m2 * fma(-ratio, i2, 1.0), m3 * fma(-ratio, i3, 1.0)
     j1, j2, j3 = i1 * inverse * m1, i2 * inverse * m2, i3 * inverse * m3
     g1, g2, g3 = j1 * w1, j2 * w2, j3 * w3
-    squares, points = lanes(_SQUARES), lanes(_POINTS) * s
+    squares, points = for_each(_SQUARES, s), for_each(_POINTS, s) * s
     ss = s * s
     c1 = root(fma(squares, -ss * e1[0], 1.0))
     c3 = root(fma(squares, -ss * e3[0], 1.0))
@@ -212,7 +235,7 @@ def _area(moments, m, w, rate, s, inverse, ratio):
     low = fma(squares, -ss * kappa[0], 2.0)
     low = fma(u1, fma(points, j1 * r1, fma(u3, g2, g2 + g3)), low)
     low = fma(u3, fma(points, j3 * r3, g1 + g2), low)
-    return summed_up(top * lanes(_WEIGHTS) / (low * (c1 * c3)))
+    return summed_for_each(top * for_each(_WEIGHTS, s) / (low * (c1 * c3)), s)
 
 
 @force_inlined
@@ -299,27 +322,6 @@ def _over_root(a):
     return fma(a, fma(aa, high, fma(a, _INVERSE[1], _INVERSE[0])), 0.5)
 
 
-@subroutine
-def loaded(row):
-    """A state from a row of 14: wxyz and angular velocity, then their lower halves."""
-    return (
-        (row[0], row[1], row[2], row[3]),
-        (row[4], row[5], row[6]),
-        (row[7], row[8], row[9], row[10]),
-        (row[11], row[12], row[13]),
-    )
-
-
-@subroutine
-def stored(state, row):
-    """A state into a row of 14: the inverse of `loaded`."""
-    q, w, q_low, w_low = state
-    for n in range(4):
-        row[n], row[7 + n] = q[n], q_low[n]
-    for n in range(3):
-        row[4 + n], row[11 + n] = w[n], w_low[n]
-
-
 @force_inlined
 def advance(moments, k, h, state):
     """The state after h seconds of free rotation.
@@ -329,61 +331,14 @@ def advance(moments, k, h, state):
                 halves
     """
     rate = rates(k, state[1])
-    size, speed = _speed(state[1], rate)
+    size, speed = speed_of(state[1], rate)
     count, part = 1, h
     if not speed * (h * h) <= (LONGEST_PIECE * LONGEST_PIECE) * size:
         count = pieces(k, state[1], h)
         part = h / count
     while True:
-        state = _moved(state, increment(moments, state[1], rate, part))
+        state = moved_by(state, increment(moments, state[1], rate, part))
         count -= 1
         if not count > 0:
             return state
         rate = rates(k, state[1])
-
-
-@force_inlined
-def _moved(state, by):
-    """A state plus an increment."""
-    q, _, low, _ = state
-    turn, change, n, rest = by
-    # n is nearly the same from step to step: it goes into the lower half, which turns with q.
-    return kicked(turned(state, product(q, turn), n, product(low, turn)), change, rest)
-
-
-@subroutine
-def turned(state, change, n, rest):
-    """A state whose quaternion is changed by (change + rest), then multiplied by 1 + n."""
-    q, w, low, w_low = state
-    a, e = _add(q[0], low[0], change[0])
-    b, f = _add(q[1], low[1], change[1])
-    c, g = _add(q[2], low[2], change[2])
-    d, h = _add(q[3], low[3], change[3])
-    low = (
-        fma(n, a, e + rest[0]),
-        fma(n, b, f + rest[1]),
-        fma(n, c, g + rest[2]),
-        fma(n, d, h + rest[3]),
-    )
-    return (a, b, c, d), w, low, w_low
-
-
-@subroutine
-def kicked(state, change, rest):
-    """A state whose angular velocity is changed by (change + rest)."""
-    q, w, q_low, low = state
-    a, d = _add(w[0], low[0], change[0])
-    b, e = _add(w[1], low[1], change[1])
-    c, f = _add(w[2], low[2], change[2])
-    return q, (a, b, c), q_low, (d + rest[0], e + rest[1], f + rest[2])
-
-
-@subroutine
-def _add(x, low, change):
-    """x + low + change as a sum and its error: compensated summation.
-
-    The error is exact if |change| >= |low|, else right to a rounding of the change.
-    """
-    change, lost = quick_two_sum(change, low)
-    x, left = two_sum(x, change)
-    return x, left + lost

@@ -23,22 +23,31 @@ import math
 from typing import Final
 
 from attitude.compilation.decorators import force_inlined, subroutine
+from attitude.compilation.instructions import fma
 from attitude.compilation.pointers import call, number, put, put_three, whole
 from attitude.solution import march_layout as layout
 from attitude.solution.given_axes import product, turned_by
-from attitude.solution.step import advance, gains, kicked, turned
+from attitude.solution.motion_state import kicked, turned
+from attitude.solution.step import advance, gains
 
 _ZERO = 0.0, 0.0, 0.0
 # (rad/s)^2; below it, fourth powers of the rate are finite.
-_FASTEST = 1e150
+FASTEST: Final = 1e150
 # Kinds of torques, as in attitude.torques.torque.
 BY_RATE: Final = 1  # depends on the angular velocity
 SLIP: Final = 2  # turns the body under its momentum
+LINEAR: Final = 3  # is the angular velocity times a constant matrix
+# Longer kicks of LINEAR torques, in units of their fastest rate, are by Runge-Kutta as BY_RATE.
+_LONGEST_DAMPING: Final = 256.0
 
 
 @subroutine
 def body_of(c):
-    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle."""
+    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle.
+
+    Then the matrix of damping by rows, and its size.
+    """
+    d = layout.DAMPING
     return (
         (c[layout.MOMENTS], c[layout.MOMENTS + 1], c[layout.MOMENTS + 2]),
         (c[layout.INVERSES], c[layout.INVERSES + 1], c[layout.INVERSES + 2]),
@@ -49,17 +58,24 @@ def body_of(c):
             (c[layout.MATRIX + 6], c[layout.MATRIX + 7], c[layout.MATRIX + 8]),
         ),
         c[layout.LARGEST_TURN],
+        (
+            (c[d], c[d + 1], c[d + 2]),
+            (c[d + 3], c[d + 4], c[d + 5]),
+            (c[d + 6], c[d + 7], c[d + 8]),
+        ),
+        c[layout.DAMPING_SIZE],
     )
 
 
 @subroutine
 def torques_of(models):
-    """The address of `models`, their number, whether one is BY_RATE, whether one is SLIP."""
-    rates = slips = False
+    """The address of `models`, their number, whether one is BY_RATE, SLIP, LINEAR."""
+    rates = slips = linear = False
     for model in range(len(models)):
         rates = rates or models[model, layout.KIND] == BY_RATE
         slips = slips or models[model, layout.KIND] == SLIP
-    return models.ctypes.data, len(models), rates, slips
+        linear = linear or models[model, layout.KIND] == LINEAR
+    return models.ctypes.data, len(models), rates, slips, linear
 
 
 @force_inlined
@@ -75,11 +91,11 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
     """
     last = plan[1]
     k, limit = gains(body[0]), body[4]
-    held = held and _coefficient(plan, layout.KICKS, last) != 0.0
+    held = held and coefficient(plan, layout.KICKS, last) != 0.0
     done = 0.0
     for j in range(last + 1):
-        part = _coefficient(plan, layout.KICKS, j)
-        gradient = _coefficient(plan, layout.GRADIENTS, j)
+        part = coefficient(plan, layout.KICKS, j)
+        gradient = coefficient(plan, layout.GRADIENTS, j)
         when = end if j == last else t + done * h
         if part != 0.0 or gradient != 0.0:
             state, fine = kick(
@@ -96,11 +112,11 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
             if not fine:
                 return state, layout.BAD_TORQUE, when, 0.0
         if j < last:
-            part = _coefficient(plan, layout.FLIGHTS, j)
+            part = coefficient(plan, layout.FLIGHTS, j)
             flight = part * h
             w1, w2, w3 = state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
-            if flight * flight * speed > limit * limit or speed > _FASTEST:
+            if flight * flight * speed > limit * limit or speed > FASTEST:
                 return state, layout.TOO_LONG, when, abs(part) * math.sqrt(speed)
             state = advance(body[0], k, flight, state)
             done += part
@@ -108,7 +124,7 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
 
 
 @subroutine
-def _coefficient(plan, row, j):
+def coefficient(plan, row, j):
     """Coefficient j in a row of the scheme."""
     return number(plan[0], row * (plan[1] + 1) + j)
 
@@ -116,8 +132,9 @@ def _coefficient(plan, row, j):
 @force_inlined
 def kick(body, torques, state, t, h, cubed, samples, work, held):
     """The state after h seconds of torques at a fixed attitude, and whether they are finite."""
-    _, _, rates, slips = torques
+    _, _, rates, slips, linear = torques
     fine = True
+    rates = rates or (linear and not is_short(body, h))
     if slips:
         state, fine = _slip(body, torques, state, t, 0.5 * h, samples, work)
     if rates:
@@ -125,10 +142,11 @@ def kick(body, torques, state, t, h, cubed, samples, work, held):
         fine = fine and well
     else:
         # TORQUE in work is the torque over the body axes
-        if not held or slips:
+        if not held or slips or linear:
             set_input(body, state, work, 0.0, 0.0, 0.0)
             fine = fine and torque_at(torques, t, samples, work)
-        state = _apply(body, state, h, work)
+        change = rate_gained(body, accelerations_of(body, work), h, abs(h), linear)
+        state = kicked(state, change, _ZERO)
     if cubed != 0.0 and fine:
         state, fine = _gradient(body, torques, state, t, cubed, samples, work)
     if slips and fine:
@@ -149,8 +167,9 @@ def _gradient(body, torques, state, t, cubed, samples, work):
         a, b, d = _call_torque(torques, model, layout.SLOPE, t, samples, work)
         x, y, z = x + a, y + b, z + d
     put_three(work, layout.TORQUE, 2.0 * x, 2.0 * y, 2.0 * z)
-    fine = _finite(work, layout.TORQUE)
-    state = _apply(body, state, cubed, work)
+    fine = is_finite(_three(work, layout.TORQUE))
+    change = rate_gained(body, accelerations_of(body, work), cubed, 0.0, False)
+    state = kicked(state, change, _ZERO)
     put_three(work, layout.TORQUE, n1, n2, n3)
     return state, fine
 
@@ -190,13 +209,21 @@ def _call_torque(torques, model, function, t, samples, work):
 @subroutine
 def torque_at(torques, t, samples, work):
     """Fill TORQUE with the sum of the torques; whether it is finite."""
+    x, y, z = torque_of(torques, t, samples, work, True)
+    put_three(work, layout.TORQUE, x, y, z)
+    return is_finite((x, y, z))
+
+
+@subroutine
+def torque_of(torques, t, samples, work, with_linear):
+    """The sum of the torques, with or without LINEAR ones."""
     x = y = z = 0.0
     for model in range(torques[1]):
-        if _entry(torques, model, layout.KIND) != SLIP:
+        kind = _entry(torques, model, layout.KIND)
+        if kind != SLIP and (with_linear or kind != LINEAR):
             a, b, c = _call_torque(torques, model, layout.FUNCTION, t, samples, work)
             x, y, z = x + a, y + b, z + c
-    put_three(work, layout.TORQUE, x, y, z)
-    return _finite(work, layout.TORQUE)
+    return x, y, z
 
 
 @subroutine
@@ -206,17 +233,22 @@ def _three(address, k):
 
 
 @subroutine
-def _finite(address, k):
-    """Whether the doubles k, k + 1, k + 2 at an address are finite."""
-    x, y, z = _three(address, k)
-    return abs(x) + abs(y) + abs(z) < math.inf
+def is_finite(v):
+    """Whether the numbers of a vector are finite."""
+    return abs(v[0]) + abs(v[1]) + abs(v[2]) < math.inf
 
 
 @subroutine
 def accelerations_of(body, work):
     """TORQUE as rates of change of the angular velocity over the principal axes."""
+    return accelerations_by(body, _three(work, layout.TORQUE))
+
+
+@subroutine
+def accelerations_by(body, torque):
+    """A torque as rates of change of the angular velocity over the principal axes."""
     inverse, m = body[1], body[3]
-    a, b, c = _three(work, layout.TORQUE)
+    a, b, c = torque
     return (
         inverse[0] * (m[0][0] * a + m[1][0] * b + m[2][0] * c),
         inverse[1] * (m[0][1] * a + m[1][1] * b + m[2][1] * c),
@@ -224,11 +256,61 @@ def accelerations_of(body, work):
     )
 
 
+@force_inlined
+def rate_gained(body, acceleration, h, size, linear):
+    """The change of the angular velocity by h seconds of torques at a fixed attitude.
+
+    acceleration   by the torques at the start; doubles or SIMD vectors, as h
+    size           the size of h, the largest of a vector
+    linear         whether one of the torques is LINEAR
+
+    With the acceleration a at the start and its change J by the angular velocity, the change x has
+    x' = a + J x: x = h (a + J h/2 (a + J h/3 (a + ...))) over pieces with |J h| <= 1/2.  The terms
+    left out are below 4e-17 of the first.
+    """
+    a, b, c = acceleration
+    if not linear:
+        return h * a, h * b, h * c
+    rows, angle = body[5], size * body[6]
+    count, terms = 1.0 + math.floor(2.0 * angle), 15.0
+    if angle < 1e-5:
+        terms = 3.0
+    elif angle < 2.6e-4:
+        terms = 4.0
+    elif angle < 7.6e-3:
+        terms = 6.0
+    elif angle < 0.08:
+        terms = 9.0
+    part = h / count
+    x = y = z = 0.0 * h
+    while count > 0.0:
+        d1, d2, d3 = gained_by(rows, acceleration, (x, y, z))
+        e1, e2, e3, k = d1, d2, d3, terms
+        while k > 1.0:  # a loop over a range costs divisions of whole numbers
+            share = part / k
+            shares = share * e1, share * e2, share * e3
+            e1, e2, e3 = gained_by(rows, (d1, d2, d3), shares)
+            k -= 1.0
+        x, y, z = x + part * e1, y + part * e2, z + part * e3
+        count -= 1.0
+    return x, y, z
+
+
 @subroutine
-def _apply(body, state, h, work):
-    """The state after h seconds of TORQUE at a fixed attitude."""
-    d1, d2, d3 = accelerations_of(body, work)
-    return kicked(state, (h * d1, h * d2, h * d3), _ZERO)
+def is_short(body, h):
+    """Whether a kick of LINEAR torques is by `rate_gained`."""
+    return abs(h) * body[6] <= _LONGEST_DAMPING
+
+
+@subroutine
+def gained_by(m, a, v):
+    """A vector and a matrix, by rows, times another: a + m v."""
+    x, y, z = v
+    return (
+        fma(m[0][0], x, fma(m[0][1], y, fma(m[0][2], z, a[0]))),
+        fma(m[1][0], x, fma(m[1][1], y, fma(m[1][2], z, a[1]))),
+        fma(m[2][0], x, fma(m[2][1], y, fma(m[2][2], z, a[2]))),
+    )
 
 
 @subroutine
@@ -261,7 +343,7 @@ def _slip(body, torques, state, t, h, samples, work):
             for stage in range(2):
                 set_input(body, state, work, dx, dy, dz)
                 v = turned_by(back, _call_torque(torques, model, layout.FUNCTION, t, samples, work))
-                if not _finite(work, layout.RETURNED):
+                if not is_finite(_three(work, layout.RETURNED)):
                     return state, False
                 turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
                 # over body axes that turn by v, a fixed vector turns back

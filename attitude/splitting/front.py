@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 _WAVE, _STEPS = 512, 1 << 14
 # s: the first step of a body at rest; it grows or shrinks by factors of 4.
 _STEP_AT_REST = 1.0
+# Longest pieces of free motions: truncation in the first is below the rounding of the attitude and
+# below 3e-17 of the rate.  In the second it is below 1e-13 rad, of which a fifth is in the estimate
+# of the error: for whole steps, which only show the error, from these tolerances on.  Errors of a
+# motion with whole steps beside add up.
+_PIECE, _LONGER_PIECE = 0.125, 0.24
+_COARSE, _COARSE_BESIDE = 1e-12, 1e-10
 # The steps of a window show the progress; more than so many to the last epoch take hours.
 _WINDOW, _MOST_AHEAD = 64, 1e10
 
@@ -54,6 +60,9 @@ class Front:
         limit = 0.5 * LARGEST_TURN / float(np.max(np.abs(system.scheme.flights)))
         speed = float(np.sqrt(self.fine[OMEGA] @ self.fine[OMEGA]))
         self.clock[layout.TOLERANCE], self.clock[layout.TURN_LIMIT] = tolerance, limit
+        self.clock[layout.FINE_PIECE] = _PIECE
+        coarse = tolerance >= (_COARSE_BESIDE if paired else _COARSE)
+        self.clock[layout.WHOLE_PIECE] = _LONGER_PIECE if coarse else _PIECE
         first = 0.1 * limit / speed if speed > 0.0 else _STEP_AT_REST
         self.clock[layout.LENGTH] = sign * first
         self._wave, self._pace = 16, Pace(_STEPS)

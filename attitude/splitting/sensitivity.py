@@ -19,7 +19,7 @@ from attitude.free_rotation.sensitivity import Derivatives, changed
 from attitude.sensitivities import columns
 from attitude.solution.march_layout import OMEGA, OMEGA_LOW, STATE_ENTRIES, WXYZ
 from attitude.splitting.system import System
-from attitude.torques.torque import BY_RATE, SLIP
+from attitude.torques.torque import BY_RATE, LINEAR, SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -73,7 +73,7 @@ class TorquedSensitivity(Derivatives):
         self._parameters = tuple(parameters)
         self._width = 9 + len(self._parameters)
         kinds = {torque.kind for torque in system.torques}
-        self._by_rate, self._slips = BY_RATE in kinds, SLIP in kinds
+        self._by_rate, self._slips = bool({BY_RATE, LINEAR} & kinds), SLIP in kinds
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool

@@ -12,7 +12,7 @@ from attitude.errors import AttitudeError
 from attitude.solution import march_layout as layout
 from attitude.solution.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude.splitting.ascending import ascending
-from attitude.torques.torque import SLIP
+from attitude.torques.torque import LINEAR, SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,6 +30,7 @@ LARGEST_TURN: float = 0.5 * np.pi
 _LEAST_STEP, _LONGEST_STEP = 1e-70, 1e40
 # Up to here, a double holds every whole number.
 _MOST_STEPS = 2.0**53
+_NONE = np.zeros((3, 3))
 
 
 class System:
@@ -81,12 +82,16 @@ class System:
 
     def _numbers(self) -> FloatArray:
         numbers = np.empty(layout.BODY_ENTRIES)
+        by_rate = sum((torque.by_rate() for torque in self.torques if torque.kind == LINEAR), _NONE)
+        damping = self.axes.T @ by_rate @ self.axes / np.sort(self.body.moments)[:, None]
         for first, values in (
             (layout.MOMENTS, self.moments),
             (layout.INVERSES, 1.0 / np.sort(self.body.moments)),
             (layout.TURN, self.turn),
             (layout.MATRIX, self.axes.reshape(9)),
             (layout.LARGEST_TURN, np.array([LARGEST_TURN])),
+            (layout.DAMPING, damping.reshape(9)),
+            (layout.DAMPING_SIZE, np.array([np.max(np.sum(np.abs(damping), axis=1))])),
         ):
             numbers[first : first + len(values)] = values
         return numbers

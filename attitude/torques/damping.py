@@ -10,7 +10,7 @@ import numpy as np
 from attitude import validation
 from attitude.errors import AttitudeError
 from attitude.immutable import frozen
-from attitude.torques.torque import BY_RATE, SLIP, Torque
+from attitude.torques.torque import LINEAR, SLIP, Torque
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray, Real, Reals
@@ -38,7 +38,7 @@ class LinearDamping(Torque):
     """
 
     coefficient: FloatArray
-    kind = BY_RATE
+    kind = LINEAR
 
     def __init__(self, coefficient: Real | Reals) -> None:
         given = validation.real(coefficient, "coefficient", unit="N m s")
@@ -62,6 +62,10 @@ class LinearDamping(Torque):
     def parameters(self, body: Body) -> FloatArray:
         """The matrix C by rows (9,), N m s."""
         return self.coefficient.reshape(9).copy()
+
+    def by_rate(self) -> FloatArray:
+        """-C, N m s."""
+        return -self.coefficient
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -24,10 +24,12 @@ if TYPE_CHECKING:
     PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
 
 # Kinds: a torque that depends on the attitude alone; one that depends on the angular velocity
-# too; no torque, but a slip of the body under a fixed angular momentum.
+# too; no torque, but a slip of the body under a fixed angular momentum; a torque that is
+# the angular velocity times a constant matrix, `Torque.by_rate`.
 BY_ATTITUDE: int = 0
 BY_RATE: int = 1
 SLIP: int = 2
+LINEAR: int = 3
 
 
 class Torque(Immutable):
@@ -36,7 +38,7 @@ class Torque(Immutable):
     Attributes
     ----------
     kind : int
-        BY_ATTITUDE, BY_RATE or SLIP.
+        BY_ATTITUDE, BY_RATE, SLIP or LINEAR.
     columns : int
         Count of the numbers that `sample` returns for each epoch.
     """
@@ -61,6 +63,10 @@ class Torque(Immutable):
     def parameters(self, body: Body) -> FloatArray:
         """Constants (P,) that the compiled function takes, for a body."""
         return np.zeros(0)
+
+    def by_rate(self) -> FloatArray:
+        """The matrix (3, 3) of a LINEAR torque, N m s: torque by angular velocity, body axes."""
+        return np.zeros((3, 3))
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """Numbers (K, columns) that the compiled function takes at each epoch.
