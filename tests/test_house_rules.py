@@ -140,6 +140,7 @@ COMPILED = {
     *(
         "entry_point",
         "sized_entry_point",
+        "quickly_compiled",
         "slowly_compiled",
         "inlined_entry_point",
         "subroutine",
