@@ -171,6 +171,12 @@ def test_moments_of_elements_are_those_of_the_body():
         assert found.exists
 
 
+def test_lengths_of_transforms_are_the_next_ones_with_small_factors():
+    lengths = sorted(2**a * 3**b * 5**c for a in range(11) for b in range(7) for c in range(5))
+    for least in range(1, 1000):
+        assert transforms._smooth(least) == next(each for each in lengths if each >= least)
+
+
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_pairs_against_the_normal_equations(order):
     generator = np.random.default_rng(4)

@@ -1,5 +1,7 @@
 """Evidence and verdicts: what competes with the best solution."""
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -97,3 +99,19 @@ def test_the_volume_of_a_minimum_counts():
     narrow = normal.copy()
     narrow[6, 6] *= 9.0
     assert robust.occam(narrow, COUNT) == first
+
+
+@pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
+def test_what_chance_exceeds_is_a_quantile_of_chi_squared(probability):
+    from scipy import special
+
+    found = verdicts.exceeded_by_chance(probability)
+    assert found == pytest.approx(special.chdtri(4, probability), rel=1e-13)
+
+
+def test_a_search_imports_no_scipy():
+    """Its import takes half a second of processor, of the eight of a first search."""
+    code = (
+        "import sys, attitude.inversion; sys.exit(any(n.startswith('scipy') for n in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -15,13 +15,15 @@ import numpy as np
 from attitude.compilation.decorators import entry_point
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from attitude.annotations import FloatArray
 
 _WIDTH, _OVER = 12, 2.0
 _SHAPE = 2.30 * _WIDTH
 
 
-def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> FloatArray:
+def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> NDArray[np.complex128]:
     """Sums over epochs of weights times exp(2 pi i k spacing t), k = 0 .. count - 1.
 
     Parameters
@@ -36,18 +38,23 @@ def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> Floa
     -------
     (W, count) complex array
     """
-    from scipy import fft
-
-    size = fft.next_fast_len(int(_OVER * 2 * count) + 2 * _WIDTH)
+    size = _smooth(int(_OVER * 2 * count) + 2 * _WIDTH)
     place = np.mod(t * spacing, 1.0) * size
     grid = np.zeros((len(weights), size))
     _spread(place, np.ascontiguousarray(weights), grid)
-    found = fft.rfft(grid)[:, :count].conj()
+    found: NDArray[np.complex128] = np.fft.rfft(grid)[:, :count].conj()
     nodes, by = np.polynomial.legendre.leggauss(64)
     z = 0.5 * _WIDTH * nodes
     kernel = 0.5 * _WIDTH * by * np.exp(_SHAPE * (np.sqrt(1.0 - nodes**2) - 1.0))
     k = np.arange(count)
-    return found / (np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel)
+    found /= np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
+    return found
+
+
+def _smooth(least: int) -> int:
+    """The least number from `least` on with factors 2, 3 and 5 alone, whose FFT is fast."""
+    odd = (3**b * 5**c for b in range(20) for c in range(14))
+    return min(each << max(0, -(-least // each) - 1).bit_length() for each in odd)
 
 
 @entry_point
