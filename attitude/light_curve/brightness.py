@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from attitude.light_curve.few_facets import Packs
     from attitude.scattering import Law
 
-# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work; of an ellipsoid
-# more, since threads wait for each other between blocks.
+# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work; more of an
+# ellipsoid, since threads wait for each other between blocks.
 BLOCK = 8192
 _BLOCK_OF_ELLIPSOIDS = 32768
 
