@@ -189,8 +189,8 @@ def _series():
             "the same in seven terms and its derivative in six",
             lambda: [x for x in sources.literals(_DIMMING, "_dimming") if 0 < x < 1 and 16 * x % 1],
             lambda: (
-                [mpf(2) / (4 * k * k - 1) for k in range(1, 8)]
-                + [mpf(2 * k) / (4 * (k + 1) ** 2 - 1) for k in range(1, 7)]
+                [mpf(2) / (4 * k * k - 1) for k in range(7, 0, -1)]
+                + [mpf(2 * k) / (4 * (k + 1) ** 2 - 1) for k in range(6, 0, -1)]
             ),
         ),
         CoefficientTable(
