@@ -202,8 +202,8 @@ def _filled_up(incidence, emission, weights, used, ones, zeros):
 
 @reduction
 def gather(
-    blocks, axes, sky, cells, segments, which, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz,
-    begin, incidence, emission, weights, ends,
+    begin, blocks, axes, sky, cells, segments, which, masks, sun_cells, eye_cells, sx, sy, sz, ox,
+    oy, oz, incidence, emission, weights, ends,
 ):  # fmt: skip
     """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
 
@@ -269,21 +269,26 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """
 
     @reduction_over(of_phase, element)
-    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
+    def summed(rows, given, cosines, sines, out):
+        incidence, emission, weights, ends = given[-4:]
         terms = np.empty(TERMS)
         out[:] = 0.0
-        for m in range(rows.shape[0]):
-            row = rows[m]
-            for t in range(out.size):
-                begin, end = _between(ends, t, m)
-                if begin < end:
-                    of_phase(row, cosines[t], sines[t], terms)
-                    total = 0.0
-                    for i in range(begin, end):
-                        if weights[i] > 0.0:
-                            r = element(row, terms, fence(incidence[i]), fence(emission[i]))
-                            total += weights[i] * fence(r)
-                    out[t] += total
+        begin = 0
+        while begin < out.size:
+            stop = gather(begin, *given)
+            for m in range(rows.shape[0]):
+                row = rows[m]
+                for t in range(begin, stop):
+                    first, end = _between(ends, t - begin, m)
+                    if first < end:
+                        of_phase(row, cosines[t], sines[t], terms)
+                        total = 0.0
+                        for i in range(first, end):
+                            if weights[i] > 0.0:
+                                r = element(row, terms, fence(incidence[i]), fence(emission[i]))
+                                total += weights[i] * fence(r)
+                        out[t] += total
+            begin = stop
 
     return summed
 
@@ -292,25 +297,32 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
 def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
     """As `by_facet`, sixteen facets at a time.
 
-    The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arrays of `gather`, the
-    cosines and sines of half the phase angles of its epochs, and the output, a number for each.
+    The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arguments of `gather`
+    after `begin` as a tuple, the cosines and sines of half the phase angles, and the output, a
+    number for each epoch.  Facets are gathered for as many epochs as the arrays hold, and summed
+    while they are in the cache.
     """
 
     @reduction_over(of_phase, elements)
-    def summed(rows, incidence, emission, weights, ends, cosines, sines, out):
+    def summed(rows, given, cosines, sines, out):
+        incidence, emission, weights, ends = given[-4:]
         terms = np.empty(TERMS)
         out[:] = 0.0
-        for m in range(rows.shape[0]):
-            row = rows[m]
-            for t in range(out.size):
-                begin, end = _between(ends, t, m)
-                if begin < end:
-                    of_phase(row, cosines[t], sines[t], terms)
-                    part = lanes(_SIXTEEN_ZEROS)
-                    for i in range(begin, end, _AT_ONCE):
-                        p, q = sixteen(incidence, i), sixteen(emission, i)
-                        part = part + sixteen(weights, i) * elements(row, terms, p, q)
-                    out[t] += summed_up(part)
+        begin = 0
+        while begin < out.size:
+            stop = gather(begin, *given)
+            for m in range(rows.shape[0]):
+                row = rows[m]
+                for t in range(begin, stop):
+                    first, end = _between(ends, t - begin, m)
+                    if first < end:
+                        of_phase(row, cosines[t], sines[t], terms)
+                        part = lanes(_SIXTEEN_ZEROS)
+                        for i in range(first, end, _AT_ONCE):
+                            p, q = sixteen(incidence, i), sixteen(emission, i)
+                            part = part + sixteen(weights, i) * elements(row, terms, p, q)
+                        out[t] += summed_up(part)
+            begin = stop
 
     return summed
 
