@@ -116,6 +116,26 @@ def test_small_derivatives_need_no_compiler(folder):
     assert np.array_equal(found, motion.sensitivity_at(np.arange(5.0)))
 
 
+_TORQUED = """
+from attitude.splitting import TorquedRotation
+from attitude.torques import ConstantTorque, CustomTorque
+torque = {torque}
+found = TorquedRotation(body, spin, torque, step=0.01).at([0.5, 0.998, 1.0])
+"""
+
+
+def test_few_steps_of_a_torque_run_in_python(folder):
+    """Users' functions are called by machine code: their exceptions leave the motion as it was."""
+    constant = _TORQUED.format(torque="ConstantTorque((0.01, 0.0, -0.02))")
+    wxyz, _, compiled, seconds = run(constant, folder, ATTITUDE_COMPILE="automatic")
+    assert compiled == [] and seconds > 0.0
+    again, _, loaded, _ = run(constant, CACHE, ATTITUDE_COMPILE="always")
+    assert wxyz == again and any(each.endswith(".march") for each in loaded)
+    given = _TORQUED.format(torque="CustomTorque(lambda t, q, w: (0.01, 0.0, -0.02))")
+    _, _, loaded, _ = run(given, CACHE, ATTITUDE_COMPILE="automatic")
+    assert any(each.endswith(".march") for each in loaded)
+
+
 def test_working_memory_is_not_work(monkeypatch):
     """Of arguments named block or records the size does not count."""
     monkeypatch.setattr(choice, "MODE", "automatic")

@@ -161,6 +161,10 @@ class EntryPoint(Compilable):
     def __call__(self, *arguments: Any) -> Any:
         return self.run(*arguments)
 
+    def compiled(self, *arguments: Any) -> Any:
+        """The result by machine code, whatever the size, unless compilation is switched off."""
+        return (self._in_python if UNCOMPILED else self._first)(*arguments)
+
     def _by_size(self, *arguments: Any) -> Any:
         """The result, computed in Python where that pays; the size of the largest array counts."""
         arrays = [

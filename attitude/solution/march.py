@@ -3,7 +3,7 @@
 `solution.torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
 """
 
-from attitude.compilation.decorators import entry_point
+from attitude.compilation.decorators import entry_point, sized_entry_point
 from attitude.compilation.pointers import scratch
 from attitude.solution import march_layout as layout
 from attitude.solution.motion_state import loaded, stored
@@ -19,7 +19,7 @@ from attitude.solution.torqued_step import (
 )
 
 
-@entry_point
+@sized_entry_point
 def march(c, scheme, models, state, start, h, steps, given, kept, every):
     """Take `steps` steps.
 
@@ -56,7 +56,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
     return layout.FINE, 0.0, 0.0
 
 
-@entry_point
+@sized_entry_point
 def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
     """States between steps: from kept states by whole steps, then a part of one.
 

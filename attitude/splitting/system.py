@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude import pairs, quaternion
 from attitude.compilation.callback_errors import raising_callback_errors
+from attitude.compilation.decorators import EntryPoint
 from attitude.errors import AttitudeError
 from attitude.solution import march_layout as layout
 from attitude.solution.march_layout import OMEGA, STATE_ENTRIES, WXYZ
@@ -177,7 +178,10 @@ class System:
             )
 
     def run(self, loop: Callable[..., Any], h: float, *arguments: Any) -> None:
-        """Run a compiled loop; raise what a torque raised, or the AttitudeError for its fault."""
+        """Run a loop; raise what a torque raised, or the AttitudeError for its fault."""
+        by_users = any(torque.is_users for torque in self.torques)
+        if by_users and isinstance(loop, EntryPoint):
+            loop = loop.compiled
         with raising_callback_errors():
             fault, t, rate = loop(*arguments)
         if fault == layout.FINE:

@@ -69,6 +69,7 @@ class CustomTorque(Torque):
     depends_on_rate: bool = True
     slope: TorqueFunction | None = None
     _callbacks: dict[str, Any] = field(init=False, repr=False)
+    is_users = True
 
     def __post_init__(self) -> None:
         self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)

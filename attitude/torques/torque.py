@@ -41,10 +41,14 @@ class Torque(Immutable):
         BY_ATTITUDE, BY_RATE, SLIP or LINEAR.
     columns : int
         Count of the numbers that `sample` returns for each epoch.
+    is_users : bool
+        Whether the function is a user's, which only machine code calls: its exceptions, and
+        Ctrl-C, then leave the state of the motion as it was.
     """
 
     kind: int = BY_ATTITUDE
     columns: int = 0
+    is_users: bool = False
 
     def address(self) -> int:
         """Address of the compiled function of the torque; see `attitude.solution.torqued_step`."""
