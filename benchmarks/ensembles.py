@@ -20,6 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, Ensemble, FreeRotation, Impulse, Spin, propagate
+from attitude.compilation.choice import compiling
 from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
 from benchmarks.doc_tables import Table, markdown
@@ -267,4 +268,5 @@ def best(call, repeats=5):
 
 
 if __name__ == "__main__":
-    main_belt(*map(int, sys.argv[2:3])) if sys.argv[1:2] == ["main-belt"] else main()
+    with compiling():
+        main_belt(*map(int, sys.argv[2:3])) if sys.argv[1:2] == ["main-belt"] else main()

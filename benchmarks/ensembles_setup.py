@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from attitude import Body, FreeRotation, Spin, paths, propagate
+from attitude.compilation.choice import compiling
 from attitude.published import states_from_periods
 from attitude.published.dynamic_inertia import longest_P_phi
 from attitude.scene import Scene
@@ -148,4 +149,5 @@ def best(call, repetitions=10, number=1):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

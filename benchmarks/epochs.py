@@ -16,6 +16,7 @@ import numpy as np
 from astropy.time import Time
 
 from attitude import epochs, pairs
+from attitude.compilation.choice import compiling
 from attitude.epochs import time_scales
 
 COUNT = 100_000
@@ -56,4 +57,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, events
+from attitude.compilation.choice import compiling
 from attitude.compilation.decorators import entry_point
 from benchmarks.doc_tables import Table, markdown
 from tests import states
@@ -183,4 +184,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with compiling():
+        sys.exit(main())

@@ -31,6 +31,7 @@ from attitude import (
     quaternion,
 )
 from attitude import representations as forms
+from attitude.compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
 EPOCH, NOISE = "2026-01-01", 1e-3
@@ -227,4 +228,5 @@ class Differences:
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

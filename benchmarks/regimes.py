@@ -18,6 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from attitude import Body, FreeRotation, Spin, catalog
+from attitude.compilation.choice import compiling
 from attitude.published import conventions
 from attitude.published.dynamic_inertia import longest_P_phi
 from attitude.published.regular_precession import total_spin
@@ -169,4 +170,5 @@ def a_million(count=1_000_000):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

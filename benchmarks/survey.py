@@ -14,6 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from attitude.compilation.choice import compiling
 from attitude.published.dynamic_inertia import longest_P_phi
 from benchmarks.doc_tables import Table, markdown
 
@@ -104,4 +105,5 @@ def observations(table):
 
 
 if __name__ == "__main__":
-    main()
+    with compiling():
+        main()

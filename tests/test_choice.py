@@ -149,7 +149,7 @@ def test_working_memory_is_not_work(monkeypatch):
             out[i] = 2.0 * x[i]
 
     doubled(np.arange(3.0), np.empty(10**6), np.empty(10**6), np.empty(3))
-    predicted, _, _, to_compile = seen[0]
+    predicted, _, _, to_compile, _ = seen[0]
     assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
 
 
@@ -171,12 +171,17 @@ def test_many_small_calls_are_compiled_when_they_have_taken_as_long(monkeypatch)
     assert not choice.is_worth_python(choice.TO_COMPILE + 0.1, kept=False)
     assert not choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE)
     assert choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE, to_compile=5.0)
+    # calls that repeat will go on
+    calls = 10 * choice.REPEATS
+    assert choice.is_worth_python(1e-3, kept=False, own=choice.TO_COMPILE / 12, calls=calls)
+    assert not choice.is_worth_python(1e-3, kept=False, own=choice.TO_COMPILE / 10, calls=calls)
     # loading serves all functions, and the compiler is loaded here
     assert not choice.is_worth_python(1e-9, kept=True)
     with monkeypatch.context() as patched:
         patched.delitem(sys.modules, "numba", raising=False)
         patched.setattr(choice, "_spent", choice.TO_LOAD - 0.2)
-        assert choice.is_worth_python(0.1, kept=True, own=choice.TO_COMPILE)
+        assert choice.is_worth_python(0.1, kept=True, own=choice.TO_LOAD - 0.2)
+        assert not choice.is_worth_python(0.1, kept=True, own=0.1, calls=10 * choice.REPEATS)
         assert not choice.is_worth_python(0.3, kept=True)
     with choice.InPython():
         # arguments of nested calls have the types of Python
@@ -209,7 +214,7 @@ def test_an_entry_point_measures_its_pace(monkeypatch):
     assert out.tolist() == [0.0, 2.0, 4.0]
     assert doubled._pace != 1e-4 and choice.spent() > 0.0
     assert doubled._dispatcher is None
-    assert doubled._spent == choice.spent()
+    assert doubled._spent == choice.spent() and doubled._calls == 1
     monkeypatch.setattr(doubled, "_spent", choice.TO_COMPILE)
     doubled(2.0 * x, out)
     assert out.tolist() == [0.0, 4.0, 8.0]

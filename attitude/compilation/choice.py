@@ -5,7 +5,9 @@ seconds; one epoch in Python takes 0.2 ms, one body some milliseconds.  Small ca
 Python, with the same bits: where machine code is on the disk, until the process has spent as long
 on them as loading would have taken; where it is not, each function until it has taken as long as
 its compilation.  That never takes more than about twice the time of the better choice, and a
-function that takes little of a process is not compiled for those that take much.
+function that takes little of a process is not compiled for those that take much.  Calls that repeat
+will go on, and machine code serves all later processes: after each `REPEATS` calls of a function,
+its seconds count once more.
 ``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
 ``automatic`` is the default.
 """
@@ -24,10 +26,12 @@ from typing import Final
 # the loops of a propagation, and compiling one function, most of which take 0.3 to 2 s.
 TO_LOAD: Final = 0.5
 TO_COMPILE: Final = 1.0
-# The same of one short loop of `paths`, and of one function of derivatives: setup, or columns of
-# one form.
-TO_COMPILE_SHORT: Final = 0.4
+# The same of one short loop (0.1 to 0.45 s), and of one function of derivatives: setup, or columns
+# of one form.
+TO_COMPILE_SHORT: Final = 0.3
 TO_COMPILE_DERIVATIVES: Final = 5.0
+# Calls of a function after which its seconds in Python count twice, thrice, ...
+REPEATS: Final = 10
 
 
 def mode() -> str:
@@ -47,21 +51,27 @@ _forced = 0
 
 
 def is_worth_python(
-    predicted: float, kept: bool, own: float = 0.0, to_compile: float = TO_COMPILE
+    predicted: float,
+    kept: bool,
+    own: float = 0.0,
+    to_compile: float = TO_COMPILE,
+    calls: int = 0,
 ) -> bool:
     """Whether a call of a function that takes `predicted` seconds in Python is to run there.
 
     `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
-    `own` are the seconds that earlier calls of the function have taken in Python.
+    `own` are the seconds that the `calls` before have taken in Python.
     """
     if _forced:
         return False
     if _is_in_python():
         # The arguments of nested calls have the types of Python, for which nothing is compiled.
         return True
+    repeated = 1.0 + calls / REPEATS
     if kept:
-        return "numba" not in sys.modules and _spent + predicted <= TO_LOAD
-    return own + predicted <= to_compile
+        seconds = max(_spent, own * repeated) + predicted
+        return "numba" not in sys.modules and seconds <= TO_LOAD
+    return own * repeated + predicted <= to_compile
 
 
 @contextmanager

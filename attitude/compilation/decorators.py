@@ -157,6 +157,7 @@ class EntryPoint(Compilable):
             self.run = self._in_python
         elif sized and choice.MODE == "automatic":
             self.run, self._pace, self._spent = self._by_size, _FIRST_GUESS, 0.0
+            self._calls = 0
 
     def __call__(self, *arguments: Any) -> Any:
         return self.run(*arguments)
@@ -174,12 +175,14 @@ class EntryPoint(Compilable):
         ]
         size = 1 + max((each.size for each in arrays), default=0)
         kept, predicted = self._is_on_disk, size * self._pace
-        if not choice.is_worth_python(predicted, kept, self._spent, self._to_compile):
+        earlier = self._spent, self._to_compile, self._calls
+        if not choice.is_worth_python(predicted, kept, *earlier):
             return self._first(*arguments)
         with choice.InPython() as run:
             result = self._in_python(*arguments)
         self._pace = run.seconds / size
         self._spent += run.seconds
+        self._calls += 1
         return result
 
     @cached_property

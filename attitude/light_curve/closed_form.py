@@ -17,7 +17,7 @@ pi - 1e-8.  Compiled without fastmath, which would reorder sums.
 
 import math
 
-from attitude.compilation.decorators import reduction_inlined, sized_entry_point
+from attitude.compilation.decorators import quickly_compiled, reduction_inlined
 from attitude.compilation.instructions import as_bits, from_bits
 
 _LN2 = 0.6931471805599453
@@ -34,7 +34,7 @@ _ROOT = 0x3FE6A09E667F3BCD
 _EXPONENT = -0x10000000000000
 
 
-@sized_entry_point
+@quickly_compiled
 def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
     """factor times the integral (m2) for each epoch, into out (N,).
 

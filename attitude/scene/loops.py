@@ -2,11 +2,11 @@
 
 import math
 
-from attitude.compilation.decorators import sized_entry_point
+from attitude.compilation.decorators import quickly_compiled
 from attitude.solution.twofloat import two_sum
 
 
-@sized_entry_point
+@quickly_compiled
 def normalised(vectors, sign, begin, unit, length):
     """Unit vectors times a sign, and lengths, of vectors (3, N), into columns from `begin` on."""
     for k in range(vectors.shape[1]):
@@ -18,7 +18,7 @@ def normalised(vectors, sign, begin, unit, length):
         unit[2, begin + k] = sign * z / size
 
 
-@sized_entry_point
+@quickly_compiled
 def earlier(hi, lo, distance, light, out_hi, out_lo):
     """The epochs hi + lo - distance / light as pairs (N,); lo (N,) or (1,), `light` in m/s."""
     step = 0 if lo.size == 1 else 1
@@ -27,7 +27,7 @@ def earlier(hi, lo, distance, light, out_hi, out_lo):
         out_hi[k], out_lo[k] = two_sum(s, e + lo[k * step])
 
 
-@sized_entry_point
+@quickly_compiled
 def light_times(vectors, speed, out):
     """Fill out (N,) with the lengths of vectors (3, N) over a speed; returns the largest entry."""
     largest = 0.0
@@ -38,7 +38,7 @@ def light_times(vectors, speed, out):
     return largest
 
 
-@sized_entry_point
+@quickly_compiled
 def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
     """Light times by the secant through the last two, and the epochs of emission.
 
@@ -53,7 +53,7 @@ def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
         out_hi[k], out_lo[k] = two_sum(s, e + lo[k * step])
 
 
-@sized_entry_point
+@quickly_compiled
 def secant_slopes(vectors, old, light, before, least, limit, found, speed, slope):
     """Update `found`, slope (N,) and the speeds of the target (N,) by the vectors (3, N).
 

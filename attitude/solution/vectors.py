@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.compilation.decorators import sized_entry_point, subroutine
+from attitude.compilation.decorators import quickly_compiled, subroutine
 
 if TYPE_CHECKING:
     from attitude.annotations import FloatArray
@@ -57,7 +57,7 @@ def to_body(wxyz: FloatArray, vectors: FloatArray, out: FloatArray) -> None:
         _each_to_body(wxyz, vectors, out)
 
 
-@sized_entry_point
+@quickly_compiled
 def _one_to_body(wxyz, a, b, c, out):
     for k in range(wxyz.shape[1]):
         w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
@@ -70,7 +70,7 @@ def _one_to_body(wxyz, a, b, c, out):
         out[2, k] = c - w * f + (x * e - y * d)
 
 
-@sized_entry_point
+@quickly_compiled
 def _each_to_body(wxyz, vectors, out):
     for k in range(wxyz.shape[1]):
         w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
@@ -111,7 +111,7 @@ def separation(
     return angle
 
 
-@sized_entry_point
+@quickly_compiled
 def _from_one(ax, ay, az, bx, by, bz, near, far):
     """Fill |a - b| and |a + b| for one vector b."""
     for k in range(near.size):
@@ -121,7 +121,7 @@ def _from_one(ax, ay, az, bx, by, bz, near, far):
         far[k] = math.sqrt(x * x + y * y + z * z)
 
 
-@sized_entry_point
+@quickly_compiled
 def _from_each(ax, ay, az, bx, by, bz, near, far):
     """Fill |a - b| and |a + b|."""
     for k in range(near.size):
