@@ -1,4 +1,4 @@
-"""The house: data flows down it, imports point up, and importing the package costs little."""
+"""Layers of the package: imports point one way, and importing the package costs little."""
 
 import ast
 import importlib
@@ -14,7 +14,7 @@ import attitude
 PACKAGE = Path(attitude.__file__).parent
 
 # Each row may import from the rows above it, and within a row from the left.
-HOUSE = (
+LAYERS = (
     (
         "errors",
         "calls",
@@ -92,7 +92,7 @@ ORDERS = {
     ),
     "textfiles": ("lines", "kvn", "xml", "records", "toml", "json_text", "atomic_write"),
 }
-PLACE = {name: (row, k) for row, names in enumerate(HOUSE) for k, name in enumerate(names)}
+PLACE = {name: (row, k) for row, names in enumerate(LAYERS) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
 
 
@@ -105,21 +105,52 @@ def _modules():
     return found
 
 
+def _part(name):
+    """The part of the package that holds a module: its file or folder."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 else "__init__"
+
+
 MODULES = _modules()
+PARTS = {
+    part: [n for n in MODULES if _part(n) == part] for part in dict.fromkeys(map(_part, MODULES))
+}
+
+
+def of_modules(*parts, but=()):
+    """A test of the name of a module becomes one of each part: all, or some, or all `but` some."""
+
+    def decorated(test):
+        @pytest.mark.parametrize("part", [each for each in parts or PARTS if each not in but])
+        def of_part(part):
+            failed = []
+            for name in PARTS[part]:
+                try:
+                    test(name)
+                except AssertionError as error:
+                    failed.append(f"{name}: {error}")
+            assert not failed, "\n".join(failed)
+
+        of_part.__name__, of_part.__doc__ = test.__name__, test.__doc__
+        return of_part
+
+    return decorated
+
+
 # Names of types, which type checkers alone import: a module of any row may be annotated with them.
 TYPES = "attitude.annotations"
 
 
 @cache
-def _tree(name):
+def tree_of(name):
     """The syntax tree of a module."""
     return ast.parse(MODULES[name].read_text())
 
 
 @cache
-def _nodes(name):
+def nodes_of(name):
     """All nodes of the tree of a module."""
-    return list(ast.walk(_tree(name)))
+    return list(ast.walk(tree_of(name)))
 
 
 @cache
@@ -128,7 +159,7 @@ def _imports(name, *, lazy=True, typed=True):
 
     Those inside functions only if lazy, those for annotations (`if TYPE_CHECKING:`) only if typed.
     """
-    nodes = _nodes(name) if lazy else _executed(_tree(name))
+    nodes = nodes_of(name) if lazy else _executed(tree_of(name))
     hidden = () if typed else list(_for_type_checkers(name))
     found = set()
     for node in nodes:
@@ -158,67 +189,61 @@ def _executed(tree):
             stack.extend(ast.iter_child_nodes(node))
 
 
-def _room(name):
-    """The name in the house of a module: its file or folder below the package."""
-    parts = name.split(".")
-    return parts[1] if len(parts) > 1 else "__init__"
-
-
-@pytest.mark.parametrize("name", MODULES)
-def test_imports_point_up_the_house(name):
-    """A row of the house knows those above it, and those on its left, lazily or not."""
-    room = _room(name)
-    if room == "__init__":
+@of_modules()
+def test_imports_point_to_earlier_layers(name):
+    """A module knows the rows above its own, and parts on its left, lazily or not."""
+    part = _part(name)
+    if part == "__init__":
         return
-    assert room in PLACE, f"{room} is not named in HOUSE; give it its place"
+    assert part in PLACE, f"{part} is not named in LAYERS; add it"
     for other in _imports(name) - {name}:
-        there = _room(other)
-        if there not in (room, "__init__"):
-            assert PLACE[there] < PLACE[room], f"{name} imports {other}"
+        there = _part(other)
+        if there not in (part, "__init__"):
+            assert PLACE[there] < PLACE[part], f"{name} imports {other}"
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) in ORDERS])
+@of_modules(*ORDERS)
 def test_files_stand_in_order(name):
     """Each file of a package with an order imports those before it only."""
-    room, here = _room(name), name.rpartition(".")[2]
-    if here == room:
+    part, here = _part(name), name.rpartition(".")[2]
+    if here == part:
         return
-    order = ORDERS[room]
-    assert here in order, f"{name} is not named in ORDERS; give it its place"
+    order = ORDERS[part]
+    assert here in order, f"{name} is not named in ORDERS; add it"
     for other in _imports(name):
         there = other.rpartition(".")[2]
-        if _room(other) == room and there != room:
+        if _part(other) == part and there != part:
             assert order.index(there) < order.index(here), f"{name} imports {other}"
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) == "solution"])
+@of_modules("solution")
 def test_the_solution_knows_numbers_only(name):
     """No units, no time scales, no objects: nothing of the package but itself and the compiler."""
     for other in _imports(name):
-        assert _room(other) in ("solution", "compilation"), f"{name} imports {other}"
+        assert _part(other) in ("solution", "compilation"), f"{name} imports {other}"
 
 
 def test_every_name_of_the_order_exists():
     """A renamed file must not leave the test of directions empty."""
-    for names in HOUSE:
+    for names in LAYERS:
         for name in names:
             assert (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file(), name
-    for room, names in ORDERS.items():
+    for part, names in ORDERS.items():
         for name in names:
-            assert (PACKAGE / room / f"{name}.py").is_file(), name
+            assert (PACKAGE / part / f"{name}.py").is_file(), name
 
 
 def _for_type_checkers(name):
     """The statements inside of `if TYPE_CHECKING:` of a module."""
-    for node in _nodes(name):
+    for node in nodes_of(name):
         if isinstance(node, ast.If) and getattr(node.test, "id", None) == "TYPE_CHECKING":
             yield from node.body
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_annotations_are_imported_by_type_checkers_only(name):
     hidden = list(_for_type_checkers(name))
-    for node in _nodes(name):
+    for node in nodes_of(name):
         if isinstance(node, ast.ImportFrom) and node.module == TYPES:
             assert node in hidden, f"{name} imports {TYPES} when it runs"
 
@@ -240,9 +265,9 @@ def test_type_checkers_see_the_lazy_names(name):
 COMPILERS = ("numba", "llvmlite")
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) != "compilation"])
+@of_modules(but=("compilation",))
 def test_only_the_compilation_knows_the_compiler(name):
-    for node in _nodes(name):
+    for node in nodes_of(name):
         found = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         found += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         for each in found:
@@ -279,7 +304,7 @@ ALLOWED_ACCESS = {
 def _text_access(name):
     """Parsers that a module imports, and functions that open files it names."""
     found = set()
-    for node in _nodes(name):
+    for node in nodes_of(name):
         if isinstance(node, ast.Import):
             found |= {alias.name.partition(".")[0] for alias in node.names} & {*PARSERS}
         elif isinstance(node, ast.ImportFrom):
@@ -292,17 +317,17 @@ def _text_access(name):
     return found
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) != "textfiles"])
+@of_modules(but=("textfiles",))
 def test_only_textfiles_reads_and_parses_text(name):
     """One reader of each notation and one policy for XML: no second one opens or parses files."""
     assert _text_access(name) == ALLOWED_ACCESS.get(name, set()), f"{name}: use attitude.textfiles"
 
 
-@pytest.mark.parametrize("name", [name for name in MODULES if _room(name) == "textfiles"])
+@of_modules("textfiles")
 def test_textfiles_stand_below_what_reads_files(name):
     allowed = ("textfiles", "errors", "immutable", "validation", "pairs", "physical_constants")
     for other in _imports(name):
-        assert _room(other) in allowed, f"{name} imports {other}"
+        assert _part(other) in allowed, f"{name} imports {other}"
 
 
 def test_no_cycles():
@@ -336,10 +361,12 @@ def _reachable(name, graph):
 
 
 def test_nothing_of_the_package_is_imported_by_the_package_itself():
-    """Modules name the module they want; `from attitude import propagate` is the user's door."""
+    """Modules name the module they want; `from attitude import propagate` is for users."""
     for name in MODULES:
-        if _room(name) not in ("__init__", "cli", "__main__"):
-            assert "attitude" not in _imports(name), f"{name} imports from the front door"
+        if _part(name) not in ("__init__", "cli", "__main__"):
+            assert "attitude" not in _imports(name), (
+                f"{name} imports names that the package offers to users"
+            )
 
 
 def _loaded_by(statement):
@@ -380,7 +407,7 @@ def test_moments_and_plain_epochs_need_nothing_heavy():
     assert set(_loaded_by(made)) <= {"erfa"}
 
 
-def test_the_front_door_names_what_it_has():
+def test_the_package_names_what_it_has():
     assert set(attitude.__all__) <= set(dir(attitude))
     for name in attitude.__all__:
         assert getattr(attitude, name).__name__ == name

@@ -149,7 +149,7 @@ def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic rotator of an independent forward model, and its inversion."""
-    case = inversion_cases.case(4, {**figures.AXIAL[0], "per_hour": 1})
+    case = inversion_cases.case(1, {**figures.AXIAL[0], "per_hour": 1})
     curve = figures.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
     return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)

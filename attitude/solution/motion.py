@@ -109,15 +109,22 @@ def evaluate_all(
     Returned
         -1, or the number of a body with an epoch beyond its reach; then not all are filled
     """
-    if constants.flags.writeable:
-        # To numba a read-only array is of another type, for which each loop would be compiled anew.
-        constants = constants.view()
-        constants.flags.writeable = False
+    # To numba a read-only array is of another type, for which each loop would be compiled anew.
+    constants, t = _read_only(constants), _read_only(t)
+    t_low = None if t_low is None else _read_only(t_low)
     for form in set(constants["form"].tolist()):
         body = OF_FORM[form].run(constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:
             return body
     return -1
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """The array itself, or a view of one that can be written."""
+    if array.flags.writeable:
+        array = array.view()
+        array.flags.writeable = False
+    return array
 
 
 OF_FORM: dict[int, EntryPoint] = {

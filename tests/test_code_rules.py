@@ -1,32 +1,29 @@
-"""Rules of the house: sizes, names, docstrings, annotations, contracts, constants."""
+"""Rules of the code: sizes, names, docstrings, annotations, contracts, constants."""
 
 import ast
 import collections
 import re
-
-import pytest
 
 import attitude
 from attitude import physical_constants
 from attitude.motion import Motion
 from attitude.paths import Ephemeris, Path
 from attitude.scattering import Law
-from tests.test_architecture import MODULES
+from tests.test_architecture import MODULES, nodes_of, of_modules, tree_of
 
-TREES = {name: ast.parse(file.read_text()) for name, file in MODULES.items()}
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 LONGEST_FILE, LONGEST_BODY = 400, 60
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_files_fit(name):
     assert len(MODULES[name].read_text().splitlines()) <= LONGEST_FILE
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_function_bodies_fit(name):
     """Without the docstring."""
-    for node in ast.walk(TREES[name]):
+    for node in nodes_of(name):
         if isinstance(node, FUNCTIONS):
             body = node.body[1:] if ast.get_docstring(node) else node.body
             length = body[-1].end_lineno - body[0].lineno + 1 if body else 0
@@ -35,8 +32,8 @@ def test_function_bodies_fit(name):
 
 def test_no_two_classes_of_one_name():
     places = collections.defaultdict(list)
-    for name, tree in TREES.items():
-        for node in ast.walk(tree):
+    for name in MODULES:
+        for node in nodes_of(name):
             if isinstance(node, ast.ClassDef):
                 places[node.name].append(name)
     assert {name: where for name, where in places.items() if len(where) > 1} == {}
@@ -53,8 +50,8 @@ def test_no_public_name_of_astropy():
         if each[0].isupper() and isinstance(getattr(module, each), type)
     }
     assert {"Quantity", "Time", "QTable", "SkyCoord"} <= theirs
-    for name, tree in TREES.items():
-        for node in tree.body:
+    for name in MODULES:
+        for node in tree_of(name).body:
             if isinstance(node, ast.ClassDef):
                 assert node.name not in theirs, f"{name} defines {node.name}"
 
@@ -75,13 +72,13 @@ BASES = {
 }
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_contracts_are_used_and_not_probed(name):
     """No hasattr or getattr for a member of Motion, Path, Ephemeris or Law outside of its base."""
     members = set().union(*map(_members, BASES.values()))
     if name in BASES:
         return
-    for node in ast.walk(TREES[name]):
+    for node in nodes_of(name):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("hasattr", "getattr"):
             probed = node.args[1]
             if isinstance(probed, ast.Constant) and ast.unparse(node.args[0]) != "self":
@@ -101,10 +98,10 @@ def test_each_physical_constant_stands_once():
         value: name for name, value in vars(physical_constants).items() if isinstance(value, float)
     }
     assert len(values) >= 4
-    for name, tree in TREES.items():
+    for name in MODULES:
         if name == "attitude.physical_constants":
             continue
-        for node in ast.walk(tree):
+        for node in nodes_of(name):
             if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
                 assert float(node.value) not in values, (
                     f"{name}:{node.lineno} has {values[float(node.value)]} as a number"
@@ -129,10 +126,10 @@ def _is_overload(node):
     return any(ast.unparse(each).endswith("overload") for each in node.decorator_list)
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_public_names_have_docstrings(name):
-    assert ast.get_docstring(TREES[name]), "the module has no docstring"
-    for label, node in _public(TREES[name]):
+    assert ast.get_docstring(tree_of(name)), "the module has no docstring"
+    for label, node in _public(tree_of(name)):
         assert ast.get_docstring(node), f"{label} has no docstring"
 
 
@@ -152,10 +149,10 @@ COMPILED = {
 }
 
 
-@pytest.mark.parametrize("name", MODULES)
+@of_modules()
 def test_public_names_are_annotated(name):
     """Parameters and results of public functions, methods and properties; constructors too."""
-    for label, node in _public(TREES[name]):
+    for label, node in _public(tree_of(name)):
         if isinstance(node, ast.ClassDef):
             inits = [x for x in node.body if isinstance(x, FUNCTIONS) and x.name == "__init__"]
             for init in inits:
@@ -176,9 +173,9 @@ def _check_annotated(label, node, *, result):
         assert node.returns is not None, f"{label} has no annotation of its result"
 
 
-def test_the_front_door_is_visible_to_type_checkers():
+def test_lazy_names_are_visible_to_type_checkers():
     """Every lazy name is imported under TYPE_CHECKING."""
-    tree = TREES["attitude"]
+    tree = tree_of("attitude")
     guarded = {
         alias.asname or alias.name
         for node in ast.walk(tree)
