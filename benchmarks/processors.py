@@ -58,6 +58,7 @@ def main():
         more = SOFTWARE if variables else {}
         with tempfile.TemporaryDirectory() as cache:
             environment = os.environ | variables | more | {"NUMBA_CACHE_DIR": cache}
+            environment["ATTITUDE_COMPILE"] = "always"
             run = [sys.executable, __file__, "measure"]
             result = subprocess.run(run, env=environment, stdout=subprocess.PIPE, check=True)
         found[target] = json.loads(result.stdout)
