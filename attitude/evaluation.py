@@ -233,8 +233,9 @@ def _compiled():
 
 
 def writable(array: Any) -> Any:
-    """The array, or a copy of a read-only one, for which numba would compile everything anew."""
-    return array if array.flags.writeable else copy_of(array)
+    """The array, or a contiguous copy of one that is read-only or strided: numba would compile
+    everything anew for its type."""
+    return array if array.flags.writeable and array.flags.c_contiguous else copy_of(array)
 
 
 def copy_of(array: Any) -> Any:
