@@ -50,11 +50,15 @@ def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
     from attitude.paths import chebyshev_loops
 
     number = np.floor(hi / _WIDTH)
-    found, piece = np.unique(number, return_inverse=True)
+    if hi.size and (number == number[0]).all():  # nearly always; sorting takes as long as the rest
+        found, piece = number[:1], np.zeros(hi.size, np.int64)
+    else:
+        found, index = np.unique(number, return_inverse=True)
+        piece = index.ravel().astype(np.int64)
     records = read_only(_fitted(series, found))
     x = 2.0 * (((hi - number * _WIDTH) + lo) / _WIDTH) - 1.0
     out = np.empty((3, hi.size))
-    chebyshev_loops.values(records, 0, _COUNT, piece.ravel().astype(np.int64), x, 1.0, out)
+    chebyshev_loops.values(records, 0, _COUNT, piece, x, 1.0, out)
     return out
 
 
