@@ -1,4 +1,4 @@
-"""Mass properties: known bodies, equal doors, and what is refused."""
+"""Mass properties: known bodies, equal constructors, and what is refused."""
 
 import copy
 import math

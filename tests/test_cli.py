@@ -358,7 +358,7 @@ def test_every_mode_has_its_words(moments, rates, wanted):
     assert "nan" not in text
 
 
-# The door itself ----------------------------------------------------------------------------------
+# The command itself -------------------------------------------------------------------------------
 
 
 def test_help_and_version(attitude_command):

@@ -37,7 +37,7 @@ def test_every_degenerate_family_has_a_mode():
 @every_degenerate_family
 @pytest.mark.parametrize("evaluate", [by_propagate, by_motion])
 def test_same_figures_as_any_other(family, evaluate):
-    """4e-15 rad at 10 to 1e9 revolutions through both doors, no worse than recorded (1e-15)."""
+    """4e-15 rad at 10 to 1e9 revolutions by both entry points, no worse than recorded (1e-15)."""
     found = []
     for state in states.sample(8, families=[family], seed=11):
         found += errors(state, states.epochs(state), evaluate)

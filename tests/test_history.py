@@ -178,7 +178,7 @@ def test_copies_are_the_same_history(history, asked_before):
         assert np.array_equal(again[3:5].matrix, history.matrix[3:5])
 
 
-# ---- the doors to astropy ----------------------------------------------------------------------
+# ---- conversion to astropy ---------------------------------------------------------------------
 
 
 def test_time_is_tdb(history):

@@ -1,4 +1,4 @@
-"""Paths joined, compressed, at rest and infinitely far: laws, and the doors to other libraries."""
+"""Paths joined, compressed, at rest and infinitely far: laws, and conversion to other libraries."""
 
 import copy
 import pickle

@@ -16,7 +16,7 @@ from attitude.solution import codes, twofloat
 
 U = Fraction(1, 2**53)
 
-# ---- doors from Python -------------------------------------------------------------------------
+# ---- called from Python ------------------------------------------------------------------------
 
 
 @numba.njit(error_model="numpy")

@@ -1,4 +1,4 @@
-"""A mission script as a user writes it, for `mypy --strict`: every door of the public surface.
+"""A mission script as a user writes it, for `mypy --strict`: every public class and function.
 
 ``tests/test_types.py`` checks it, and runs it.
 """
