@@ -3,7 +3,8 @@
     python benchmarks/viewer.py
 
 Frames are timed in headless Chromium, whose OpenGL is here computed by the processor (SwiftShader):
-the whole frame, and the script alone, without the calls that draw.  Needs the extra viewer-test.
+the whole frame, the script alone, without the calls that draw, and frames a second while the motion
+plays, where the page draws less if frames take too long.  Needs the extra viewer-test.
 """
 
 import sys
@@ -24,8 +25,9 @@ NEEDS = ("playwright",)
 # Milliseconds of the script of a frame, with calls that draw left out, of the whole frame, and of
 # one in which the camera alone moves; draw calls and triangles of both.
 TIMED = """count => {
-  const { stage, clock, drawAt } = attitudeViewer;
+  const { stage, clock, quality, drawAt } = attitudeViewer;
   clock.play(false);
+  quality.use(0);
   const pixel = new Uint8Array(4);
   const gl = stage.renderer.getContext();
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
@@ -42,6 +44,18 @@ TIMED = """count => {
   const less = [render.calls, render.triangles];
   gl.drawArrays = gl.drawElements = () => {};
   return [each(drawAt, 500), whole, turned, work, less];
+}"""
+
+# Frames a second of a motion that plays, and the facets of the body in them.
+PLAYED = """async (seconds) => {
+  const { stage, clock, frames } = attitudeViewer;
+  clock.play(true);
+  const pause = (time) => new Promise((done) => setTimeout(done, 1000 * time));
+  await pause(3);
+  const drawn = frames.drawn, begin = performance.now();
+  await pause(seconds);
+  const rate = (1000 * (frames.drawn - drawn)) / (performance.now() - begin);
+  return [rate, stage.mesh.geometry.index.count / 3, stage.renderer.getPixelRatio()];
 }"""
 
 
@@ -73,10 +87,15 @@ def main():
             print(f"  beside the library       {size:8.0f} kB, made in {made:.1f} s")
             for width, height in ((1100, 760), (400, 300)):
                 with browser.opened(chromium, file, width, height) as (opened, _):
+                    rate, triangles, ratio = opened.evaluate(PLAYED, 5)
                     script, drawn, turned, work, less = opened.evaluate(TIMED, 20)
                 print(
                     f"  {width:4d} x {height} pixels: a frame {drawn:7.1f} ms by the processor, "
                     f"its script {script:.2f} ms; {turned:.1f} ms where the camera alone moves"
+                )
+                print(
+                    f"    while it plays: {rate:.0f} frames a second, of {triangles:.0f} facets "
+                    f"and {ratio:.1f} pixels for one of the page"
                 )
             print(
                 f"  a frame: {work[0]} draw calls, {work[1]} triangles; {less[0]} and {less[1]} "

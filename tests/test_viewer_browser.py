@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import Arcs, Impulse, Scene, catalog, quaternion, shape
-from attitude.viewer import view
+from attitude.viewer import drawn_shape, view
 from tests import browser
 
 DAY = 86400.0
@@ -208,3 +208,60 @@ def test_frames_draw_what_changed(chromium, tmp_path):
         )
         assert counts[0] > 1 and counts[1] == 0 and counts[2] > 1
         assert known(errors) == []
+
+
+def test_slow_frames_draw_less_and_a_still_picture_is_whole(chromium, tmp_path):
+    """Frames 50 ms apart lower the quality level by level; the page at rest draws all facets."""
+    ball = shape.Ellipsoid((1.0, 0.8, 0.7)).facets(12_000)
+    body = ball.moved((-0.9, 0.0, 0.0)).joined(ball.moved((0.9, 0.0, 0.0)))
+    scene = Scene(toutatis(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+    path = tmp_path / "slow.html"
+    view(scene, stop=DAY, output=path)
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        found = page.evaluate(
+            """async () => {
+              const { stage, clock, quality, drawAt } = attitudeViewer;
+              clock.play(false);
+              const drawn = [];
+              let now = quality.last + 1000;
+              const frames = (count, apart, changed) => {
+                for (let k = 0; k < count; k++) {
+                  stage.changed = changed;
+                  quality.frame((now += apart));
+                }
+                drawAt(clock.time);
+                const { width, height } = stage.canvas;
+                drawn.push([
+                  quality.drawn,
+                  quality.level,
+                  stage.mesh.geometry.index.count / 3,
+                  stage.light.shadow.mapSize.x,
+                  width / height,
+                  width,
+                ]);
+              };
+              quality.level = 0;
+              frames(20, 16, false);
+              frames(41, 17, true);
+              for (let k = 0; k < 5; k++) frames(8, 50, true);
+              frames(20, 16, false);
+              frames(1, 16, true);
+              frames(8, 150, true);
+              const levels = quality.levels.length;
+              await new Promise((done) => setTimeout(done, 1000));
+              return [drawn, levels, quality.drawn];
+            }"""
+        )
+        assert known(errors) == []
+    drawn, levels, left = found
+    still, fast, *slow, rest, again, slower = drawn
+    assert levels == 5 and left == 0
+    assert still == fast and still[:4] == [0, 0, len(body), 2048]
+    assert [each[0] for each in slow] == [1, 2, 3, 4, 4]
+    assert slow[0][2:4] == [len(body), 1024]
+    assert 1000 < slow[1][2] <= drawn_shape.COARSE
+    assert slow[-1][3] == 512 and slow[-1][5] == pytest.approx(0.3 * still[5], abs=1)
+    assert rest == [0, 4, *still[2:]]
+    # After a pause one level more is tried; frames that take 150 ms lower it by two.
+    assert again[0] == 3 and slower[0] == 4
+    assert all(each[4] == pytest.approx(still[4], rel=0.02) for each in drawn)

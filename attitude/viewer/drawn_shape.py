@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 # Most facets that are drawn; of a finer mesh, vertices within small cubes become one.
 MOST: int = 200_000
+# Facets of the coarser mesh that is drawn while frames take too long.
+COARSE: int = 10_000
 # Facets of an ellipsoid.
 _FACETS = 5120
 # m, of a body without a known shape or inertia.
@@ -35,12 +38,15 @@ class Surface(NamedTuple):
         "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
     size : float
         The unit of the vertices in m; NaN if the size is unknown.
+    closed : bool
+        Whether no facet is seen from behind.
     """
 
     vertices: FloatArray
     facets: IntArray
     kind: str
     size: float
+    closed: bool
 
 
 def surface(subject: Subject, most: int = MOST) -> Surface:
@@ -55,7 +61,8 @@ def surface(subject: Subject, most: int = MOST) -> Surface:
     if isinstance(shape, Ellipsoid):
         return _scaled(shape.facets(min(_FACETS, most)), "ellipsoid")
     if isinstance(shape, Mesh):
-        return _scaled(_coarser(shape, most), "mesh", np.linalg.norm(shape.vertices, axis=1).max())
+        found = _scaled(_drawn(shape, most), "mesh", np.linalg.norm(shape.vertices, axis=1).max())
+        return found._replace(closed=shape.is_closed and not len(shape.inward_facets))
     ellipsoid = poinsot.inertia_ellipsoid(subject.motion.body)
     if ellipsoid is None:
         return _scaled(box(_BOX), "box")._replace(size=np.nan)
@@ -71,21 +78,14 @@ def _scaled(
     vertices, facets = (mesh.vertices, mesh.facets) if isinstance(mesh, Mesh) else mesh
     if size is None:
         size = np.linalg.norm(vertices, axis=1).max()
-    return Surface(vertices / size, facets, kind, float(size))
+    return Surface(vertices / size, facets, kind, float(size), closed=True)
 
 
-def _coarser(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:
-    """The mesh, or vertices and facets of one with at most `most` facets."""
+def _drawn(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:
+    """The mesh, or vertices and facets of a coarser one, with a warning."""
     if len(mesh) <= most:
         return mesh
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    # A closed surface of n^2 cubes a side has some 12 n^2 triangles.
-    cells = np.sqrt(most / 12.0)
-    while True:
-        vertices, facets = _clustered(mesh, low, float(np.max(high - low)) / cells)
-        if len(facets) <= most:
-            break
-        cells *= 0.9 * np.sqrt(most / len(facets))
+    vertices, facets = coarser(mesh.vertices, mesh.facets, most)
     warnings.warn(
         f"the mesh has {len(mesh)} facets, of which a page draws {most} at most: it is drawn with "
         f"{len(facets)}; brightness follows from all of them.",
@@ -95,15 +95,33 @@ def _coarser(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:
     return vertices, facets
 
 
-def _clustered(mesh: Mesh, low: FloatArray, side: float) -> tuple[FloatArray, IntArray]:
+def coarser(vertices: FloatArray, facets: IntArray, most: int) -> tuple[FloatArray, IntArray]:
+    """Vertices and facets of a surface with at most `most` facets, from one that has more."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    # A closed surface of n^2 cubes a side has some 12 n^2 triangles.
+    cells = np.sqrt(most / 12.0)
+    best = None
+    for tried in itertools.count():
+        found = _clustered(vertices, facets, low, float(np.max(high - low)) / cells)
+        count = len(found[1])
+        if count <= most and (best is None or count > len(best[1])):
+            best = found
+        if best is not None and (len(best[1]) > 0.8 * most or tried > 5):
+            return best
+        cells *= 0.95 * np.sqrt(most / max(count, 1))
+
+
+def _clustered(
+    vertices: FloatArray, facets: IntArray, low: FloatArray, side: float
+) -> tuple[FloatArray, IntArray]:
     """Vertices in cubes of a side, each cube's as one, and the facets that keep three corners."""
-    cubes = np.floor((mesh.vertices - low) / side).astype(np.int64)
+    cubes = np.floor((vertices - low) / side).astype(np.int64)
     key = (cubes[:, 0] << 42) | (cubes[:, 1] << 21) | cubes[:, 2]
     _, member, count = np.unique(key, return_inverse=True, return_counts=True)
-    means = [np.bincount(member, mesh.vertices[:, k]) / count for k in range(3)]
-    facets = member[mesh.facets]
-    a, b, c = facets.T
-    kept = facets[(a != b) & (b != c) & (c != a)]
+    means = [np.bincount(member, vertices[:, k]) / count for k in range(3)]
+    corners = member[facets]
+    a, b, c = corners.T
+    kept = corners[(a != b) & (b != c) & (c != a)]
     # Each triangle once, whichever corner it begins with.
     first = np.argmin(kept, axis=1)[:, None]
     turned = np.take_along_axis(kept, (first + np.arange(3)) % 3, axis=1)

@@ -13,7 +13,7 @@ FOLDER: Path = Path(__file__).resolve().parent / "page"
 # The viewer's scripts, in the order in which they are joined: each uses those before it.
 SCRIPTS: tuple[str, ...] = (
     *("bytes", "poses", "clock", "surface", "labels", "arrows", "poinsot", "stage"),
-    *("views", "curve", "panel", "keys", "main"),
+    *("quality", "views", "curve", "panel", "keys", "main"),
 )
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from attitude.annotations import FloatArray, IntArray
     from attitude.motion import Motion
     from attitude.viewer.subject import Subject
 
@@ -129,16 +130,28 @@ def _momentum(motion: Motion) -> list[float] | None:
 
 def _surface(subject: Subject) -> dict[str, Any]:
     found = drawn_shape.surface(subject)
-    low, high = found.vertices.min(axis=0), found.vertices.max(axis=0)
-    width = np.where(high > low, high - low, 1.0)
-    return {
+    data = {
         "kind": found.kind,
         "convex": not isinstance(subject.shape, Mesh) or subject.shape.is_convex,
+        "closed": found.closed,
         "size": found.size,
+        "coarse": None,
+        **_triangles(found.vertices, found.facets),
+    }
+    if len(found.facets) > drawn_shape.COARSE:
+        few = drawn_shape.coarser(found.vertices, found.facets, drawn_shape.COARSE)
+        data["coarse"] = _triangles(*few)
+    return data
+
+
+def _triangles(vertices: FloatArray, facets: IntArray) -> dict[str, Any]:
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    width = np.where(high > low, high - low, 1.0)
+    return {
         "low": low,
         "width": width,
-        "vertices": encoded(np.rint((found.vertices - low) / width * 65535.0), "<u2"),
-        "facets": encoded(found.facets, "<u4"),
+        "vertices": encoded(np.rint((vertices - low) / width * 65535.0), "<u2"),
+        "facets": encoded(facets, "<u4"),
     }
 
 

@@ -3,6 +3,7 @@ import { Clock } from "./clock.js";
 import { Curve } from "./curve.js";
 import { listenToKeys } from "./keys.js";
 import { Panel } from "./panel.js";
+import { Quality } from "./quality.js";
 import { Stage } from "./stage.js";
 import { Views } from "./views.js";
 
@@ -13,6 +14,7 @@ const stage = new Stage(
   document.getElementById("labels"),
   data,
 );
+const quality = new Quality(stage);
 const views = new Views(stage);
 const panel = new Panel(data, stage, views, clock);
 const curve = data.curve ? new Curve(document.getElementById("curve"), data.curve, clock) : null;
@@ -39,6 +41,7 @@ function frame(now) {
   const begin = performance.now();
   if (last !== null) clock.advance(Math.min((now - last) / 1000, 0.2));
   last = now;
+  quality.frame(now);
   if (stage.changed) {
     drawAt(clock.time);
     frames.drawn += 1;
@@ -59,6 +62,7 @@ window.attitudeViewer = {
   clock,
   frames,
   panel,
+  quality,
   stage,
   views,
   drawAt,

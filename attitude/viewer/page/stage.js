@@ -3,15 +3,31 @@ import { arrowsOf } from "./arrows.js";
 import { Labels } from "./labels.js";
 import { Poinsot } from "./poinsot.js";
 import { Directions, Poses } from "./poses.js";
-import { bodyMesh } from "./surface.js";
+import { bodyMesh, geometryOf } from "./surface.js";
 
 const SHADOWS = 2048; // texels a side
+// Names of drivers that compute the picture on the processor: four samples a pixel double its time.
+const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+function drawsByProcessor() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  if (gl) gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return BY_PROCESSOR.test(name);
+}
 
 export class Stage {
   constructor(canvas, labels, data) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const byProcessor = drawsByProcessor();
+    this.renderer = new THREE.WebGLRenderer({
+      canvas, antialias: !byProcessor, preserveDrawingBuffer: true,
+    });
+    // Pixels of the picture for one of the page, and what else `reduce` takes.
+    const ratio = byProcessor ? 2 : Math.min(window.devicePixelRatio, 2);
+    this.full = { ratio, shadows: SHADOWS, coarse: false };
+    this.renderer.setPixelRatio(ratio);
     this.renderer.shadowMap.enabled = !data.surface.convex;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false; // see `renewShadows`
@@ -30,6 +46,8 @@ export class Stage {
     this.sun = data.sun ? new Directions(data.sun, data.duration) : null;
     this.observer = data.observer ? new Directions(data.observer, data.duration) : null;
     this.mesh = bodyMesh(data.surface);
+    this.fine = this.mesh.geometry;
+    this.coarse = data.surface.coarse ? geometryOf(data.surface.coarse) : null;
     this.body.add(this.mesh);
     this.arrows = arrowsOf(data, this.labels);
     for (const [name, group] of Object.entries(this.arrows)) {
@@ -76,6 +94,20 @@ export class Stage {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
     this.camera.updateProjectionMatrix();
+  }
+
+  // Draw fewer pixels, coarser shadows or the coarser mesh, or the whole again.
+  reduce({ ratio, shadows, coarse }) {
+    this.touch();
+    this.renderer.setPixelRatio(ratio);
+    this.mesh.geometry = coarse && this.coarse ? this.coarse : this.fine;
+    const { shadow } = this.light;
+    if (shadow.mapSize.x !== shadows) {
+      shadow.mapSize.set(shadows, shadows);
+      if (shadow.map) shadow.map.dispose();
+      shadow.map = null;
+    }
+    this.cast = [];
   }
 
   // Place everything as it is at a time; without a Sun the light comes from the camera's side.

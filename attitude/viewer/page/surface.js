@@ -1,7 +1,7 @@
-// The mesh of the body.
+// The mesh of the body, and a coarser one of the same surface.
 import { uint16, uint32 } from "./bytes.js";
 
-export function bodyMesh(data) {
+export function geometryOf(data) {
   const rounded = uint16(data.vertices);
   const vertices = new Float32Array(rounded.length);
   for (let k = 0; k < rounded.length; k++) {
@@ -10,14 +10,18 @@ export function bodyMesh(data) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(vertices, 3));
   geometry.setIndex(new THREE.BufferAttribute(uint32(data.facets), 1));
-  const isSmooth = data.kind.startsWith("ellipsoid");
   geometry.computeVertexNormals(); // of flat facets for the bias of shadows only
+  return geometry;
+}
+
+export function bodyMesh(data) {
+  const isSmooth = data.kind.startsWith("ellipsoid");
   const material = new THREE.MeshLambertMaterial({
     color: 0xb9b3a8,
     flatShading: !isSmooth,
-    side: THREE.DoubleSide,
+    ...(data.closed ? {} : { side: THREE.DoubleSide }),
   });
-  const mesh = new THREE.Mesh(geometry, material);
+  const mesh = new THREE.Mesh(geometryOf(data), material);
   mesh.castShadow = !data.convex; // a convex surface casts no shadow on itself
   mesh.receiveShadow = !data.convex;
   return mesh;
