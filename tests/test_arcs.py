@@ -9,6 +9,7 @@ from mpmath import mp, mpf
 from attitude import AttitudeError, Body, FreeRotation, Spin, evaluation, quaternion
 from attitude.arcs.arcs import Arcs, Impulse, InertiaChange
 from attitude.arcs.triggers import AxisCrossesDirection, PointMeetsPlane
+from attitude.immutable import read_only
 from attitude.solution.flow import flow
 from tests import states
 from tests.oracle import Oracle, conjugate, multiply, rate_error, rotation_error
@@ -137,7 +138,7 @@ def test_flow_in_two_doubles(revolutions):
         record = evaluation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
         q = np.zeros((4, 2))
         q[0, 0] = 1.0
-        flow(record, moments, (time, 0.0), q, w)
+        flow(record, read_only(moments), (time, 0.0), q, w)
         exact, rates = Oracle(state.moments, (1, 0, 0, 0), state.omega0, digits=50).at(time)
         with mp.workprec(300):
             found = [mpf(float(a)) + mpf(float(b)) for a, b in q]

@@ -148,11 +148,14 @@ def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
 
 @pytest.fixture(scope="module")
 def solved():
-    """A synthetic rotator of an independent forward model, and its inversion."""
+    """A synthetic rotator of an independent model, and a search of fewer poles and pairs."""
     case = inversion_cases.case(1, {**figures.AXIAL[0], "per_hour": 1})
     curve = figures.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
-    return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "_PAIRS", 20)
+        patch.setattr(pole_map, "POLES", 60)
+        return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)
 
 
 def test_a_rotation_about_one_axis_is_found(solved):

@@ -64,10 +64,15 @@ print(json.dumps([fused_here, *bits, fused.tobytes().hex(), whole.tobytes().hex(
 
 
 @pytest.mark.parametrize(
-    ("name", "features"),
-    [pytest.param("sandybridge", NO_FMA, marks=pytest.mark.slow), ("generic", "")],
+    ("name", "features", "compiled"),
+    [
+        pytest.param("sandybridge", NO_FMA, "always", marks=pytest.mark.slow),
+        pytest.param("generic", "", "always", marks=pytest.mark.slow),
+        ("generic", "", "automatic"),
+    ],
 )
-def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features):
+def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features, compiled):
+    """Of loops over epochs and of fma() itself; with "always" also of the set-up."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         pytest.skip("the names of processors are those of x86")
     moments, halves = (10.0, 20.0, 26.0), [0.5, 1.5, -0.5, -0.2, 2.0**52 + 1, -3.5, 1e300, 0.0]
@@ -76,6 +81,7 @@ def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features):
         "NUMBA_CPU_NAME": name,
         "NUMBA_CPU_FEATURES": features,
         "NUMBA_CACHE_DIR": str(tmp_path),
+        "ATTITUDE_COMPILE": compiled,
     }
     run = subprocess.run(
         [sys.executable, "-c", SCRIPT, given], env=environment, capture_output=True, text=True

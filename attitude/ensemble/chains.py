@@ -16,7 +16,7 @@ from attitude.blocks import in_rectangles
 from attitude.compilation.deferral import uncollected
 from attitude.ensemble import evaluate
 from attitude.ensemble.members import BLOCK
-from attitude.immutable import read_only
+from attitude.immutable import frozen, read_only
 from attitude.progress import ProgressBar
 from attitude.solution.principal import PrincipalAxes
 from attitude.solution.record import CONSTANTS
@@ -67,7 +67,7 @@ class Chains:
     def __init__(self, ensemble: Ensemble, changes: Sequence[Change]) -> None:
         times = joint_times.given(changes, ensemble.start_of_seconds)
         found = [time for time in times if time is not None]
-        self._starts = np.array([(0.0, 0.0), *found])
+        self._starts = frozen(np.array([(0.0, 0.0), *found]))
         self._records = np.empty((len(ensemble), len(self._starts)), dtype=CONSTANTS)
         for first in range(0, len(ensemble), BLOCK):
             part = slice(first, min(first + BLOCK, len(ensemble)))
@@ -99,7 +99,7 @@ class Chains:
             here = slice(*epochs)
             out = wxyz[part], rates[part], epochs[0]
             failed = _compiled().evaluate_members(
-                self._records[part], self._starts, high[here], rest[here], *out
+                read_only(self._records[part]), self._starts, high[here], rest[here], *out
             )
             if failed >= 0:
                 raise Failed(part.start + failed)
@@ -115,7 +115,7 @@ def _records(
     """Constants (B, K + 1) of the arcs of some members."""
     members = ensemble._members.taken(part)
     moments, wxyz, w = members.states(slice(None))
-    principal, axes = np.array(members.principal), _axes(ensemble, part)
+    principal, axes = np.array(members.principal, order="C"), _axes(ensemble, part)
     q = np.zeros((len(wxyz), 4, 2))
     q[..., 0] = wxyz
     if members.low is not None:
@@ -133,12 +133,12 @@ def _records(
             in_body[:] = added
         else:
             in_space[:] = frames.vector_to_icrf(change.frame, added)
-        given = moments, axes, principal
+        given = read_only(moments), read_only(axes), read_only(principal)
         _compiled().join_members(found[-1], *given, length, q, w, in_body, in_space)
         if isinstance(change, InertiaChange):
             body = change.body
-            new = np.array(body.moments_as_pairs), np.array(body._axes)
-            _compiled().exchange_members(moments, axes, *new, w)
+            new = body.moments_as_pairs, body._axes
+            _compiled().exchange_members(given[0], given[1], *new, w)
             moments = np.repeat(new[0][None], len(w), axis=0)
             axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
         state = moments, q[..., 0].copy(), w.copy(), principal

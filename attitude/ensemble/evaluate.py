@@ -186,10 +186,11 @@ class Runs:
             some = who[first : first + BLOCK]
             constants, _ = self._members.prepared(consecutive(some), rates=rates is not None)
             edges = starts[first : first + len(some) + 1]
-            failed = self._rows.evaluate_runs(constants, edges, *times, *out)
+            records = read_only(constants)
+            failed = self._rows.evaluate_runs(records, edges, *times, *out)
             if failed >= 0:
                 near = self.nearer(constants, edges, t, low, failed, some)
-                self._rows.evaluate_runs(constants, edges, near[None], times[1], *out)
+                self._rows.evaluate_runs(records, edges, near[None], times[1], *out)
 
     def nearer(
         self,
@@ -272,7 +273,7 @@ def within(
     """The epochs with NaN in place of those beyond reach, in the shape that t and reach have."""
     with np.errstate(invalid="ignore"):
         near = np.where(np.abs(t if low is None else t + low) > reach, np.nan, t)
-    lows = None if low is None else np.array(np.broadcast_to(low, near.shape))
+    lows = None if low is None else np.array(np.broadcast_to(low, near.shape), order="C")
     return read_only(near), None if lows is None else read_only(lows)
 
 

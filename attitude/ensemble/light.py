@@ -133,11 +133,11 @@ class Light:
             constants, _ = self._members.prepared(evaluate.consecutive(some), rates=False)
             edges = starts[first : first + len(some) + 1]
             axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
-            rest = *vectors, axes, factor, work, out
-            failed = self._loop(constants, edges, t, lows, *rest)
+            records, rest = read_only(constants), (*vectors, axes, factor, work, out)
+            failed = self._loop(records, edges, t, lows, *rest)
             if failed >= 0:
                 near = self._runs.nearer(constants, edges, t[0], piece.low, failed, some)
-                self._loop(constants, edges, near[None], lows, *rest)
+                self._loop(records, edges, near[None], lows, *rest)
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 
 if TYPE_CHECKING:
     from typing import Any
@@ -66,12 +67,13 @@ def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) 
 
     parts = []
     for array, name in ((sun, "sun"), (observer, "observer")):
-        own = [np.ascontiguousarray(array[begin:end, k], dtype=np.float64) for k in range(3)]
+        # read-only everywhere: one compiled version
+        own = [
+            read_only(np.ascontiguousarray(array[begin:end, k], dtype=np.float64)) for k in range(3)
+        ]
         # The sum of (|v|^2 - 1)^2 exceeds the bound if any single vector does; NaN stays NaN.
         if not stray(*own) <= _UNIT**2:
             _refuse_the_first(own, name, begin)
-        for part in own:
-            part.flags.writeable = False  # read-only everywhere: one compiled version
         parts.extend(own)
     return parts
 

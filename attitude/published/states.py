@@ -13,6 +13,7 @@ import numpy as np
 from attitude import validation
 from attitude.body import Body
 from attitude.errors import AttitudeError
+from attitude.immutable import read_only
 from attitude.published import conventions, dynamic_inertia
 from attitude.regime import known_convention, regimes
 
@@ -88,7 +89,7 @@ class Labels(NamedTuple):
         from attitude.solution.labelled_axes import states_all
 
         wxyz, omega = np.empty((len(rates), 4)), np.empty((len(rates), 3))
-        order, axes = np.ascontiguousarray(self.order), np.array(self.axes)
+        order, axes = read_only(np.ascontiguousarray(self.order)), np.array(self.axes)
         states_all(axes, order, self.long_labels, angles, rates, np.empty((3, 3)), wxyz, omega)
         return wxyz, omega
 
