@@ -153,7 +153,8 @@ def solved():
     curve = figures.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "_PAIRS", 20)
+        for name, count in {"_PAIRS": 10, "_DEEP": 4, "_CLASSES": 6, "_CONVEX": 10}.items():
+            patch.setattr(search, name, count)
         patch.setattr(pole_map, "POLES", 60)
         return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)
 

@@ -58,7 +58,7 @@ MOTION = FreeRotation(BODY, Spin("2026-01-01", (0.5, 0.1, -0.7, 0.4), (0.03, 0.0
 
 
 def test_rates_and_attitude_of_a_satellite():
-    curve = _pass(MOTION)
+    curve = _pass(MOTION, 60)
     found = inversion.spin_states(curve, "0.01 Hz", shape=MESH, law=LAW, moments=BODY, budget=300)
     assert found.verdict == "solved", str(found)
     here, truth = (each.at([MOTION.epoch.time]) for each in (found[0].motion, MOTION))

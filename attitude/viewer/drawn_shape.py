@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import warnings
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -100,15 +99,15 @@ def coarser(vertices: FloatArray, facets: IntArray, most: int) -> tuple[FloatArr
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     # A closed surface of n^2 cubes a side has some 12 n^2 triangles.
     cells = np.sqrt(most / 12.0)
-    best = None
-    for tried in itertools.count():
+    best, tried = None, 0
+    while best is None or (len(best[1]) < 0.8 * most and tried < 6):
         found = _clustered(vertices, facets, low, float(np.max(high - low)) / cells)
         count = len(found[1])
         if count <= most and (best is None or count > len(best[1])):
             best = found
-        if best is not None and (len(best[1]) > 0.8 * most or tried > 5):
-            return best
         cells *= 0.95 * np.sqrt(most / max(count, 1))
+        tried += 1
+    return best
 
 
 def _clustered(
