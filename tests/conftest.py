@@ -1,5 +1,6 @@
 """Before anything is imported: where machine code is kept, how hypothesis works, no network."""
 
+import gc
 import importlib
 import os
 import signal
@@ -91,6 +92,12 @@ def pytest_collection():
     """Run small calls in Python while modules of tests are imported."""
     with choice.InPython():
         return (yield)
+
+
+def pytest_collection_finish():
+    """Leave what stays for all tests out of every later search for garbage."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

@@ -14,13 +14,18 @@ DATA = Path(__file__).parent.parent / "data"
 PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 
 
+def _smaller(monkeypatch, **counts):
+    """Pairs of frequencies, starts and solutions of a search."""
+    for name, count in counts.items():
+        monkeypatch.setattr(search, name, count)
+
+
 def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
     """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given.
 
-    With a third of the pairs of frequencies and of the convex bodies, and fewer fits for errors.
+    With a third of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
     """
-    monkeypatch.setattr(search, "_PAIRS", 60)
-    monkeypatch.setattr(search, "_CONVEX", 12)
+    _smaller(monkeypatch, _PAIRS=60, _CLASSES=10, _CONVEX=12, _FINAL=5)
     monkeypatch.setattr(jackknife, "_REFITS", 1)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
@@ -49,8 +54,7 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 
 def test_known_moments(tmp_path, monkeypatch, capsys):
     """The body of a spin file holds the moments of all solutions."""
-    monkeypatch.setattr(search, "_PAIRS", 20)
-    monkeypatch.setattr(search, "_FINAL", 4)
+    _smaller(monkeypatch, _PAIRS=20, _DEEP=10, _CLASSES=6, _CONVEX=6, _FINAL=4)
     monkeypatch.setattr(jackknife, "_REFITS", 1)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "body.toml").write_text(
@@ -186,8 +190,7 @@ def test_the_site_is_text_with_units():
 
 def test_many_points_are_averaged_with_a_note(tmp_path, capsys, monkeypatch):
     """A curve of more points than are searched: the averages are told with the verdict."""
-    monkeypatch.setattr(search, "_PAIRS", 4)
-    monkeypatch.setattr(search, "_FINAL", 2)
+    _smaller(monkeypatch, _PAIRS=4, _DEEP=4, _CLASSES=4, _CONVEX=4, _FINAL=2)
     count = 12_000
     t = 2460000.5 + np.linspace(0.0, 4.0, count)
     generator = np.random.default_rng(3)

@@ -129,7 +129,7 @@ def crater(frequency):
 )
 def test_every_bit_of_the_table_is_a_ray_with_every_triangle(mesh):
     """Neither boxes around facets nor outlines of groups leave out a cell."""
-    table = Visibility.of(mesh, resolution=9)
+    table = Visibility.of(mesh, resolution=7)
     directions = sampled(table)
     points = visibility.points_of(mesh.corners)
     wrong = 0

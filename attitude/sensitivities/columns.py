@@ -15,7 +15,7 @@ import numpy as np
 from attitude import evaluation
 from attitude.compilation.deferral import uncollected
 from attitude.errors import AttitudeError
-from attitude.immutable import read_only
+from attitude.immutable import frozen, read_only
 from attitude.solution import codes
 from attitude.solution.tangent_record import BLOCK, COLUMNS, ROWS, TANGENTS
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 # Parameters of a motion.
 PARAMETERS = COLUMNS
+# In place of second doubles of the epochs, where there are none.
+_NO_LOW = frozen(np.empty((1, 0)))
 # Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
 _MOST_GROWTH = 280.0
 
@@ -201,7 +203,7 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
     _refuse_overflow(tangents, t, runs)
     given = evaluation.writable(constants), evaluation.writable(tangents)
-    times = read_only(t), None if t_low is None else read_only(t_low)
+    times = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
     forms = set(constants["form"].tolist())
     for edges in _parts(runs, len(constants), t.shape[1]):

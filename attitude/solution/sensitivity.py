@@ -5,7 +5,8 @@ Given
     tangents   (B,) of solution.tangent_record
     short      (B,) of solution.short_times, or (0,) if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
-    t_low      None, or a second double of the seconds, in the same shape
+    t_low      a second double of the seconds, in the same shape, or (1, 0) where there is none:
+               None would be another type, for which each loop would be compiled anew
     edges      (B, 2) the epochs of body b from edges[b, 0] to edges[b, 1] are evaluated
     block      (ROWS BLOCK,) working memory
 Filled
@@ -17,6 +18,8 @@ Filled
 Returned
     -1, or the first body with an epoch beyond its reach
 """
+
+import numpy as np
 
 from attitude.compilation.decorators import force_inlined, slowly_compiled
 from attitude.compilation.streaming import LINE, finish_stores
@@ -61,23 +64,39 @@ from attitude.solution.uniform_tangents import (
 )
 
 
+@force_inlined
+def _is_beyond(c, t, t_low, k, first, end):
+    """Whether an epoch of a row is beyond the reach of its motion."""
+    if t_low.size > 0:
+        return any_beyond(t[k, first:end], t_low[k, first:end], reach(c))
+    return any_beyond(t[k, first:end], None, reach(c))
+
+
+@force_inlined
+def _lows(t_low, zeros, k, first, end):
+    """The second doubles of some epochs of a row."""
+    if t_low.size > 0:
+        return t_low[k, first:end]
+    return zeros[: end - first]
+
+
 @slowly_compiled
 def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the trigonometric form; see the module docstring."""
     fill_still_rows(block)
+    zeros = np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         again = epochs_again(attitude, end - first)
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
-            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
+            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or omega is not None:
@@ -100,19 +119,19 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
 def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of the hyperbolic form; see the module docstring."""
     fill_still_rows(block)
+    zeros = np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         again = epochs_again(attitude, end - first)
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
-            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
+            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or omega is not None:
@@ -190,19 +209,18 @@ def _store_rates(d, short, b, near, block, span, omega):
 @slowly_compiled
 def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges):
     """Fill the columns of motions of constant angular velocity; see the module docstring."""
-    columns = attitude.shape[2]
+    columns, zeros = attitude.shape[2], np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         o = b if len(attitude) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.UNIFORM:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         for start in range(first, end, BLOCK):
             stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+            times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
             for j in range(columns):
                 x, y, z = rows_of(attitude, o, j, start, stop)
@@ -216,21 +234,20 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
 @slowly_compiled
 def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the trigonometric form; see the module docstring."""
-    rates = out.shape[1] == 6
+    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.TRIGONOMETRIC:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         again = epochs_again(out, end - first) if rates else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
             n = stop - head
-            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
+            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
             trigonometric_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or rates:
@@ -245,21 +262,20 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
 @slowly_compiled
 def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
-    rates = out.shape[1] == 6
+    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.HYPERBOLIC:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         again = epochs_again(out, end - first) if rates else 0
         for start in range(first, end, BLOCK - again):
             stop = min(start + BLOCK - again, end)
             head = max(start - again, first)
             n = stop - head
-            times, low = t[k, head:stop], None if t_low is None else t_low[k, head:stop]
+            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
             hyperbolic_block(c, d, times, low, block)
             near = len(short) > 0 and any_near(times, short[b].reach)
             if near or rates:
@@ -318,20 +334,19 @@ def _sum(d, short, b, near, block, n, rates):
 @slowly_compiled
 def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
     """Fill the covariances of motions of the uniform form; see the module docstring."""
-    rates = out.shape[1] == 6
+    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
     for b in range(len(constants)):
         c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
         o = b if len(out) > 1 else 0
         first, end = edges[b, 0], edges[b, 1]
         if c.form != codes.UNIFORM:
             continue
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(t[k, first:end], lows, reach(c)):
+        if _is_beyond(c, t, t_low, k, first, end):
             return b
         for start in range(first, end, BLOCK):
             stop = min(start + BLOCK, end)
             n = stop - start
-            times, low = t[k, start:stop], None if t_low is None else t_low[k, start:stop]
+            times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
             start_sums(n, 21 if rates else 6, block)
             x, y, z = found_rows(block, n)
