@@ -280,11 +280,14 @@ def test_constant_brightness_and_short_spans_are_not_solved():
 
 @pytest.fixture(scope="module")
 def solved():
-    """A synthetic tumbler of an independent forward model, and its inversion."""
+    """A synthetic tumbler of an independent forward model, and a search with half the starts."""
     style = {**figures.STYLES[6], "per_hour": 9}
     case = inversion_cases.case(31, style)
     curve = figures.curve_of(case, "shared")
-    return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1)
+    with pytest.MonkeyPatch.context() as patch:
+        for name, count in {"_PAIRS": 100, "_CLASSES": 15, "_CONVEX": 20}.items():
+            patch.setattr(search, name, count)
+        return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1)
 
 
 def test_a_tumbler_is_found(solved):

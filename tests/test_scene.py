@@ -355,7 +355,7 @@ def test_apparent_position():
     assert np.allclose(np.degrees(view.apparent_position), [[270, 45]], rtol=0, atol=1e-13)
 
 
-def disc_share(apart, disc, limb, count=2000):
+def disc_share(apart, disc, limb, count=1000):
     """The share of the Sun's disc within an angle of a direction, by counting directions."""
     x, y = (np.mgrid[0:count, 0:count] + 0.5) / count * 2.0 - 1.0
     inside = x * x + y * y < 1.0

@@ -407,11 +407,11 @@ def circular(n=1.0):
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_jacobi_energy_on_a_circular_orbit_is_bounded(name):
-    """T + V - n L_normal of a tumbling body over 2000 orbits."""
+    """T + V - n L_normal of a tumbling body over 1000 orbits."""
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0.2, 0.3, 0.4), angular_velocity=(1.0, 6.0, 0.5))
     gradient = GravityGradient(circular(), 1.0)
     motion = TorquedRotation(BODY, spin, gradient, step=2.0 * np.pi / 400, scheme=name)
-    t = 2.0 * np.pi * np.concatenate([np.linspace(0, 20, 301), np.linspace(1980, 2000, 301)])
+    t = 2.0 * np.pi * np.concatenate([np.linspace(0, 20, 301), np.linspace(980, 1000, 301)])
     history = motion.at(t)
     w = history.angular_velocity
     kinetic = 0.5 * np.sum(w * w * MOMENTS, axis=-1)
