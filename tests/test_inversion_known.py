@@ -1,5 +1,6 @@
 """Spin states of a body of known shape, moments that are given, and errors by the jackknife."""
 
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -66,6 +67,10 @@ def test_rates_and_attitude_of_a_satellite():
     assert np.linalg.norm(rate - true_rate) < 0.02 * np.linalg.norm(true_rate)
     assert found[0].rms < 0.07
     assert len(found.table()) == len(found)
+    copy = pickle.loads(pickle.dumps(found[0]))
+    assert copy.rms == found[0].rms and np.array_equal(
+        copy.motion.spin.wxyz, found[0].motion.spin.wxyz
+    )
     # and by refinement from a start near it
     turned = Spin("2026-01-01", (0.52, 0.1, -0.7, 0.38), (0.0301, 0.0101, -0.0399))
     again = inversion.refine(curve, FreeRotation(BODY, turned), shape=MESH, law=LAW)

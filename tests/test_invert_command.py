@@ -62,6 +62,7 @@ def test_known_moments(tmp_path, monkeypatch, capsys):
         "wxyz = [1, 0, 0, 0]\nangular_velocity = [1e-5, 0, 1e-5]\n"
     )
     options = ["--max-frequency", "0.5 /d", "--budget", "2 s", "--output", "found.toml"]
+    options += ["--modes", "LAM"]
     assert cli.main(["invert", str(PHOTOMETRY), *options, "--moments", "body.toml"]) == 0
     moments = np.sort(spin_file.read("found.toml").motion.body.moments)
     assert moments / moments[0] == pytest.approx([1.0, 3.0, 3.2], rel=0.02)

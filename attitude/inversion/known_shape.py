@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import light_curve
 from attitude.errors import AttitudeError
 from attitude.inversion.convex import BodyLight
+from attitude.light_curve.brightness import BLOCK, kernel_of, with_phase
+from attitude.light_curve.directions import components, paired
 from attitude.scattering import LommelSeeligerLambert
 from attitude.scattering import law as known_law
 from attitude.shape import Mesh
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from attitude.annotations import FloatArray
     from attitude.scattering import Law
 
@@ -41,6 +45,10 @@ class KnownShape:
     mesh: Mesh
     law: Law
 
+    def __getstate__(self) -> dict[str, object]:
+        # `_sums` is made anew: compiled loops are not pickled
+        return {"mesh": self.mesh, "law": self.law}
+
     def over(self, axes: FloatArray) -> KnownShape:
         """The same over other axes, the columns (3, 3)."""
         if np.array_equal(axes, np.eye(3)):
@@ -49,7 +57,18 @@ class KnownShape:
 
     def flux(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
         """Brightness (...) seen from unit vectors (..., 3) over the axes of the body, m2/sr."""
-        return light_curve.brightness(self.mesh, self.law, sun, observer)
+        suns, observers, shape = paired(sun, observer)
+        found = np.empty(shape)
+        flat = found.reshape(-1)
+        for begin in range(0, flat.size, BLOCK):
+            end = begin + BLOCK
+            self._sums(components(suns, observers, begin, end), flat[begin:end])
+        return found
+
+    @cached_property
+    def _sums(self) -> Callable[[Sequence[FloatArray], FloatArray], None]:
+        """The sum over the facets: made once, since a search evaluates it thousands of times."""
+        return with_phase(kernel_of(self.mesh, self.law, True, 1), self.law)
 
     def magnitudes(self, sun: FloatArray, observer: FloatArray, least: float) -> FloatArray:
         """Magnitudes (...) of the flux, or of `least` where it is smaller."""

@@ -117,21 +117,31 @@ def brightness(
             f"out is {_described(out)}; give a writable float64 array of shape {shape_out} in C "
             "order."
         )
-    flat = out.reshape(-1)
-    has_phase, phase = law.has_phase, law.phase
-    if has_phase:
-        from attitude.solution.vectors import separation
+    flat, work = out.reshape(-1), with_phase(kernel, law)
 
-    def work(begin: int, end: int) -> None:
-        parts = components(suns, observers, begin, end)
-        kernel(*parts, flat[begin:end])
-        if has_phase:
-            flat[begin:end] *= phase(separation(*parts))
+    def fill(begin: int, end: int) -> None:
+        work(components(suns, observers, begin, end), flat[begin:end])
 
     bar = ProgressBar("light curve") if progress is None else progress
     block = _BLOCK_OF_ELLIPSOIDS if isinstance(shape, Ellipsoid) else BLOCK
-    in_blocks(work, flat.size, block, threads, bar)
+    in_blocks(fill, flat.size, block, threads, bar)
     return out if out.ndim else out[()]
+
+
+def with_phase(
+    kernel: Callable[..., object], law: Law
+) -> Callable[[Sequence[FloatArray], FloatArray], None]:
+    """The function of `components` and an output array: a `kernel_of` the law, and its phase."""
+    has_phase = law.has_phase
+    if has_phase:
+        from attitude.solution.vectors import separation
+
+    def work(parts: Sequence[FloatArray], out: FloatArray) -> None:
+        kernel(*parts, out)
+        if has_phase:
+            out *= law.phase(separation(*parts))
+
+    return work
 
 
 def stream(
