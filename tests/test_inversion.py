@@ -17,6 +17,7 @@ from attitude.inversion import (
     many_starts,
     minkowski,
     moments_of_elements,
+    population,
     problem,
     refinement,
     search,
@@ -309,6 +310,7 @@ def test_what_a_solution_offers(solved, tmp_path, monkeypatch):
 
     # of a fit each second without one, of which dozens would be made
     monkeypatch.setattr(jackknife, "_REFITS", 1)
+    monkeypatch.setattr(population, "_SAMPLES", 100)
 
     case, curve, found = solved
     best = found[0]

@@ -8,25 +8,26 @@ import pytest
 from attitude import AttitudeError, Body, cli, epochs, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import jackknife, search, ties
+from attitude.inversion import jackknife, population, search, ties
 
 DATA = Path(__file__).parent.parent / "data"
 PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 
 
 def _smaller(monkeypatch, **counts):
-    """Pairs of frequencies, starts and solutions of a search."""
+    """Pairs of frequencies, starts and solutions of a search, and samples of its errors."""
     for name, count in counts.items():
         monkeypatch.setattr(search, name, count)
+    monkeypatch.setattr(jackknife, "_REFITS", 1)
+    monkeypatch.setattr(population, "_SAMPLES", 100)
 
 
 def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
     """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given.
 
-    With a third of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
+    With a fifth of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
     """
-    _smaller(monkeypatch, _PAIRS=60, _CLASSES=10, _CONVEX=12, _FINAL=5)
-    monkeypatch.setattr(jackknife, "_REFITS", 1)
+    _smaller(monkeypatch, _PAIRS=40, _DEEP=20, _CLASSES=8, _CONVEX=8, _FINAL=3)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
@@ -55,7 +56,6 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 def test_known_moments(tmp_path, monkeypatch, capsys):
     """The body of a spin file holds the moments of all solutions."""
     _smaller(monkeypatch, _PAIRS=20, _DEEP=10, _CLASSES=6, _CONVEX=6, _FINAL=4)
-    monkeypatch.setattr(jackknife, "_REFITS", 1)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "body.toml").write_text(
         '[body]\nmoments = [30, 10, 32]\n[spin]\nepoch = "1993-01-01"\n'
