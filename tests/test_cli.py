@@ -208,6 +208,9 @@ BAD = [
     (("--verbose",), "not known|required"),
     (("describe",), "the following arguments are required: "),
     (("describe", "none.toml"), "none.toml: cannot be read"),
+    (("describe", "none.aem"), "'none.aem' cannot be read: No such file"),
+    (("view", "none.aem"), "'none.aem' cannot be read: No such file"),
+    (("view", "none"), "the catalogue has no 'none'"),
     (("describe", TOUTATIS, "--rates"), "--rates is not known"),
     ((*GO, "--step", "1"), "required: --stop"),
     ((*GO, "--stop", "1"), "required: --step"),
@@ -230,6 +233,7 @@ BAD = [
     ((*GO, "--stop", "1e400", "--step", "1e399"), "out of the years 0001 to 9999"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "a.xls"), "ends in .csv or"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "csv"), "ends in .csv or"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", "a.aem"), "`attitude convert` writes AEM"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "/no/a.csv"), "No such file"),
 ]  # fmt: skip
 

@@ -23,9 +23,18 @@ def add_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def kind_of(
-    name: str | None, allowed: Sequence[str] = ("csv", "ecsv"), option: str = "--output"
+    name: str | None,
+    allowed: Sequence[str] = ("csv", "ecsv"),
+    option: str = "--output",
+    *,
+    hint: str = "",
 ) -> str:
     """The ending of a file, one of those allowed; without a file the first of them.
+
+    Parameters
+    ----------
+    hint : str
+        A sentence for the error.
 
     Raises
     ------
@@ -37,7 +46,8 @@ def kind_of(
     ending = name.rpartition(".")[2].lower() if "." in name else ""
     if ending not in allowed:
         listed = " or ".join(f".{each}" for each in allowed)
-        raise AttitudeError(f"{option} is {name!r}; give a file name that ends in {listed}.")
+        said = f"{option} is {name!r}; give a file name that ends in {listed}. {hint}"
+        raise AttitudeError(said.rstrip())
     return ending
 
 

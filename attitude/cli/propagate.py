@@ -27,6 +27,8 @@ columns:
 
 A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). The step is in seconds of
 TDB if start and stop both count from the epoch, else in seconds of UTC.
+
+AEM, C-kernels and other formats are written by "attitude convert".
 """
 # Rows computed and written in one block: the memory does not grow with the table.
 _BLOCK = 16384
@@ -68,7 +70,9 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.cli import table
     from attitude.cli.grid import grid
 
-    kind = output.kind_of(arguments.output)
+    kind = output.kind_of(
+        arguments.output, hint="`attitude convert` writes AEM, C-kernels and other formats."
+    )
     motion = target.opened(arguments).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:

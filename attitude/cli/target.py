@@ -60,13 +60,19 @@ class Target(NamedTuple):
         return f"{self.name}, with {', '.join(self.given)} as given here"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add NAME|FILE, and the options that complete an entry of the catalogue."""
+_FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
+
+
+def add_arguments(parser: argparse.ArgumentParser, files: str = _FILES) -> None:
+    """Add NAME|FILE, and the options that complete an entry of the catalogue.
+
+    Parameters
+    ----------
+    files : str
+        For the help: the files that the command reads.
+    """
     parser.add_argument(
-        "target",
-        metavar="NAME|FILE",
-        help="name in the catalogue (or a part of it), or a body and its state in a file: spin "
-        "file (.toml), APM, or DAMIT spin file (.spin)",
+        "target", metavar="NAME|FILE", help=f"name in the catalogue (or a part of it), or {files}"
     )
     group = parser.add_argument_group("values that an entry of the catalogue lacks")
     for option, name, _, text in _NUMBERS:
@@ -79,7 +85,7 @@ def is_file(text: str) -> bool:
     """Whether a target is a file: one that exists, or a name of the form of a path."""
     from attitude import catalog
 
-    written_so = re.search(r"\.(toml|spin|apm)$|[/\\]", text) is not None
+    written_so = re.search(r"\.[A-Za-z]\w*$|[/\\]", text) is not None
     return os.path.isfile(text) or (written_so and not catalog.has(text))
 
 

@@ -1,4 +1,4 @@
-"""``attitude view SOURCE``: a page, an animation or a file for other viewers of a motion."""
+"""``attitude view NAME|FILE``: a page, an animation or a file for other viewers of a motion."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ examples:
   attitude view toutatis --animate toutatis.webp
   attitude view data/mission/envisat-pass.toml --output envisat.czml
 
-SOURCE is what propagate and lightcurve take: a spin file, a mission file, a name in the catalogue,
-an AEM, a C-kernel, a table. Of a mission file the page shows what the light shows that is received
-at its times, with Sun, observer and light curve.
+Of a mission file the page shows what the light shows that is received at its times, with Sun,
+observer and light curve.
 
 endings that --output may have:
   .html  a page without a network      .glb   glTF with animation
@@ -33,13 +32,17 @@ endings that --output may have:
 
 endings that --animate may have: .webp, .gif, .mp4 (needs ffmpeg)
 """
+_FILES = (
+    "a spin file or mission file (.toml), DAMIT spin file, APM, AEM, ACM, STK attitude file, "
+    "C-kernel or table"
+)
 _ENDINGS = ("html", "czml", "glb", "json")
 _ANIMATIONS = ("webp", "gif", "mp4")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    target.add_arguments(parser)
+    target.add_arguments(parser, _FILES)
     parser.add_argument("--output", metavar="FILE", help="x.html (default: NAME.html), or as below")
     parser.add_argument("--animate", metavar="FILE", help="an animation in place of a page")
     parser.add_argument("--start", metavar="TIME", help="date (UTC), or seconds after the epoch")

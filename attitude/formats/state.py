@@ -52,7 +52,8 @@ def read(path: FilePath) -> State:
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
             f"{os.fspath(path)}: holds attitudes at epochs, from which no motion is known; give a "
-            "spin file (.toml), an APM or a DAMIT spin file, or fit a FreeRotation."
+            "spin file (.toml), an APM or a DAMIT spin file; `attitude convert IN OUT.toml --fit` "
+            "makes one of attitudes."
         )
     name = said.get("object_name") or os.path.splitext(os.path.basename(os.fspath(path)))[0]
     return State(motion, name, None, None)
