@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from attitude import Body, FreeRotation, Spin, inversion, light_curve
+from attitude import Body, FreeRotation, Spin, inversion, light_curve, quaternion
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     convex,
+    curve_problem,
     facets,
     jackknife,
     known_shape,
@@ -90,6 +91,37 @@ def test_two_passes_are_one_curve():
         here, true = found[0].motion.at([epoch]), MOTION.at([epoch])
         rates = [np.einsum("nij,nj->ni", x.matrix, x.angular_velocity)[0] for x in (here, true)]
         assert np.linalg.norm(rates[0] - rates[1]) < 0.01 * np.linalg.norm(rates[1])
+
+
+@pytest.mark.parametrize(
+    ("turn", "costs", "attempts"),
+    [
+        ((1.0, 0.0, 0.0, 0.0), (500.0, 20.0), 2),  # as good as the errors
+        ((1.0, 0.0, 0.0, 0.0), (500.0, 510.0, 400.0, 700.0, 401.0, 399.0), 6),  # three agree
+        ((0.0, 1.0, 0.0, 0.0), (400.0,) * 28, 28),  # three agree, on what does not fit at all
+    ],
+)
+def test_a_search_ends_where_several_starts_agree(turn, costs, attempts, monkeypatch):
+    curve = _pass(MOTION, 60)
+    given, _ = curve_problem.problem(curve, 0.01, 0.15, curve.zero_points, is_known=True)
+    axes = BODY.principal_axes
+    known = known_shape.known(MESH, LAW).over(axes)
+    nothing = np.random.default_rng(0), np.inf, lambda said: None
+    made = pass_search.PassSearch(given, known, BODY.moments, 0.06, *nothing)
+    here = MOTION.at([curve.epoch])
+    wxyz = quaternion.multiply(here.wxyz[0], quaternion.from_matrix(axes))
+    wxyz, omega = quaternion.multiply(wxyz, np.array(turn)), axes.T @ here.angular_velocity[0]
+    left = list(costs)
+
+    def from_span(self, middle, span):
+        self.origin = 0.0
+        cost = np.array([left.pop(0)])
+        self.found = pass_search.States(wxyz[None], omega[None], cost)
+
+    monkeypatch.setattr(pass_search.PassSearch, "_from", from_span)
+    made.run()
+    assert len(costs) - len(left) == attempts
+    assert made.found.cost[0] == min(costs)
 
 
 def test_slopes_of_a_known_shape():

@@ -40,7 +40,11 @@ _ACROSS, _GAP_TURNS, _GAP_STEPS = 1.02, 5.0, 20.0
 _ERRORS = 0.4, 0.1
 # First spans that are tried, and the number of points over the cost at which a state fits: errors
 # of the model are added to those of the points.
-_ATTEMPTS, _EXPECTED = 14, 1.3
+_ATTEMPTS, _EXPECTED = 28, 1.3
+# A model with errors of its own, such as shadows of coarse facets, fits no better: searches that
+# have to end at one cost, the margin of that cost, and the mean square of its residuals without the
+# worst share of them.
+_AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
 # States that are sampled from their errors when the span grows, and samples of each.
 _SAMPLED, _SAMPLES = 12, 6
 # Rows (states times points) that are computed together.
@@ -102,23 +106,39 @@ class PassSearch:
     origin: float = field(init=False)
 
     def run(self) -> None:
-        """Search from one first span after another, until the residuals are as the errors."""
+        """Search from one first span after another, until the residuals are as the errors.
+
+        It also ends where several searches have found one state that the model fits roughly.
+        """
         problem = self.problem
         seconds = problem.t * problem.span
         self.least = self.known.floor(problem.sun.T, problem.observer.T)
         best: States | None = None
         origin = 0.0
+        costs: list[float] = []
+        is_rough = False
         for attempt in range(_ATTEMPTS):
             middle, span = _first_span(seconds, self.most, attempt)
             self._from(middle, span)
-            self.progress(f"attempt {attempt + 1}: cost {self.found.cost[0]:.0f}")
-            if best is None or self.found.cost[0] < best.cost[0]:
+            costs.append(float(self.found.cost[0]))
+            self.progress(f"attempt {attempt + 1}: cost {costs[-1]:.0f}")
+            if best is None or costs[-1] < best.cost[0]:
                 best, origin = self.found, self.origin
-            size = len(problem) / _EXPECTED
-            if best.cost[0] < size or time.monotonic() > self.deadline:
+                is_rough = self._mean_square() < _POOR
+            agreeing = sum(each < _MARGIN * min(costs) for each in costs)
+            fits = min(costs) < len(problem) / _EXPECTED
+            if fits or (is_rough and agreeing >= _AGREEING) or time.monotonic() > self.deadline:
                 break
         assert best is not None
         self.found, self.origin = best, origin
+
+    def _mean_square(self) -> float:
+        """Of the residuals of the best state over their errors, without the worst of them."""
+        problem = self.problem.with_model_error(_ERRORS[1])
+        q, omega = self.found.wxyz[:1], self.found.omega[:1]
+        _, r, along = _squares(problem, self._magnitudes(problem, q, omega))
+        squares = np.sort((r - along @ problem.u)[0] ** 2)
+        return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
 
     def _from(self, middle: float, span: float) -> None:
         """Search from one first span: its middle and half its length, s."""
@@ -174,10 +194,14 @@ class PassSearch:
 
     def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
         """Costs (M,) of states."""
+        return _squares(problem, self._magnitudes(problem, wxyz, omega))[0]
+
+    def _magnitudes(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
+        """Magnitudes (M, N) of states."""
         t = problem.t * problem.span - self.origin
         turned = propagate(self.moments, wxyz, omega, t)
         sun, observer = _over_body(quaternion.matrix(turned), problem)
-        return _squares(problem, self.known.magnitudes(sun, observer, self.least))[0]
+        return self.known.magnitudes(sun, observer, self.least)
 
     def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         """Costs and their derivatives by turn (rad, inertial axes) and rates."""
