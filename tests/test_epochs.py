@@ -26,6 +26,7 @@ from attitude import Body, FreeRotation, Spin, epochs, pairs
 from attitude.epochs import inputs, readers, time_scales
 from attitude.epochs.inputs import instant, seconds_since
 from attitude.errors import AttitudeError
+from tests import earth_orientation
 
 START = instant("2026-01-01T00:00:00")
 # Astropy's two doubles of days hold 5e-12 s each; a conversion rounds some of them.
@@ -325,8 +326,7 @@ def test_ut1_by_the_installed_table_and_without_the_network(monkeypatch):
         seconds_since(START, "2300-01-01 UT1")
     assert (iers.IERS_A.iers_table, iers.IERS_Auto.iers_table) == opened
     assert (iers.conf.auto_download, iers.conf.auto_max_age) == settings_before
-    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
-    with iers.earth_orientation_table.set(table):
+    with earth_orientation.installed():
         assert error_against_astropy(START, time) < ASTROPY
     time[1] = np.ma.masked
     assert np.isnan(seconds_since(START, time)[0]).tolist() == [False, True, False]

@@ -19,6 +19,7 @@ from attitude import (
 )
 from attitude.scattering import Lambert, Material, Materials
 from attitude.shape import box, box_wing, flat_sides
+from tests import earth_orientation
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 START, STOP = "2013-10-23T15:30:00", "2013-10-23T23:30:00"
@@ -52,7 +53,6 @@ def test_passes_are_those_of_astropy_and_of_samples(scene, night):
     """Azimuth and elevation by astropy; the visible part by samples a second apart."""
     from astropy import units
     from astropy.coordinates import GCRS, ITRS, AltAz, CartesianRepresentation, EarthLocation
-    from astropy.utils import iers
 
     assert len(night) == 5 and np.all(night.elevation > np.radians(10))
     place = EarthLocation.from_geodetic(20.3653, 69.3482, 157.0)
@@ -60,9 +60,7 @@ def test_passes_are_those_of_astropy_and_of_samples(scene, night):
     # Geometric: the satellite in ITRS less the site, as astropy's documentation of satellites does.
     position = satellite().position(night.epoch, night.culmination)
     gcrs = GCRS(CartesianRepresentation(position.T * units.m), obstime=time)
-    # The table of the package astropy-iers-data; without one, astropy 6.1 requests a newer file.
-    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
-    with iers.earth_orientation_table.set(table):
+    with earth_orientation.installed():
         itrs = gcrs.transform_to(ITRS(obstime=time))
         here = itrs.cartesian - place.get_itrs(time).cartesian
         seen = ITRS(here, obstime=time, location=place).transform_to(

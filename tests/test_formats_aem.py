@@ -12,6 +12,7 @@ from attitude import representations as forms
 from attitude.attitude_table.table import AttitudeTable
 from attitude.formats import aem
 from attitude.formats.ccsds import attitude_types
+from tests import earth_orientation
 
 DATA = Path(__file__).parent / "data"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -220,18 +221,16 @@ def test_itrf_is_that_of_astropy():
     from astropy import units
     from astropy.coordinates import GCRS, ITRS, TEME, CartesianRepresentation
     from astropy.time import Time
-    from astropy.utils import iers
 
     from attitude.axes import axes
 
     time = Time("2020-06-01T12:34:56")
     vector = np.array([0.3, -0.5, 0.8])
     position = CartesianRepresentation(vector * 1e7 * units.m)
-    # The same table for both: within 1e-9 rad.  Without one, astropy 6.1 requests a newer file.
-    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
+    # The same table for both: within 1e-9 rad.
     for name, frame in (("ITRF-97", ITRS), ("TEME", TEME)):
         axis = axes.named(name).to_icrf(epochs.instant(time), np.zeros(1), None)[0]
-        with iers.earth_orientation_table.set(table):
+        with earth_orientation.installed():
             theirs = frame(position, obstime=time).transform_to(GCRS(obstime=time))
         theirs = theirs.cartesian.xyz.to_value("m") / 1e7
         assert np.max(np.abs(quaternion.rotate(axis, vector) - theirs)) < 1e-9

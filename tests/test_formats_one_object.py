@@ -10,7 +10,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths, qua
 from attitude.axes import axes, axis_names
 from attitude.cli import main
 from attitude.formats import aem, apm, detect
-from tests import orekit
+from tests import earth_orientation, orekit
 
 OREKIT = Path(__file__).parent / "data" / "orekit"
 SPIN = Spin(epoch="2026-01-01T00:00:00", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -221,14 +221,12 @@ def test_true_axes_of_date_are_those_of_astropy():
     from astropy import units
     from astropy.coordinates import CIRS, GCRS, TETE, CartesianRepresentation
     from astropy.time import Time
-    from astropy.utils import iers
 
     time, vector = Time("2020-06-01T12:34:56"), np.array([0.3, -0.5, 0.8])
     position = CartesianRepresentation(vector * 1e7 * units.m)
-    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
     for name, frame in (("TOD", TETE), ("CIRS", CIRS)):
         axis = axes.named(name).to_icrf(epochs.instant(time), np.zeros(1), None)[0]
-        with iers.earth_orientation_table.set(table):
+        with earth_orientation.installed():
             theirs = frame(position, obstime=time).transform_to(GCRS(obstime=time))
         theirs = theirs.cartesian.xyz.to_value("m") / 1e7
         assert np.max(np.abs(quaternion.rotate(axis, vector) - theirs)) < 1e-9

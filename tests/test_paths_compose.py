@@ -14,6 +14,7 @@ from attitude import paths
 from attitude.epochs.inputs import instant
 from attitude.errors import AttitudeError
 from attitude.paths.path import Path, since
+from tests import earth_orientation
 from tests.kernels import DATA, kernel
 
 START = instant("2028-01-01T00:00:00")
@@ -226,10 +227,9 @@ def test_the_settings_of_astropy_are_not_changed():
     from astropy.coordinates import solar_system_ephemeris
     from astropy.utils import iers
 
-    # A table of the test: for one that is not set, astropy 6.1 requests a newer file.
-    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
     ephemeris = solar_system_ephemeris.get()
-    with iers.earth_orientation_table.set(table):
+    with earth_orientation.installed():
+        table = iers.earth_orientation_table.get()
         paths.from_astropy("mars", kernel("de421")).position(START, 0.0)
         paths.site(0.1, 0.2).position(instant("2020-01-01"), 0.0)
         assert iers.earth_orientation_table.get() is table

@@ -11,6 +11,7 @@ from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, epochs, pat
 from attitude.formats import mission
 from attitude.scene import angles
 from attitude.shape import Ellipsoid
+from tests import earth_orientation
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 LONGITUDE, LATITUDE, HEIGHT = 20.3653, 69.3482, 157.0
@@ -36,14 +37,15 @@ def test_sun_and_moon_are_those_of_astropy():
     time = Time(TIMES)
     frame = AltAz(obstime=time, location=place)
     view = scene().at(TIMES)
-    # get_sun is geocentric (parallax 9 arcsec), its altitude without refraction.
-    sun = get_body("sun", time, place).transform_to(frame)
+    with earth_orientation.installed():
+        sun = get_body("sun", time, place).transform_to(frame)
+        geocentric = get_sun(time).transform_to(frame)
+        moon = get_body("moon", time, place).transform_to(frame)
+        moon_seen = get_body("moon", time, place).cartesian
     np.testing.assert_allclose(view.sun_elevation, sun.alt.rad, rtol=0, atol=2e-6)
-    np.testing.assert_allclose(view.sun_elevation, get_sun(time).transform_to(frame).alt.rad,
-                               rtol=0, atol=5e-5)  # fmt: skip
-    moon = get_body("moon", time, place).transform_to(frame)
+    # a parallax of 9 arcsec, its altitude without refraction
+    np.testing.assert_allclose(view.sun_elevation, geocentric.alt.rad, rtol=0, atol=5e-5)
     np.testing.assert_allclose(view.moon_elevation, moon.alt.rad, rtol=0, atol=1e-5)
-    moon_seen = get_body("moon", time, place).cartesian
     towards = (moon_seen / moon_seen.norm()).xyz.value.T
     expected = np.arccos(np.sum(towards * view.apparent_direction, axis=-1))
     # Light and aberration of the body, which the Moon's direction of astropy lacks: 1e-4.

@@ -70,7 +70,8 @@ def side_shown(boxes, fronts, node, middle):
     """
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
-    for i in range(_3):
+    for k in range(3):
+        i = np.uint64(k)
         to = middle[i] - 0.5 * (boxes[node, i] + boxes[node, _3 + i])
         one, other = to * fronts[node, i], to * fronts[node, _3 + i]
         least += one if one < other else other
@@ -249,9 +250,9 @@ def show(corners, facing, leaf, normal, lowest, flat, first, both, shown):
 def _rises(corners, g, normal, lowest):
     """Whether a triangle rises above a height."""
     rise = lowest
-    for k in range(_3):
+    for k in range(3):
         height = 0.0
-        for i in range(_3):
+        for i in range(3):
             height += normal[i] * corners[g, k, i]
         rise = height if height > rise else rise
     return rise > lowest
@@ -370,7 +371,8 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
             there = here + np.uint64(face * resolution + row)
             total = np.uint64(0)
             last = np.uint64(frames[4 * face + 3])
-            for column in range(np.uint64(frames[4 * face + 2]), last):
+            for place in range(np.uint64(frames[4 * face + 2]), last):
+                column = np.uint64(place)  # in Python too, where ranges have ints
                 change = counts[there + column]
                 counts[there + column] = np.uint64(0)
                 # eight sums of bytes, without carries from one to the next

@@ -95,7 +95,8 @@ def paint(
     leaves = boxes.shape[0] // 2
     count = np.uint64(members.size)
     cells = np.uint64(masks.shape[0])
-    for m in range(count):
+    for row in range(count):
+        m = np.uint64(row)
         k = members[m]
         if k >= 0:
             faces = frame(normals[k], resolution, frames)
@@ -112,8 +113,9 @@ def paint(
             fill(normals[k], across, up, resolution, frames, counts, drawn, sky, m, count)
     first = np.uint64(place)
     for i in range(cells):
+        begin = np.uint64(i) * count
         for m in range(count):
-            masks[i, first + m] = sky[i * count + m]
+            masks[i, first + np.uint64(m)] = sky[begin + np.uint64(m)]
 
 
 @reduction_inlined
@@ -177,6 +179,7 @@ def _after(node):
 def _highest(boxes, node, normal):
     """The largest height along a normal in a box; minus infinity or NaN if the box is empty."""
     height = 0.0
-    for i in range(_3):
+    for k in range(3):
+        i = np.uint64(k)
         height += normal[i] * (boxes[node, _3 + i] if normal[i] > 0.0 else boxes[node, i])
     return height
