@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from attitude import Body, inversion, light_curve
+from attitude import Body, FreeRotation, Spin, inversion, light_curve, quaternion
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
 from benchmarks.inversion_cases import _integrated, _matrices
@@ -136,6 +136,23 @@ def judged(found: object, given: Pass) -> float:
     return float(np.linalg.norm(rate - truth) / np.linalg.norm(truth))
 
 
+def deviation(found: object, given: Pass) -> float:
+    """The error of the rate vector, over axes in space, in its standard errors: of the worst axis.
+
+    At the epoch of the solution, near the middle of a span.
+    """
+    spin = found.motion.spin
+    wxyz = quaternion.from_matrix(given.matrix)
+    truth = FreeRotation(given.body, Spin(EPOCH, wxyz, given.omega)).at([spin.epoch])
+    here = found.motion.at([spin.epoch])
+    rate = here.matrix[0] @ here.angular_velocity[0]
+    # by a turn about axes in space, and by rates over the body's
+    slopes = np.concatenate([np.cross(np.eye(3), rate).T, here.matrix[0]], axis=1)
+    covariance = slopes @ spin.covariance[:6, :6] @ slopes.T
+    error = rate - truth.matrix[0] @ truth.angular_velocity[0]
+    return float(np.max(np.abs(error) / np.sqrt(np.diag(covariance))))
+
+
 def main(arguments: list[str]) -> None:
     """Solve cases and print each and the sums."""
     print(run(*map(int, arguments)))
@@ -143,7 +160,7 @@ def main(arguments: list[str]) -> None:
 
 def run(count: int, seed: int, passes: int = 1) -> str:
     """Solve cases and print each; the sums."""
-    right, claims, spent = 0, 0, []
+    right, claims, spent, deviations = 0, 0, [], []
     for k in range(count):
         given = case(seed + k, passes)
         begin = time.process_time()
@@ -156,16 +173,18 @@ def run(count: int, seed: int, passes: int = 1) -> str:
         good = bool(errors) and errors[0] < 0.02
         right += good
         claims += found.verdict == "solved" and not good
+        deviations.append(deviation(found[0], given))
         listed = [k for k, each in enumerate(errors) if each < 0.02]
         turns = np.linalg.norm(given.omega) * given.curve.span / (2.0 * math.pi)
         print(
             f"{k:2d} {turns:.1f} turns, {len(given.curve)} points: error of the rate "
-            f"{100.0 * errors[0]:.2f} %, rank {listed[:1]}, {found.verdict}, "
-            f"rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
+            f"{100.0 * errors[0]:.2f} %, {deviations[-1]:.1f} sigma, rank {listed[:1]}, "
+            f"{found.verdict}, rms {found[0].rms:.3f}, {spent[-1]:.1f} s",
             flush=True,
         )
     return (
         f"{count} curves: rate to 2 % in {right}, solved and wrong {claims}, "
+        f"rates within 3 sigma in {sum(each < 3.0 for each in deviations)}, "
         f"processor median {np.median(spent):.1f} s, largest {max(spent):.1f} s"
     )
 

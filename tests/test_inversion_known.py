@@ -11,10 +11,12 @@ from attitude.errors import AttitudeError
 from attitude.inversion import (
     convex,
     curve_problem,
+    density_of_state,
     facets,
     jackknife,
     known_shape,
     moments_of_elements,
+    moving,
     pass_search,
     population,
     problem,
@@ -227,15 +229,57 @@ def test_axial_penalty_holds_the_greatest_moment():
 def test_second_moments_of_a_density_with_wide_tails():
     """Student's density of 7 degrees of freedom with curvature 1: variance (7 + 3)/(7 - 2)."""
 
-    def density(point):
-        return -5.0 * np.log1p(0.1 * float(point @ point))
+    def density(points):
+        return -5.0 * np.log1p(0.1 * np.sum(points**2, axis=1))
 
     found = population.second_moments(density, 3, np.random.default_rng(0))
     assert np.diag(found) == pytest.approx(np.full(3, 2.0), rel=0.2)
     normal = population.second_moments(
-        lambda point: -0.5 * float(point @ point), 3, np.random.default_rng(1)
+        lambda points: -0.5 * np.sum(points**2, axis=1), 3, np.random.default_rng(1)
     )
     assert np.diag(normal) == pytest.approx(np.ones(3), rel=0.1)
+
+
+def test_errors_of_a_state_are_the_second_moments_of_its_density():
+    """Shadows have steps: the curvature at the minimum is not that of the density."""
+    curve = _pass(MOTION, 60)
+    found = inversion.refine(curve, MOTION, shape=MESH, law=LAW)
+    problem, fit = found.weighted.problem, found._fit
+    seconds = moving.seconds_of(found.point, fit.epoch, problem.t * problem.span)
+    given = seconds, fit.known, fit.least
+    made = density_of_state.covariance(found.weighted, found.point, *given)
+    assert np.all(made[6:] == 0.0)
+    # by many samples of a wide distribution, each with the cost of the fit
+    generator = np.random.default_rng(4)
+    factor = 2.0 * np.linalg.cholesky(made[:6, :6])
+    drawn = generator.standard_normal((4000, 6))
+    costs = np.empty(len(drawn))
+    for row, each in enumerate(drawn):
+        point = found.point.moved(np.concatenate([factor @ each, np.zeros(2)]))
+        matrix = point.motion.at(seconds).matrix
+        seen = [np.einsum("nij,in->nj", matrix, v) for v in (problem.sun, problem.observer)]
+        residual = problem.y - fit.known.magnitudes(*seen, fit.least)
+        residual *= problem.root
+        costs[row] = residual @ residual - np.sum((problem.u @ residual) ** 2)
+    logs = -0.5 * costs + 0.5 * np.sum(drawn**2, axis=1)
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    assert 1.0 / np.sum(weights**2) > 40.0
+    steps = drawn @ factor.T
+    wanted = np.sqrt(np.sum(steps**2 * weights[:, None], axis=0))
+    assert np.sqrt(np.diag(made)[:6]) == pytest.approx(wanted, rel=0.35)
+    assert np.all(np.diag(found.covariance)[:6] >= 0.99 * np.diag(made)[:6])
+
+
+def test_other_minima_widen_the_errors():
+    covariance = np.diag([1.0, 4.0, 0.0])
+    step = np.array([6.0, 0.0, 0.0])
+    same = density_of_state.spread(covariance, [(0.1 * step / 6.0, 0.0)])
+    assert np.all(same == 0.0)
+    twice = [(step, 0.0), (1.001 * step, 0.0)]
+    assert density_of_state.spread(covariance, twice)[0, 0] == pytest.approx(18.0)
+    rare = density_of_state.spread(covariance, [(step, 2.0 * np.log(8.0))])
+    assert rare[0, 0] == pytest.approx(36.0 / 9.0)
 
 
 def test_nothing_found_is_an_empty_sequence():

@@ -30,9 +30,15 @@ def covariance(found: Weighted, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(found)])
     curvature = refinement.inverse(found.refined.normal)[:SIZE, :SIZE][at]
-    factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(curvature)), dtype=np.float64)
+    factor: FloatArray = np.asarray(
+        np.linalg.cholesky(population.conditioned(curvature)), dtype=np.float64
+    )
     density = log_density(found, tie, factor)
-    wide = population.second_moments(density, len(factor), np.random.default_rng(_SEED))
+
+    def densities(points: FloatArray) -> FloatArray:
+        return np.array([density(each) for each in points])
+
+    wide = population.second_moments(densities, len(factor), np.random.default_rng(_SEED))
     moments = np.zeros((SIZE, SIZE))
     moments[at] = factor @ wide @ factor.T
     return moments
@@ -75,9 +81,3 @@ def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
     step = np.zeros(refinement.SIZE)
     step[:SIZE] = offsets
     return many_starts.moved(state, step)
-
-
-def conditioned(covariance: FloatArray) -> FloatArray:
-    """A covariance whose factor exists."""
-    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
-    return found

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 _FITTED, _BEHIND = 12, 150.0
 # Rates and momenta closer than this, relative, are one.
 _SAME = 0.01
+# Turn, rad, and share of the rate, within which two minima are in one lobe of the density.
+_LOBE_TURN, _LOBE_RATE = 0.3, 0.1
 # Mean square of residuals, without the worst 3 %, over sigma and 0.01 mag of an accepted state.
 _FLOOR = 1.25
 
@@ -104,6 +106,7 @@ def found(
         if not any(_is_same(each, other) for other in kept):
             each.rank = len(kept)
             each.relation = _relation(each, kept[0]) if kept else "best"
+            each.rivals = _rivals(each, solutions)
             kept.append(each)
     return kept, *_verdict(kept), tuple(notes)
 
@@ -136,6 +139,20 @@ def _is_same(one: Refinement, other: Refinement) -> bool:
         and np.linalg.norm(v - w) < _SAME * size
         and turn > math.cos(0.05)
     )
+
+
+def _rivals(
+    each: Refinement, solutions: Sequence[Refinement]
+) -> tuple[tuple[FloatArray, float], ...]:
+    """Offsets of the other minima in the lobe of one, and how far their evidence is behind."""
+    rate = float(np.linalg.norm(each.point.spin.angular_velocity))
+    found = []
+    for other in solutions:
+        offset = other.point.difference(each.point)
+        near = np.linalg.norm(offset[:3]) < _LOBE_TURN
+        if other is not each and near and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
+            found.append((offset, other.evidence - each.evidence))
+    return tuple(found)
 
 
 def _has_rates(one: Refinement, other: Refinement) -> bool:

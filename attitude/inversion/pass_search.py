@@ -16,6 +16,7 @@ import numpy as np
 
 from attitude import quaternion
 from attitude import representations as forms
+from attitude.inversion import many_states
 from attitude.propagation import propagate
 
 if TYPE_CHECKING:
@@ -47,8 +48,6 @@ _ATTEMPTS, _EXPECTED = 28, 1.3
 _AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
 # States that are sampled from their errors when the span grows, and samples of each.
 _SAMPLED, _SAMPLES = 12, 6
-# Rows (states times points) that are computed together.
-_BLOCK = 40_000
 # Distances at which two states are one: rad, and share of the rate times turns.
 _SAME = 0.1
 
@@ -135,9 +134,8 @@ class PassSearch:
     def _mean_square(self) -> float:
         """Of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
-        q, omega = self.found.wxyz[:1], self.found.omega[:1]
-        _, r, along = _squares(problem, self._magnitudes(problem, q, omega))
-        squares = np.sort((r - along @ problem.u)[0] ** 2)
+        here = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
+        squares = np.sort((here.residual - here.along @ problem.u)[0] ** 2)
         return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
 
     def _from(self, middle: float, span: float) -> None:
@@ -174,7 +172,7 @@ class PassSearch:
         count = int(_STARTS * 4.2 * (turns / _CELL + 0.5) ** 3)
         count = min(max(count, _FEWEST), _MOST)
         best: States | None = None
-        block = max(_BLOCK // len(problem), 1)
+        block = max(many_states.BLOCK // len(problem), 1)
         for begin in range(0, count, block):
             size = min(block, count - begin)
             wxyz = self.generator.standard_normal((size, 4))
@@ -182,7 +180,7 @@ class PassSearch:
             omega = self.generator.standard_normal((size, 3))
             omega /= np.linalg.norm(omega, axis=1)[:, None]
             omega *= self.most * self.generator.random((size, 1)) ** (1.0 / 3.0)
-            new = States(wxyz, omega, self._costs(problem, wxyz, omega))
+            new = States(wxyz, omega, self._costs(problem, wxyz, omega).cost)
             both = new if best is None else _joined(best, new)
             best = both.rows(np.argsort(both.cost, kind="stable")[:_REFINED])
             if begin % (50 * block) == 0:
@@ -192,21 +190,17 @@ class PassSearch:
         assert best is not None
         return best
 
-    def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
-        """Costs (M,) of states."""
-        return _squares(problem, self._magnitudes(problem, wxyz, omega))[0]
-
-    def _magnitudes(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> FloatArray:
-        """Magnitudes (M, N) of states."""
+    def _costs(
+        self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray
+    ) -> many_states.Costs:
+        """Costs of states."""
         t = problem.t * problem.span - self.origin
-        turned = propagate(self.moments, wxyz, omega, t)
-        sun, observer = _over_body(quaternion.matrix(turned), problem)
-        return self.known.magnitudes(sun, observer, self.least)
+        return many_states.costs(problem, self.known, self.moments, wxyz, omega, t, self.least)
 
     def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         """Costs and their derivatives by turn (rad, inertial axes) and rates."""
         parts = []
-        block = max(_BLOCK // len(problem), 1)
+        block = max(many_states.BLOCK // len(problem), 1)
         for begin in range(0, len(wxyz), block):
             here = slice(begin, begin + block)
             parts.append(self._near_block(problem, wxyz[here], omega[here]))
@@ -216,10 +210,10 @@ class PassSearch:
         t = problem.t * problem.span - self.origin
         turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
         matrix = quaternion.matrix(turned)
-        lit = self.known.lit(*_over_body(matrix, problem), self.least)
+        lit = self.known.lit(*many_states.over_body(matrix, problem), self.least)
         across = np.einsum("mnij,mnj->mni", matrix, lit.across)
         jacobian = np.einsum("mni,mnip->mpn", across, slopes[..., :6]) * problem.root
-        cost, r, along = _squares(problem, lit.magnitude)
+        cost, r, along = many_states.of_magnitudes(problem, lit.magnitude)
         out = jacobian @ problem.u.T
         normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
         gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
@@ -321,21 +315,6 @@ def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
     found = np.split(ordered, np.flatnonzero(steps > longest) + 1)
     enough = [each for each in found if len(each) >= _FIRST_POINTS]
     return enough or [ordered]
-
-
-def _over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:
-    """Directions (M, N, 3) over body axes."""
-    sun = np.einsum("mnij,in->mnj", matrix, problem.sun)
-    return sun, np.einsum("mnij,in->mnj", matrix, problem.observer)
-
-
-def _squares(
-    problem: CurveProblem, magnitude: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Costs (M,), weighted residuals (M, N), and their parts along the linear terms (M, L)."""
-    r = (problem.y - magnitude) * problem.root
-    along = r @ problem.u.T
-    return np.sum(r * r, axis=1) - np.sum(along * along, axis=1), r, along
 
 
 def _joined(*given: States) -> States:

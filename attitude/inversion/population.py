@@ -27,14 +27,14 @@ _WIDER = 1.2
 
 
 def second_moments(
-    log_density: Callable[[FloatArray], float], size: int, generator: np.random.Generator
+    log_density: Callable[[FloatArray], FloatArray], size: int, generator: np.random.Generator
 ) -> FloatArray:
     """Second moments (D, D) about 0 of a density whose curvature at 0 is about 1.
 
     Parameters
     ----------
     log_density : callable
-        Of a point (D,); -inf outside of its domain.
+        (S,) of points (S, D); -inf outside of its domain.
     size : int
         D.
     generator : Generator
@@ -49,7 +49,7 @@ def second_moments(
         z = generator.standard_normal((_SAMPLES, size)) / np.sqrt(chi)[:, None]
         new = z @ factor.T
         points.append(new)
-        logs.append(np.array([log_density(each) for each in new]))
+        logs.append(log_density(new))
         every, log = np.concatenate(points), np.concatenate(logs)
         # the density of all rounds together, as a mixture
         drawn = np.logaddexp.reduce([_log_student(every, each) for each in mixture], axis=0)
@@ -58,6 +58,12 @@ def second_moments(
         weights = np.minimum(weights, weights.mean() * math.sqrt(len(weights)))
         weights /= weights.sum()
         found = (every * weights[:, None]).T @ every + 1e-6 * np.eye(size)
+    return found
+
+
+def conditioned(covariance: FloatArray) -> FloatArray:
+    """A covariance whose factor exists."""
+    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import blas_threads, density_of_motion, states
+from attitude.inversion import blas_threads, density_of_motion, population, states
 
 if TYPE_CHECKING:
     from attitude.annotations import FilePath, FloatArray, IntArray
@@ -134,7 +134,7 @@ def sampled(
     parts, numbers, logs, accepted = [], [], [], []
     for number, each in enumerate(solutions):
         factor: FloatArray = np.asarray(
-            np.linalg.cholesky(density_of_motion.conditioned(each._covariances[1].formal)),
+            np.linalg.cholesky(population.conditioned(each._covariances[1].formal)),
             dtype=np.float64,
         )
         density = density_of_motion.log_density(each.weighted, each.tie, factor)

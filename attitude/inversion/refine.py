@@ -15,6 +15,7 @@ from attitude.inversion import (
     blas_threads,
     convex,
     curve_problem,
+    density_of_state,
     jackknife,
     known_shape,
     moving,
@@ -58,6 +59,9 @@ class Refinement(CurveFit):
         The state and the changes of the motion.
     rank, relation : int, str
         Among the solutions of `spin_states` for a known shape.
+    rivals : tuple of (P,) arrays and floats
+        Other minima near this one, found by `spin_states`: their parameters less those of this one,
+        and by how much their evidence is larger.
     """
 
     def __init__(
@@ -71,6 +75,7 @@ class Refinement(CurveFit):
         super().__init__(curve, weighted, problem, 0, "best")
         self._fit, self._body = fit, body
         self.point: MovingPoint = weighted.refined.state.point
+        self.rivals: tuple[tuple[FloatArray, float], ...] = ()
 
     @property
     def moments(self) -> FloatArray:
@@ -81,7 +86,9 @@ class Refinement(CurveFit):
     def covariance(self) -> FloatArray:
         """(P, P): turn (rad, ICRF), rates (rad/s), ln of two ratios of moments, the changes.
 
-        As of `Solution.covariance`, with the error of the model by `jackknife`.
+        As of `Solution.covariance`, with the error of the model by `jackknife` and the spread of
+        `rivals`; with impulses, torques or a shape that is found too, the covariance is that of the
+        curvature in place of second moments.
         """
         problem, state = self.weighted.problem, self.weighted.refined.state
 
@@ -93,9 +100,18 @@ class Refinement(CurveFit):
         groups = jackknife.groupings(problem.t, problem.span, session)
         with blas_threads.limited():
             made = jackknife.errors(
-                self.weighted, self._model(problem), groups, self.point.size, refitted
-            )
-        return made.covariance
+                self.weighted, self._model(problem), groups, self.point.size, refitted,
+                self._second_moments(),
+            )  # fmt: skip
+        return made.covariance + density_of_state.spread(made.covariance, self.rivals)
+
+    def _second_moments(self) -> FloatArray | None:
+        """Of the density of a free rotation of known shape; None for others."""
+        fit, problem = self._fit, self.weighted.problem
+        if fit.known is None or self.changes:
+            return None
+        seconds = moving.seconds_of(self.point, fit.epoch, problem.t * problem.span)
+        return density_of_state.covariance(self.weighted, self.point, seconds, fit.known, fit.least)
 
     @cached_property
     def motion(self) -> Motion:
