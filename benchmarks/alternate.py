@@ -4,12 +4,12 @@
     python benchmarks/alternate.py -n 7 --limit 3 OLD NEW benchmarks/ensembles.py
     python benchmarks/alternate.py -c "import attitude; attitude.Body(moments=(1, 2, 3))" OLD NEW
 
-OLD and NEW are roots of checkouts; options of alternate.py stand before them.  Each runs its own copy of the script; a script of this name
-that NEW lacks is an error.  The figures of a run are the numbers that it prints, named by the words
-before them in their line and by their column, and its processor time.  Printed are the medians of
-both and the ratio of NEW to OLD, of figures that differ by more than --limit percent, or of all
-(--all), with the spread of the ratios of neighbouring runs: a ratio within it says nothing.  Each
-checkout has a folder of machine code of its own, filled by a first run that is not counted.
+OLD and NEW are roots of checkouts; options of alternate.py stand before them.  Each runs its own
+copy of the script.  The figures of a run are the numbers that it prints, named by the words before
+them in their line and by their column, and its processor time.  Printed are the medians of both and
+the ratio of NEW to OLD, of figures that differ by more than --limit percent, or of all (--all),
+with the spread of the ratios of neighbouring runs: a ratio within it says nothing.  Each checkout
+has a folder of machine code of its own, filled by a first run that is not counted.
 """
 
 import argparse
