@@ -211,6 +211,19 @@ def test_mpc(tmp_path):
     assert abs((found.times[0] - expected).to_value("s")) < 1e-3
 
 
+@pytest.mark.parametrize(
+    "date",
+    ["2023 03 06.0013O", "2023 03 06.00 31", "2023 03 06.0.131", "2023 02 30.00131"],
+    ids=["letter", "four words", "two points", "no such day"],
+)
+def test_a_wrong_date_of_mpc_is_a_bad_row(tmp_path, date):
+    text = MPC.replace("2023 03 06.00131", date)
+    assert text.count(date) == 1 and len(date) == 16  # the other columns stay where they are
+    with pytest.warns(AttitudeWarning, match="line 4: the date is '2023"):
+        found = read(tmp_path, text)
+    assert [each.line for each in found.bad] == [4] and found.value.tolist() == [12.4]
+
+
 def test_damit(tmp_path):
     found = read(tmp_path, DAMIT)
     assert found.is_flux and found.time_of == "emission" and found.unit_distances

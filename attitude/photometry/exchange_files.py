@@ -31,7 +31,9 @@ _NO = ("", "NONE", "FALSE")
 _OPTICAL = ("obsTime", "mag", "rmsMag", "band", "stn")
 # Julian date of 1970-01-01.
 _JD_OF_1970 = Decimal("2440587.5")
-_PACKED = re.compile(r"\d{4} \d\d \d\d(?:\.\d+)?")
+# The beginning of a date of the MPC, by which its records are recognized; and a whole one.
+_PACKED = re.compile(r"\d{4} \d\d \d\d", re.ASCII)
+_MPC_DATE = re.compile(r"(\d{4}) (\d\d) (\d\d)(?:\.(\d*))?", re.ASCII)
 
 
 def of_alcdef(text: str, name: str) -> Contents:
@@ -159,13 +161,15 @@ def is_mpc(line: str) -> bool:
 
 
 def _mpc_row(number: int, line: str) -> RawPoint:
-    year, month, day = line[15:32].split()
-    whole, _, rest = day.partition(".")
-    try:
-        midnight = Decimal(np.datetime64(f"{year}-{month}-{whole}", "D").astype(int).item())
-        date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
-    except ValueError:
-        date = f"{year} {month} {day}"  # no date, and reported with its row
+    date = line[15:32].strip()
+    found = _MPC_DATE.fullmatch(date)
+    if found is not None:
+        year, month, day, rest = found.groups()
+        try:
+            midnight = Decimal(np.datetime64(f"{year}-{month}-{day}", "D").astype(int).item())
+            date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
+        except ValueError:
+            pass  # no day of that month: reported with its row, as a date in another form
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 
