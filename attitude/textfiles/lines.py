@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import numpy as np
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -208,8 +208,7 @@ def cut(value: object, mark: str | None = None) -> str:
     >>> cut("SC_BODY_1"), cut("x" * 50, "")
     ("'SC_BODY_1'", 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...')
     """
-    text = repr(value) if mark is None else f"{mark}{value}{mark}"
-    return text if len(text) <= _QUOTED else text[: _QUOTED - 3] + "..."
+    return quoted(value, _QUOTED, mark)
 
 
 class NoNumber(Exception):
