@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
     from attitude.textfiles.lines import Lines
 
+# Longest keyword, characters: sentences repeat them.
+_LONGEST_KEYWORD = 60
 # value [unit]
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
 
@@ -81,7 +83,7 @@ def pair(lines: Lines, line: bytes) -> tuple[str, str]:
     if comment is not None:
         return "COMMENT", comment
     keyword, equals, value = text.partition("=")
-    if not equals or not keyword.strip():
+    if not equals or not 0 < len(keyword.strip()) <= _LONGEST_KEYWORD:
         raise lines.fault(f'{shown(text)} is no "KEYWORD = value".')
     return keyword.strip().upper(), value.strip()
 

@@ -157,8 +157,8 @@ class Header:
             name = _KEYWORD_BY_LOWER.get(keyword.lower())
             if name is None:
                 raise lines.fault(
-                    f"{keyword[:40]!r} is not known; known are {', '.join(_KEYWORDS)} and the "
-                    f"sections {', '.join(SECTIONS)}."
+                    f"{keyword[:40]!r} is not known; known are {', '.join(_KEYWORDS)} and "
+                    "sections such as AttitudeTimeQuaternions."
                 )
             if name in self.keywords:
                 raise lines.fault(f"{name} is given twice.")
