@@ -1,6 +1,7 @@
 """Readers of mutated files: an answer or an AttitudeError, never another exception, no hang."""
 
 import json
+import re
 import time
 from functools import cache
 from importlib.util import find_spec
@@ -122,6 +123,40 @@ def test_files_are_read_before_they_are_mutated(tmp_path, name):
     path = tmp_path / f"whole.{ending}"
     path.write_bytes(data)
     READERS.get(ending, detect.read)(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "sentence"),
+    [
+        ("aem 2", "ORIGINATOR", "is no .KEYWORD = value"),
+        ("aem xml", "ORIGINATOR", "is longer than|not well-formed"),
+        ("apm", "QUAT_START", "is not known; blocks are|is no .KEYWORD"),
+        ("apm", "ORIGINATOR", "is no .KEYWORD = value"),
+        ("apophis-2029-encounter.oem", "REF_FRAME", "is no .KEYWORD = value"),
+        ("envisat-2013.tle", "27386U", "characters, not 69"),
+        ("omm csv", "98.4160", "cannot be read"),
+        ("obj", "usemtl", "is no statement of a polygon mesh"),
+        ("obj", "f 1 3", "is no vertex number"),
+        ("obj", "1 0 0", "are not numbers"),
+        ("mission", "scattering", "has a key"),
+        ("mission", "reduced", "kind is"),
+        ("mission", '{ oem = "', "is not a file"),
+        ("toml", "moments", "has a key"),
+        ("csv", "omega_x", "the first line names"),
+    ],
+)
+@pytest.mark.parametrize("long", ["x" * 7000, "x " * 5000], ids=["word", "words"])
+def test_sentences_quote_little_of_the_file(tmp_path, name, old, sentence, long):
+    data, ending = samples()[name]
+    assert old.encode() in data
+    path = tmp_path / f"a.{ending}"
+    path.write_bytes(data.replace(old.encode(), (old + long).encode(), 1))
+    with pytest.raises(AttitudeError) as raised:
+        READERS.get(ending, detect.read)(path)
+    said = str(raised.value).replace(str(path), "").replace(str(tmp_path), "")
+    assert len(said) <= LONGEST_SENTENCE and long[:121] not in said
+    if " " not in long:
+        assert re.search(sentence, said)
 
 
 @st.composite

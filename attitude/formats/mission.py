@@ -328,9 +328,9 @@ def _file(value: Any, folder: str, name: str) -> str:
         raise AttitudeError(f"{name} is {quoted(value)}; give the name of a file, in quotes.")
     path = os.path.join(folder, os.path.expanduser(value))
     if not os.path.isfile(path):
+        place = f" ({path})" if len(value) <= 120 else ""
         raise AttitudeError(
-            f"{name} is {quoted(value)}, which is not a file "
-            f"({quoted(path, 200, '')}); give the name of a file."
+            f"{name} is {quoted(value)}, which is not a file{place}; give the name of a file."
         )
     return path
 

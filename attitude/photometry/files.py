@@ -162,7 +162,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     try:
         table = Table.read(text, format="ascii.ecsv")
     except Exception as err:  # astropy raises exceptions of any type for broken files
-        reason = " ".join(str(err).split())[:200] or type(err).__name__
+        reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
     found: dict[str, list[str]] = {}
     for key in table.colnames:
