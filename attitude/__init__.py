@@ -85,7 +85,8 @@ PUBLIC_MODULES: tuple[str, ...] = (
             *("arcs", "arcs.triggers", "attitude_table", "axes.axes", "body", "catalog"),
             *("conditions.condition", "conditions.observable", "ensemble"),
             *("ensemble.partitioned", "epochs", "errors", "events", "fitting", "formats"),
-            *("formats.acm", "formats.aem", "formats.apm", "formats.ck", "formats.damit"),
+            *("formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
+            *("formats.damit",),
             *("formats.detect", "formats.mission", "formats.photometry", "formats.spin_file"),
             *("formats.stk", "formats.tables", "frames", "free_rotation", "history", "inversion"),
             *(

@@ -28,7 +28,7 @@ import numpy as np
 from attitude import markup
 from attitude import motion as motions
 from attitude.body import Body
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.published import body_names
 from attitude.published.dynamic_inertia import moments_from_ratios
@@ -256,17 +256,19 @@ def entry(name: str) -> Entry:
         For a name that no body has, or several bodies have.
     """
     if not isinstance(name, str) or not name.strip():
-        raise AttitudeError(f"name is {name!r}; give one of {', '.join(names())}.")
+        raise AttitudeError(f"name is {quoted(name)}; give one of {', '.join(names())}.")
     found = body_names.matching(name, _entries())
     bodies = {each.name.partition(" (")[0] for each in found}
     if len(bodies) == 1:
         return max(found, key=lambda each: each.year)
     if bodies:
-        raise AttitudeError(f"{name!r} belongs to {', '.join(sorted(bodies))}; give one of them.")
+        raise AttitudeError(
+            f"{quoted(name)} belongs to {', '.join(sorted(bodies))}; give one of them."
+        )
     entries = _entries()
     near = difflib.get_close_matches(name, entries, n=1)
     other = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}."
-    raise AttitudeError(f"the catalogue has no {name!r}; {other}")
+    raise AttitudeError(f"the catalogue has no {quoted(name)}; {other}")
 
 
 def has(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""The one exception type of the package, and its warnings."""
+"""The one exception type of the package, its warnings, and how their sentences quote input."""
 
 
 class AttitudeError(ValueError):
@@ -7,3 +7,19 @@ class AttitudeError(ValueError):
 
 class AttitudeWarning(UserWarning):
     """A result that is computed as requested but less certain than it looks; one sentence."""
+
+
+def quoted(value: object, most: int = 60, mark: str | None = None) -> str:
+    """A value as a sentence quotes it: on one line, at most `most` characters.
+
+    In the quotation marks of Python, or in `mark`, which may be empty.
+
+    >>> quoted("SC_BODY_1"), quoted("x" * 50, 12, "")
+    ("'SC_BODY_1'", 'xxxxxxxxx...')
+    """
+    try:
+        text = repr(value) if mark is None else f"{mark}{value}{mark}"
+    except ValueError:  # an integer of more digits than Python writes
+        return f"a very large {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= most else text[: most - 3] + "..."

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.immutable import frozen
 from attitude.pairs import add, times
 
@@ -140,11 +140,11 @@ def known(frame: str, name: str = "frame") -> str:
         return given
     if given == "j2000":
         raise AttitudeError(
-            f'{name} is {frame!r}, which means two things; give "icrf" for the J2000 of SPICE, '
-            '"eme2000" for that of CCSDS and STK.'
+            f'{name} is {quoted(frame)}, which means two things; give "icrf" for the J2000 of '
+            'SPICE, "eme2000" for that of CCSDS and STK.'
         )
     raise AttitudeError(
-        f"{name} is {frame!r}; it must be one of {', '.join(repr(each) for each in FRAMES)}."
+        f"{name} is {quoted(frame)}; it must be one of {', '.join(repr(each) for each in FRAMES)}."
     )
 
 

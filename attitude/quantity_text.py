@@ -14,7 +14,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 
 if TYPE_CHECKING:
     from astropy.units import UnitBase
@@ -70,7 +70,7 @@ def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
-            f"{name} is {_cut(repr(text))}, which is not a number with a unit that astropy knows; "
+            f"{name} is {quoted(text)}, which is not a number with a unit that astropy knows; "
             'write it like "14.5 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = found.groups()
@@ -82,10 +82,6 @@ def is_quantity(text: str) -> bool:
     found = _NUMBERS.fullmatch(text)
     unit = found and found.group(2)
     return unit is not None and re.search(r"(?<![A-Za-z*^-])[0-9]", unit) is None
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def common_factor(text: str, target: str | None) -> float | None:
@@ -113,12 +109,15 @@ def unit_of(text: str, name: str) -> UnitBase:
     """
     from astropy import units
 
+    guess = None
     try:
-        return units.Unit(_spelled(text))
-    except (ValueError, TypeError) as err:
+        found = units.Unit(_spelled(text))
+        if isinstance(found, units.UnitBase):  # no structure of units, no logarithm of one
+            return found
+    except (ValueError, TypeError, ArithmeticError, RecursionError) as err:
         # Only the guess in astropy's message helps here.
-        guess = re.search(r"Did you mean (.*?)\?", str(err))
-        raise AttitudeError(
-            f"{name} is in {text!r}, which is not a unit that astropy knows"
-            + (f" (did you mean {guess.group(1)}?)." if guess else ".")
-        ) from None
+        guess = re.search(r"Did you mean (.{1,60}?)\?", str(err))
+    raise AttitudeError(
+        f"{name} is in {quoted(text)}, which is not a unit that astropy knows"
+        + (f" (did you mean {guess.group(1)}?)." if guess else ".")
+    ) from None

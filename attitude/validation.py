@@ -7,6 +7,7 @@ except by converting it to the unit of the result.
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Collection, Sequence
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from attitude import quantity_text
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 
 if TYPE_CHECKING:
     from attitude.annotations import BoolArray, FloatArray, Real, Reals
@@ -108,7 +109,7 @@ def positive(value: Real, name: str, *, unit: str | None = None) -> float:
     """One finite number greater than zero as a float in `unit`; see `real`."""
     given = number(value, name, unit=unit)
     if not given > 0.0:
-        raise AttitudeError(f"{name} is {given!r}; it must be greater than zero.")
+        raise AttitudeError(f"{name} is {shown(given)}; it must be greater than zero.")
     return given
 
 
@@ -133,7 +134,7 @@ def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:
         listed = ", ".join(repr(choice) for choice in allowed)
-        raise AttitudeError(f"{name} is {value!r}; it must be one of {listed}.")
+        raise AttitudeError(f"{name} is {shown(value)}; it must be one of {listed}.")
     return value
 
 
@@ -182,7 +183,7 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
 
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
-        return np.array(value, dtype=np.float64)
+        return _doubles(value, name)
     if isinstance(value, str):
         found = _common(value, name, unit)
         if found is not None:
@@ -204,6 +205,8 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
         raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
     except TypeError as err:
         raise AttitudeError(f"{name} is {shown(value)}; give real numbers.") from err
+    if array.dtype.kind == "O" and all(map(_is_real, array.flat)):
+        return _doubles(array, name)
     if array.dtype.kind not in "fiu":
         raise AttitudeError(
             f"{name} is {shown(value)}; give real numbers"
@@ -212,13 +215,28 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     return np.array(array, dtype=np.float64)
 
 
+def _is_real(entry: object) -> bool:
+    """Whether an entry of an array of objects is a number."""
+    return isinstance(entry, numbers.Real) and not isinstance(entry, (bool, np.bool_))
+
+
+def _doubles(value: Any, name: str) -> FloatArray:
+    """Numbers of Python as doubles; AttitudeError for whole numbers beyond their range."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        raise AttitudeError(
+            f"{name} is {shown(value)}, beyond the range of doubles; give smaller numbers."
+        ) from None
+
+
 def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
     """Numbers of a text without a unit, or with a common one that converts; None for others."""
-    numbers, own = quantity_text.numbers_and_unit(text, name)
+    words, own = quantity_text.numbers_and_unit(text, name)
     factor = quantity_text.common_factor(own, unit) if own else 1.0
     if factor is None:
         return None
-    found = np.array([float(number) for number in numbers])
+    found = np.array([float(word) for word in words])
     return (found if len(found) > 1 else found[0:1].reshape(())) * factor
 
 
@@ -244,8 +262,8 @@ def _quantity(value: Any, name: str) -> Any:
     from astropy import units
 
     if isinstance(value, str):
-        numbers, unit = quantity_text.numbers_and_unit(value, name)
-        found = [float(number) for number in numbers]
+        words, unit = quantity_text.numbers_and_unit(value, name)
+        found = [float(word) for word in words]
         return units.Quantity(
             found if len(found) > 1 else found[0], quantity_text.unit_of(unit, name) if unit else ""
         )
@@ -270,7 +288,9 @@ def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
     if unit is None:
         if quantity.unit.is_equivalent(units.dimensionless_unscaled):
             return quantity.to_value(units.dimensionless_unscaled)
-        raise AttitudeError(f"{name} is in {quantity.unit}; it must be a pure number.")
+        raise AttitudeError(
+            f"{name} is in {quoted(quantity.unit, mark='')}; it must be a pure number."
+        )
     if quantity.unit == units.dimensionless_unscaled:
         return quantity.value
     target = units.Unit(unit)
@@ -278,7 +298,8 @@ def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
         return quantity.to_value(target)
     except ValueError:  # another dimension, or an unknown name that astropy kept from a file
         raise AttitudeError(
-            f"{name} is in {quantity.unit}; give it in {unit} or a unit that converts to it."
+            f"{name} is in {quoted(quantity.unit, mark='')}; give it in {unit} or a unit that "
+            "converts to it."
         ) from None
 
 
@@ -297,5 +318,4 @@ def _spelled(shape: Sequence[int | EllipsisType]) -> str:
 
 def shown(value: object) -> str:
     """A value for an error message: its repr on one line, at most 60 characters."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
+    return quoted(value)

@@ -9,7 +9,8 @@ import numpy as np
 
 from attitude import Body, FreeRotation, Spin
 from attitude.arcs import Arcs, Impulse
-from attitude.formats import acm, aem, apm, stk
+from attitude.formats import acm, aem, apm, cic, stk
+from tests import test_photometry_files
 
 DATA = Path(__file__).parent / "data"
 SPIN = Spin(
@@ -42,7 +43,11 @@ NASTY = [
         b"NSW",
         b"X",
     ),
+    *(b"Q" * 7000, b"Q," * 3000, b"7" * 5000, b"7" * 400, b"=1+A1", "é".encode("latin-1")),
 ]
+# Longest sentence of an error without the name of the file, characters.
+LONGEST_SENTENCE = 600
+_PHOTOMETRY = ("CSV", "ALCDEF", "PSV", "XML", "MPC", "DAMIT")
 _STK = {
     "AttitudeTimeYPRAngles": "10 20 30",
     "AttitudeTimeEulerAnglesAndRates": "10 20 30 0.1 0.2 0.3",
@@ -58,7 +63,8 @@ NAMES = (
         for kind in ("QUATERNION", "EULER_ANGLE")
         for mark in ("", " xml")
     ),
-    *("aem two", "aem xml", "aem qualified", "lenient", "stk", "stk dates"),
+    *("aem two", "aem xml", "aem qualified", "lenient", "stk", "stk dates", "cic"),
+    *(f"photometry {name}" for name in _PHOTOMETRY),
     *(f"stk {section}" for section in _STK),
     *(f"acm {path.name}" for path in (DATA / "orekit").glob("ACMExample*.txt")),
 )
@@ -110,9 +116,12 @@ def samples():
         keep("lenient", "aem", aem.write, history, frame="MOD")
         gone = rb"(?m)^(OBJECT_ID|START_TIME|DATA_START|DATA_STOP|TIME_SYSTEM).*\n"
         found["lenient"] = re.sub(gone, b"", found["lenient"][0]), "aem"
+        keep("cic", "cic", cic.write, history)
         keep("stk", "a", stk.write, history, frame="TrueOfDate")
     for section, text in _stk_texts():
         found[f"stk {section}"] = text.encode(), "a"
+    for name in _PHOTOMETRY:
+        found[f"photometry {name}"] = getattr(test_photometry_files, name).encode(), "txt"
     for path in sorted((DATA / "orekit").glob("ACMExample*.txt")):
         found[f"acm {path.name}"] = path.read_bytes(), "acm"
     return found

@@ -1,6 +1,7 @@
 """Readers of mutated files: an answer or an AttitudeError, never another exception, no hang."""
 
 import json
+import re
 import time
 from functools import cache
 from importlib.util import find_spec
@@ -12,7 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths, shape
-from attitude.formats import aem, apm, damit, detect, spin_file, stk, tables
+from attitude.formats import aem, apm, damit, detect, mission, spin_file, stk, tables
+from tests.fuzzing import LONGEST_SENTENCE
 
 # A warning of the rates of version 1 is no exception of another type.
 pytestmark = pytest.mark.filterwarnings("ignore::attitude.errors.AttitudeWarning")
@@ -29,6 +31,7 @@ NASTY = [
     *(b"\x00", b"\xff", b"\xef\xbb\xbf", b"&amp;", b"&x;", b"<!DOCTYPE a>", b"]]>", b"<![CDATA["),
     *(b"SPIN/NUTATION", b"EULER_ANGLE/RATE", b"QUATERNION/DERIVATIVE", b"ITRF", b"LVLH", b"FIRST"),
     *(b"1e308", b"-0", b"99999999999999999999", b"\xd9\xa3", "²".encode(), b" " * 300, b"UT1"),
+    *(b"Q" * 7000, b"Q," * 3000, b"Q = " * 2000, b"7" * 5000, b"=" * 7000, b"<" + b"a" * 7000),
     *(b"TCB", b"UTC", b"321", b"[rad]", b"9" * 400, b"END Attitude\n", b"Sequence 313\n"),
 ]
 _ELEMENTS = {
@@ -45,6 +48,8 @@ OMM = {
     "omm json": json.dumps([_ELEMENTS], indent=1),
     "omm csv": ",".join(_ELEMENTS) + "\n" + ",".join(_ELEMENTS.values()) + "\n",
 }
+MISSION = (PATHS.parent / "mission" / "apophis-2012.toml").read_text("utf-8")
+MISSION = MISSION.replace("../paths", PATHS.as_posix())
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
 
@@ -86,6 +91,7 @@ def samples():
         for name in ("apophis-2029-encounter.oem", "envisat-2013.tle"):
             rows = (PATHS / name).read_bytes().splitlines(keepends=True)[:60]
             found[name] = b"".join(rows), name[-3:]
+        found["mission"] = MISSION.encode(), "mission"
         found["obj"] = OBJ.encode(), "obj"
         for name in ("two-segments.aem", "ccsds/aem-g5.txt", "ccsds/apm-g3.txt", "spinner-1.apm"):
             found[name] = (DATA / name).read_bytes(), name[-3:]
@@ -96,10 +102,16 @@ NAMES = [
     *("aem 2", "aem 1", "aem spin", "aem euler", "aem xml", "aem xml 1", "apm", "apm xml"),
     *("apm xml 1", "stk", "stk euler", "csv", "ecsv", "fits", "damit", "two-segments.aem"),
     *("ccsds/aem-g5.txt", "ccsds/apm-g3.txt", "spinner-1.apm", "toml", "aem nutation", "parquet"),
-    *("omm", "omm xml", "omm json", "omm csv", "obj"),
+    *("omm", "omm xml", "omm json", "omm csv", "obj", "mission"),
     *("apophis-2029-encounter.oem", "envisat-2013.tle"),
 ]
-READERS = {"omm": paths.omm, "oem": paths.oem, "tle": paths.tle, "obj": shape.read}
+READERS = {
+    "mission": mission.read,
+    "omm": paths.omm,
+    "oem": paths.oem,
+    "tle": paths.tle,
+    "obj": shape.read,
+}
 
 
 # The inertia of apm-g3 is over other axes than the attitude, so that it holds no motion.
@@ -111,6 +123,40 @@ def test_files_are_read_before_they_are_mutated(tmp_path, name):
     path = tmp_path / f"whole.{ending}"
     path.write_bytes(data)
     READERS.get(ending, detect.read)(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "sentence"),
+    [
+        ("aem 2", "ORIGINATOR", "is no .KEYWORD = value"),
+        ("aem xml", "ORIGINATOR", "is longer than|not well-formed"),
+        ("apm", "QUAT_START", "is not known; blocks are|is no .KEYWORD"),
+        ("apm", "ORIGINATOR", "is no .KEYWORD = value"),
+        ("apophis-2029-encounter.oem", "REF_FRAME", "is no .KEYWORD = value"),
+        ("envisat-2013.tle", "27386U", "characters, not 69"),
+        ("omm csv", "98.4160", "cannot be read"),
+        ("obj", "usemtl", "is no statement of a polygon mesh"),
+        ("obj", "f 1 3", "is no vertex number"),
+        ("obj", "1 0 0", "are not numbers"),
+        ("mission", "scattering", "has a key"),
+        ("mission", "reduced", "kind is"),
+        ("mission", '{ oem = "', "is not a file"),
+        ("toml", "moments", "has a key"),
+        ("csv", "omega_x", "the first line names"),
+    ],
+)
+@pytest.mark.parametrize("long", ["x" * 7000, "x " * 5000], ids=["word", "words"])
+def test_sentences_quote_little_of_the_file(tmp_path, name, old, sentence, long):
+    data, ending = samples()[name]
+    assert old.encode() in data
+    path = tmp_path / f"a.{ending}"
+    path.write_bytes(data.replace(old.encode(), (old + long).encode(), 1))
+    with pytest.raises(AttitudeError) as raised:
+        READERS.get(ending, detect.read)(path)
+    said = str(raised.value).replace(str(path), "").replace(str(tmp_path), "")
+    assert len(said) <= LONGEST_SENTENCE and long[:121] not in said
+    if " " not in long:
+        assert re.search(sentence, said)
 
 
 @st.composite
@@ -173,7 +219,7 @@ def hunted(tmp_path, name, mutation):
         if ending not in READERS:
             found.at(found.history.time[:1] if hasattr(found, "history") else 0.0)
     except AttitudeError as err:
-        assert str(err)
+        assert 0 < len(str(err).replace(str(path), "")) <= LONGEST_SENTENCE
     assert time.monotonic() - start < 20.0  # seconds, on a busy machine
 
 

@@ -148,6 +148,25 @@ def test_what_is_left_out_is_assumed_and_listed(tmp_path, capsys):
     assert aem.read(path, lenient=True).meta["assumed"] == ()
 
 
+def test_comments_before_and_between_records_without_data_start(tmp_path):
+    path = tmp_path / "a.aem"
+    aem.write(path, HISTORY, version="1.0", kind="QUATERNION")
+    text = re.sub(r"(?m)^(DATA_START|DATA_STOP)\n", "", path.read_text())
+    text = text.replace("META_STOP\n", "META_STOP\nCOMMENT epoch, q1, q2, q3, qc\n\nCOMMENT b\n")
+    path.write_text(text + "COMMENT the end\n")
+    found = aem.read(path, lenient=True)
+    assert np.array_equal(found.wxyz, HISTORY.wxyz)
+    assert found.meta["data_comments"] == ("epoch, q1, q2, q3, qc", "b", "the end")
+    with pytest.raises(AttitudeError, match="stands where DATA_START must be"):
+        aem.read(path)
+    # The next segment ends the data, too.
+    meta = text[text.index("META_START") : text.index("META_STOP") + 10]
+    row = text.rindex("\n20")
+    path.write_text(text[: row + 1] + meta + text[row + 1 :])
+    found = aem.read(path, lenient=True)
+    assert len(found.segments) == 2 and np.array_equal(found.wxyz, HISTORY.wxyz)
+
+
 MMS = """\
 CCSDS_AEM_VERS = 1.0
 COMMENT made by hand, with the columns of a file of definitive attitude of MMS

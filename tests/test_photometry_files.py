@@ -191,6 +191,62 @@ def test_alcdef(tmp_path):
     assert found.unit_distances and found.time_of == "emission"
 
 
+def test_an_alcdef_file_in_latin_1(tmp_path):
+    text = ALCDEF.replace("OBJECTNAME=Example", "OBJECTNAME=Béatrice")
+    path = tmp_path / "a.txt"
+    path.write_bytes(text.encode("latin-1"))
+    found = photometry.read(path, bad="ignore")
+    assert found.name == "Béatrice" and "was read as Latin-1" in found.notes[-1]
+    assert photometry.read(path, bad="ignore", encoding="latin-1").notes == found.notes[:-1]
+    with pytest.raises(AttitudeError, match=r"is not text in UTF-8 \(byte 41\)"):
+        photometry.read(path, encoding="UTF-8")
+    with pytest.raises(AttitudeError, match="encoding is 'martian', which Python does not know"):
+        photometry.read(path, encoding="martian")
+    path.write_bytes(text.encode("utf-16"))
+    assert photometry.read(path, bad="ignore", encoding="utf-16").name == "Béatrice"
+    with pytest.raises(AttitudeError, match=r"is not text in UTF-8 \(byte 0\)"):
+        photometry.read(path)
+
+
+def test_dates_at_the_beginning_of_unknown_exposures_have_a_note(tmp_path):
+    text = ALCDEF.replace("EXPOSURE=86.4\n", "")
+    found = read(tmp_path, text, bad="ignore")
+    assert "EXPJD of block 2 is not the middle, but EXPOSURE is not given" in found.notes[0]
+    assert not read(tmp_path, ALCDEF, bad="ignore").notes
+    # an integer too large for a double is a bad row
+    rows = ALCDEF + f"DATA={'9' * 400}.5|7.2|0.1\n"
+    assert [each.line for each in read(tmp_path, rows, bad="ignore").bad] == [15, 29]
+
+
+def test_repeated_sessions_have_a_note(tmp_path):
+    second = ALCDEF[ALCDEF.rindex("STARTMETADATA") :]
+    found = read(tmp_path, ALCDEF + second, bad="ignore")
+    assert len(found) == 4
+    assert found.notes == (
+        "1 of 4 rows repeat the date, magnitude, filter and site of others (line 41 those of line "
+        "28); session '3 2011-09-16' repeats '2 2011-09-16': they count twice.",
+    )
+    found = read(tmp_path, "jd,mag\n2455817.7,15\n2455817.8,15\n2455817.7,15\n")
+    assert "1 of 3 rows repeat" in found.notes[0] and "(line 4 those of line 2)" in found.notes[0]
+
+
+def test_written_cells_are_no_formulas(tmp_path):
+    words = ["=1+A1", "+cmd|' /C calc'!A0", "-2+3+cmd|x", "@SUM(A1)", 'a "b", c', "-5.5", "R"]
+    data = photometry.Photometry(
+        [f"2026-01-0{k}" for k in range(1, 8)],
+        magnitude=np.arange(7.0) + 10.0,
+        session=words,
+        name="a, =cmd\nb",
+    )
+    data.write(tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text()
+    cells = [line.split(",", 3)[3].lstrip('"') for line in text.splitlines()[2:]]
+    assert [cell[0] for cell in cells] == ["'", "'", "'", "'", "a", "-", "R"]
+    assert text.splitlines()[0] == "# a =cmd b: times of reception"
+    back = photometry.read(tmp_path / "a.csv")
+    assert [back.sessions[k] for k in back.session] == words
+
+
 def test_ades(tmp_path):
     with pytest.warns(AttitudeWarning, match="line 7: the date"):
         found = read(tmp_path, PSV)
@@ -209,6 +265,19 @@ def test_mpc(tmp_path):
     assert found.value.tolist() == [12.4, 12.5] and found.sites == ("J38",)
     expected = Time("2023-03-05T23:57:42.624", scale="utc")
     assert abs((found.times[0] - expected).to_value("s")) < 1e-3
+
+
+@pytest.mark.parametrize(
+    "date",
+    ["2023 03 06.0013O", "2023 03 06.00 31", "2023 03 06.0.131", "2023 02 30.00131"],
+    ids=["letter", "four words", "two points", "no such day"],
+)
+def test_a_wrong_date_of_mpc_is_a_bad_row(tmp_path, date):
+    text = MPC.replace("2023 03 06.00131", date)
+    assert text.count(date) == 1 and len(date) == 16  # the other columns stay where they are
+    with pytest.warns(AttitudeWarning, match="line 4: the date is '2023"):
+        found = read(tmp_path, text)
+    assert [each.line for each in found.bad] == [4] and found.value.tolist() == [12.4]
 
 
 def test_damit(tmp_path):

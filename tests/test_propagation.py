@@ -88,14 +88,15 @@ def test_one_body_with_many_rates():
         lambda row: row[::-1][::-1],
         lambda row: row.tolist(),
         lambda row: row.astype(np.float64).copy(),
+        lambda row: row.astype(object),
     ],
 )
 def test_any_layout_of_the_input(layout):
     rows = _batch(6)
     expected = propagate(*rows, T)
     assert np.array_equal(propagate(*map(layout, rows), T), expected)
-    strided = np.repeat(T, 2)[::2]
-    assert np.array_equal(propagate(*rows, strided), expected)
+    for t in (np.repeat(T, 2)[::2], T.astype(object), T.astype(object).tolist()):
+        assert np.array_equal(propagate(*rows, t), expected)
 
 
 def test_the_input_is_left_alone():
@@ -213,6 +214,10 @@ def test_rates_out_wants_rates():
         ({"t": 1j}, "t is 1j; give real numbers"),
         ({"t": [[1, 2], [3]]}, "t is ragged"),
         ({"t": True}, "t is True"),
+        ({"t": np.array([1.0, None])}, "give real numbers in s"),
+        ({"t": np.array([1.0, True], dtype=object)}, "give real numbers in s"),
+        ({"t": np.array([1.0, 10**400], dtype=object)}, "beyond the range of doubles"),
+        ({"t": [1, 10**5000]}, "t is a very large list, beyond the range of doubles"),
         ({"t_low": [1.0, 2.0]}, r"t_low has shape \(2,\), t has \(17,\); give both"),
         ({"t_low": "x"}, "t_low is 'x'"),
         ({"moments": np.ones((5, 3)), "t": np.zeros((4, 17))}, r"do not broadcast .*t\[:, None\]"),

@@ -89,6 +89,15 @@ CASES = {
         lambda: Body(moments=(1e308,) * 3),
         r"moments holds 1e\+308, so large that sums overflow; give numbers up to 4.49e\+307",
     ),
+    "structure of units": (
+        lambda: Body(moments="1, 2, 2.5 (m, kg)"),
+        r"moments is in '\(m, kg\)', which is not a unit that astropy knows",
+    ),
+    "logarithmic unit": (lambda: Body(moments="1, 2, 2.5 mag(AB)"), "not a unit that astropy"),
+    "many digits": (
+        lambda: Body(moments=(1, 2, 10**5000)),
+        "moments is a very large tuple, beyond",
+    ),
     "overflow of a tensor": (lambda: Body(tensor=1e308 * np.eye(3)), "tensor holds .*overflow"),
     "overflow of points": (
         lambda: Body.from_points([1e308, 1e308], [[1e10, 0, 0], [0, 1e10, 0]]),

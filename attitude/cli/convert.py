@@ -30,7 +30,7 @@ _BETTER = 0.9
 # Options of C-kernels.
 _OF_KERNELS = ("rate_tolerance", "clock", "frame_kernel", "time_scale")
 # Formats whose attitudes may be relative to axes of an orbit.
-_WITH_AXES = ("acm", "acm-xml", "aem", "aem-xml", "apm", "apm-xml", "stk")
+_WITH_AXES = ("acm", "acm-xml", "aem", "aem-xml", "apm", "apm-xml", "cic", "stk")
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -52,8 +52,8 @@ def run(arguments: argparse.Namespace) -> None:
     path = orbit.path_of(arguments)
     if path is not None and {kind, read}.isdisjoint(_WITH_AXES):
         raise AttitudeError(
-            "--orbit is for AEM, APM and STK files, whose attitudes may be relative to axes of the "
-            "orbit; leave it out."
+            "--orbit is for AEM, APM, CIC and STK files, whose attitudes may be relative to axes "
+            "of the orbit; leave it out."
         )
     found = _catalogued(arguments.input) or detect.opened(
         arguments.input,
@@ -149,8 +149,10 @@ def _write_sampled(
 
     start, stop = _ends(arguments, motion)
     settings = _settings(arguments, kind, path)
-    if kind in ("aem", "aem-xml"):
+    if kind in ("aem", "aem-xml", "cic"):
         settings |= _names(labels)
+        if kind == "cic":
+            settings.pop("center", None)
     made = detect.write(
         arguments.output,
         motion,
@@ -349,6 +351,10 @@ def _settings(arguments: argparse.Namespace, kind: str, path: Path | None) -> di
     elif kind in ("acm", "acm-xml"):
         _refuse(arguments, ("version", "type", "tool"), "an ACM")
         settings = {"frame": arguments.frame, "time_system": arguments.time_system, "orbit": path}
+    elif kind == "cic":
+        _refuse(arguments, ("version", "type", "tool"), "a CIC file")
+        settings = {"frame": arguments.frame or "EME2000", "orbit": path}
+        settings["time_system"] = arguments.time_system or "UTC"
     elif kind == "stk":
         _refuse(arguments, ("version", "time_system"), "an STK file")
         if arguments.tool not in (None, "stk"):

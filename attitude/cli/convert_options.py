@@ -23,7 +23,7 @@ endings that OUT may have:
   .toml  spin file, exact     .aem      CCSDS AEM        .a     STK attitude
   .apm   CCSDS APM            .xml      CCSDS AEM, XML   .bc    SPICE CK with .tf and .tsc
   .acm   CCSDS ACM            .apm.xml  CCSDS APM, XML   .ecsv .fits .csv .parquet  tables
-  .spin  DAMIT                .acm.xml  CCSDS ACM, XML
+  .spin  DAMIT                .acm.xml  CCSDS ACM, XML   .cic   CIC of CNES, for VTS
 
 The format of IN follows from its contents. A table is written record by record, or interpolated at
 --start, --stop and --step; motions and C-kernels are evaluated there. --fit turns a table into a

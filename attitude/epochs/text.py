@@ -61,7 +61,7 @@ def _scale(scale: str, zone: str | None, text: str, name: str) -> str:
     """The time scale in lower case; AttitudeError for an unknown one, or UTC's offset with one."""
     if scale.lower() not in SCALES:
         raise AttitudeError(
-            f"{name} is {shown(text)}; the time scale {scale!r} is not known, give one of "
+            f"{name} is {shown(text)}; the time scale {shown(scale)} is not known, give one of "
             f"{', '.join(SCALES).upper()}."
         )
     if zone and scale.lower() != "utc":

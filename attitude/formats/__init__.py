@@ -4,6 +4,7 @@ spin_file        spin files (TOML): a body and its spin; `spin_sections` reads t
 mission          mission files (TOML): a scene, times and columns; `photometry` reads their
                  sections on shape, scattering and magnitudes
 aem, apm, acm    CCSDS Attitude Ephemeris, Parameter and Comprehensive Messages
+cic              attitude files of CIC, the dialect of CNES and VTS
 stk              STK attitude files
 ck               SPICE C-kernels
 damit            spin files and light curves of DAMIT

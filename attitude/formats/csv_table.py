@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from attitude.axes.axes import named
+from attitude.errors import quoted
 from attitude.formats import csv_rows
 from attitude.formats.ccsds import epochs as ccsds_epochs
 from attitude.formats.ccsds.attitude_types import Convention
@@ -99,7 +100,7 @@ def _names(lines):
             some = [name for name in RATES if name in names]
             if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
                 raise lines.fault(
-                    f"the first line names {', '.join(names)[:200]}; it must name utc, "
+                    f"the first line names {quoted(', '.join(names), 120, '')}; it must name utc, "
                     f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
                 )
             return names

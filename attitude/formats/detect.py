@@ -28,6 +28,7 @@ ENDINGS: dict[str, str] = {
     ".acm": "acm",
     ".acm.xml": "acm-xml",
     ".a": "stk",
+    ".cic": "cic",
     ".toml": "spin",
     ".spin": "damit",
     ".bc": "ck",
@@ -54,6 +55,7 @@ def of_file(path: FilePath) -> str:
         (b"CCSDS_AEM_VERS", "aem"),
         (b"CCSDS_APM_VERS", "apm"),
         (b"CCSDS_ACM_VERS", "acm"),
+        (b"CIC_AEM_VERS", "cic"),
         (b"stk.v.", "stk"),
         (b"DAF/CK", "ck"),
     ):
@@ -61,11 +63,13 @@ def of_file(path: FilePath) -> str:
             return found
     if text.startswith(b"<"):
         return _of_xml(path, text)
-    other = re.match(rb"CCSDS_([A-Z]{2,4})_VERS", text)
+    other = re.match(rb"(CCSDS|CIC)_([A-Z]{2,4})_VERS", text)
     if other:
+        family, kind = (word.decode() for word in other.groups())
         raise AttitudeError(
-            f"{os.fspath(path)!r} is an {other.group(1).decode()}, which holds no attitudes; give "
-            "an AEM, APM or ACM."
+            f"{os.fspath(path)!r} is an {kind}, which holds no attitudes; give an AEM, APM or ACM."
+            if family == "CCSDS"
+            else f"{os.fspath(path)!r} is an {kind} of CIC, of which only AEMs are read."
         )
     if _ending(path) in ENDINGS:
         return ENDINGS[_ending(path)]
@@ -198,11 +202,12 @@ def opened(
     """
     kind = of_file(path)
     lengths: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
-    if kind in ("aem", "aem-xml"):
-        from attitude.formats import aem
+    if kind in ("aem", "aem-xml", "cic"):
+        from attitude.formats import aem, cic
 
+        reader = cic.read if kind == "cic" else aem.read
         one: dict[str, Any] = {"object": object, "segment": segment, "lenient": lenient}
-        return _table(aem.read(path, frame=frame, orbit=orbit, rates=rates, **one, **lengths))
+        return _table(reader(path, frame=frame, orbit=orbit, rates=rates, **one, **lengths))
     if kind in ("apm", "apm-xml"):
         from attitude.formats import apm
 
@@ -299,6 +304,10 @@ def write(
 
         acm.write(path, source, t=t, xml=kind == "acm-xml", **settings)
         return None
+    if kind == "cic":
+        from attitude.formats import cic
+
+        return cic.write(path, source, t=t, **settings)
     if kind == "stk":
         from attitude.formats import stk
 

@@ -52,7 +52,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from attitude import catalog, paths, quantity_text, validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.formats import spin_file, spin_sections, state
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.paths.solar_system import SOURCES
@@ -207,7 +207,7 @@ def column(text: str) -> MissionColumn:
         For an unknown quantity, and a unit to which its unit does not convert.
     """
     if not isinstance(text, str) or not text.split():
-        raise AttitudeError(f'columns holds {text!r}; give text such as "phase_angle deg".')
+        raise AttitudeError(f'columns holds {quoted(text)}; give text such as "phase_angle deg".')
     name, _, unit = " ".join(text.split()).partition(" ")
     known = View.columns()
     if name not in known:
@@ -219,7 +219,7 @@ def column(text: str) -> MissionColumn:
 
         if not own or not units.Unit(own).is_equivalent(quantity_text.unit_of(unit, "columns")):
             raise AttitudeError(
-                f"columns holds {text!r}, but {name} is "
+                f"columns holds {quoted(text)}, but {name} is "
                 + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
             )
     return found
@@ -264,7 +264,7 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
         rest = {key: value for key, value in given.items() if key != "catalog"}
         return catalog.entry(given["catalog"]).motion(**rest)
     ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
-    raise AttitudeError(f"spin is {given!r}; give {ways}.")
+    raise AttitudeError(f"spin is {quoted(given)}; give {ways}.")
 
 
 def _named(given: str, folder: str) -> FreeRotation:
@@ -280,7 +280,7 @@ def _place(given: Any, name: str, folder: str) -> Any:
         return given
     if not isinstance(given, dict):
         raise AttitudeError(
-            f"{name} is {given!r}; give the name of a body, or a table with one of "
+            f"{name} is {quoted(given)}; give the name of a body, or a table with one of "
             f"{', '.join(_PLACES)}."
         )
     kind = way_of(given, _PLACES, name)
@@ -303,7 +303,7 @@ def _place(given: Any, name: str, folder: str) -> Any:
 
 def _kepler(value: Any, name: str) -> Place:
     if not isinstance(value, dict):
-        raise AttitudeError(f"{name} kepler is {value!r}; give a table of elements.")
+        raise AttitudeError(f"{name} kepler is {quoted(value)}; give a table of elements.")
     try:
         return paths.kepler(**value)
     except TypeError as err:
@@ -317,7 +317,7 @@ def _pair(value: Any, name: str) -> list[float]:
     found = validation.real(value, name, unit="rad")
     if found.shape != (2,):
         raise AttitudeError(
-            f'{name} is {value!r}; give longitude and latitude, as in "15.49, 47.07 deg".'
+            f'{name} is {quoted(value)}; give longitude and latitude, as in "15.49, 47.07 deg".'
         )
     return found.tolist()
 
@@ -325,11 +325,12 @@ def _pair(value: Any, name: str) -> list[float]:
 def _file(value: Any, folder: str, name: str) -> str:
     """The path of an existing file; a relative one starts from the folder."""
     if not isinstance(value, str):
-        raise AttitudeError(f"{name} is {value!r}; give the name of a file, in quotes.")
+        raise AttitudeError(f"{name} is {quoted(value)}; give the name of a file, in quotes.")
     path = os.path.join(folder, os.path.expanduser(value))
     if not os.path.isfile(path):
+        place = f" ({path})" if len(value) <= 120 else ""
         raise AttitudeError(
-            f"{name} is {value!r}, which is not a file ({path}); give the name of a file."
+            f"{name} is {quoted(value)}, which is not a file{place}; give the name of a file."
         )
     return path
 

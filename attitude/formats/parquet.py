@@ -117,10 +117,10 @@ def read(path: FilePath) -> Table:
         table = pyarrow.parquet.read_table(origin)
         meta = meta_of(table)
     except OSError as err:
-        reason = " ".join(str(err).split())[:200]
+        reason = " ".join(str(err).split())[:120]
         raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
     except (pyarrow.ArrowException, ValueError, TypeError) as err:
-        reason = " ".join(str(err).split())[:200]
+        reason = " ".join(str(err).split())[:120]
         raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
     from astropy.table import Table
 

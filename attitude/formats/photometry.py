@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import scattering, shape, validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.light_curve import magnitudes
 from attitude.textfiles.toml import refuse_unknown, way_of
 
@@ -123,13 +123,15 @@ def shape_of(
         For unknown keys, keys that exclude each other, and wrong values.
     """
     if not isinstance(given, dict):
-        raise AttitudeError(f"shape is {given!r}; give a section that begins [shape].")
+        raise AttitudeError(f"shape is {quoted(given)}; give a section that begins [shape].")
     known = {*_SHAPES, *_ANY_SHAPE, *(key for each in _SHAPES.values() for key in each)}
     refuse_unknown(given, sorted(known), "[shape]")
     way = way_of(given, _SHAPES, "[shape]")
     for key in given:
         if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
-            raise AttitudeError(f"[shape] {key} does not go with {way}; leave it out.")
+            raise AttitudeError(
+                f"[shape] {quoted(key, mark='')} does not go with {way}; leave it out."
+            )
     found: dict[str, Any] = {}
     if "shadows" in given:
         found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
@@ -178,15 +180,17 @@ def law_of(given: Any, found: shape.Ellipsoid | shape.Mesh) -> Law:
         facets.
     """
     if not isinstance(given, dict):
-        raise AttitudeError(f"scattering is {given!r}; give a section that begins [scattering].")
+        raise AttitudeError(
+            f"scattering is {quoted(given)}; give a section that begins [scattering]."
+        )
     if "materials" in given:
         refuse_unknown(given, ("materials",), "[scattering] with materials")
         return _materials(given["materials"], found)
     name, known = given.get("law", "lommel-seeliger"), scattering.laws()
     if not isinstance(name, str) or name not in known:
         raise AttitudeError(
-            f"[scattering] law is {name!r}; give one of {', '.join(map(repr, known))}, or a table "
-            "of materials."
+            f"[scattering] law is {quoted(name)}; give one of {', '.join(map(repr, known))}, or a "
+            "table of materials."
         )
     rest = {key: value for key, value in given.items() if key != "law"}
     return _law(known[name], rest, "[scattering]")
@@ -201,7 +205,9 @@ def scale_of(given: Any) -> dict[str, Any]:
         For unknown keys, keys that exclude each other, and wrong values.
     """
     if not isinstance(given, dict):
-        raise AttitudeError(f"magnitude is {given!r}; give a section that begins [magnitude].")
+        raise AttitudeError(
+            f"magnitude is {quoted(given)}; give a section that begins [magnitude]."
+        )
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
     refuse_unknown(given, known, "[magnitude]")
     found: dict[str, Any] = {"phase_function": _phase_function(given)}
@@ -301,13 +307,14 @@ def _materials(given: Any, found: shape.Ellipsoid | shape.Mesh) -> scattering.Ma
     for name in given:
         if name not in carried:
             raise AttitudeError(
-                f"[scattering] materials has {name!r}, which no facet carries; the facets of the "
-                f"shape carry {', '.join(map(repr, carried))}."
+                f"[scattering] materials has {quoted(name)}, which no facet carries; the facets of "
+                f"the shape carry {quoted(', '.join(map(repr, carried)), 120, '')}."
             )
     for name in carried:
         if name not in given:
             raise AttitudeError(
-                f"[scattering] materials has no {name!r}, which facets of the shape carry; give it."
+                f"[scattering] materials has no {quoted(name)}, which facets of the shape carry; "
+                "give it."
             )
     return scattering.Materials(
         {key: _material(value, f"[scattering] {key}") for key, value in given.items()}
@@ -357,7 +364,7 @@ def _table(
     """The dimensions of a shape from a table, in SI units and radians."""
     if not isinstance(given, dict):
         keys = ", ".join(units)
-        raise AttitudeError(f"{where} is {given!r}; give a table of {keys}, in braces.")
+        raise AttitudeError(f"{where} is {quoted(given)}; give a table of {keys}, in braces.")
     refuse_unknown(given, tuple(units), where)
     found = {
         key: value if units[key] is None else _number(value, f"{where} {key}", units[key])

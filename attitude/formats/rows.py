@@ -69,19 +69,26 @@ class Rows:
         self._last: tuple[FloatArray, FloatArray] | None = None
 
     def add(
-        self, tokens: Sequence[bytes], values: FloatArray, lines: Sequence[int], fault: Fault
+        self,
+        tokens: Sequence[bytes],
+        values: FloatArray,
+        lines: Sequence[int],
+        fault: Fault,
+        of_day: Sequence[bytes] | None = None,
     ) -> None:
         """Add N records.
 
         Parameters
         ----------
         tokens : sequence of bytes
-            Their epochs as CCSDS time codes.
+            Their epochs as CCSDS time codes, or as days.
         values : (N, width) array
         lines : sequence of int
             Numbers of their lines in the file.
         fault : callable
             Makes the error for a sentence and the number of a line.
+        of_day : sequence of bytes, optional
+            The seconds of the days: `tokens` are modified Julian dates.
 
         Raises
         ------
@@ -89,9 +96,13 @@ class Rows:
             For epochs that cannot be read or do not increase, and numbers that are not finite.
         """
         try:
-            hi, lo = ccsds_epochs.parsed(tokens, self.scale)
+            if of_day is None:
+                hi, lo = ccsds_epochs.parsed(tokens, self.scale)
+            else:
+                hi, lo = ccsds_epochs.parsed_days(tokens, of_day, self.scale)
         except ccsds_epochs.BadEpoch as err:
-            shown = tokens[err.index][:38].decode("ascii", "replace")
+            token = tokens[err.index] + (b" " + of_day[err.index] if of_day is not None else b"")
+            shown = token[:38].decode("ascii", "replace")
             raise fault(
                 f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err

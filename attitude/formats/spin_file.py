@@ -57,7 +57,7 @@ import numpy as np
 
 from attitude import epochs
 from attitude.body import Body
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.formats import spin_sections
 from attitude.free_rotation.free_rotation import FreeRotation
 from attitude.immutable import Immutable
@@ -196,7 +196,8 @@ def text(
     """The text of a spin file; see `write` for the parameters."""
     if not isinstance(motion, (FreeRotation, SpinFile)):
         raise AttitudeError(
-            f"motion is {motion!r}; a spin file holds a FreeRotation. Give one, or a SpinFile."
+            f"motion is {quoted(motion)}; a spin file holds a FreeRotation. Give one, or a "
+            "SpinFile."
         )
     body, spin = motion.body, motion.spin
     labels = {"name": name, "source": source, "note": note}

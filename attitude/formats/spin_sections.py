@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from attitude import epochs, validation
 from attitude.body import Body
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.published.dynamic_inertia import moments_from_ratios
 from attitude.sensitivities import covariance as covariances
 from attitude.spin import Spin
+from attitude.textfiles.lines import cut
 from attitude.textfiles.toml import listed, refuse_unknown
 
 if TYPE_CHECKING:
@@ -91,7 +92,9 @@ def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
     if "covariance" in section:
         for key in _ERRORS:
             if key in section:
-                raise AttitudeError(f"[errors] has both covariance and {key}; give one of them.")
+                raise AttitudeError(
+                    f"[errors] has both covariance and {cut(key, '')}; give one of them."
+                )
         rows = _numbers(section, "errors", "covariance", None, None)
         return spin.with_covariance(covariances.known(rows, "[errors] covariance"))
     units = {**covariances.UNITS, "moments": None if body.relative else "kg m2"}
@@ -103,7 +106,7 @@ def _body(section):
     way = _way(section, _BODIES, (), "body")
     relative = section.get("relative", False)
     if not isinstance(relative, bool):
-        raise AttitudeError(f"[body] relative is {relative!r}; give true or false.")
+        raise AttitudeError(f"[body] relative is {quoted(relative)}; give true or false.")
     inertia, length = (None, None) if relative else ("kg m2", "m")
     extra = {}
     if "mass" in section:
@@ -174,7 +177,9 @@ def _section(content, name):
     if name not in content:
         raise AttitudeError(f"the file has no section [{name}]; a spin file has [body] and [spin].")
     if not isinstance(content[name], dict):
-        raise AttitudeError(f"{name} is {content[name]!r}; give a section that begins [{name}].")
+        raise AttitudeError(
+            f"{name} is {quoted(content[name])}; give a section that begins [{name}]."
+        )
     return content[name]
 
 
@@ -202,7 +207,9 @@ def _way(section, ways, common, name):
             raise AttitudeError(_lacking(name, key))
     for key in section:
         if key not in (*common, taken[0], *needed, *optional):
-            raise AttitudeError(f"[{name}] {key} does not go with {taken[0]}; leave it out.")
+            raise AttitudeError(
+                f"[{name}] {cut(key, '')} does not go with {taken[0]}; leave it out."
+            )
     return taken[0]
 
 
@@ -247,7 +254,7 @@ def _converted(value, name, unit):
             )
         return [_converted(each, name, unit) for each in value]
     if _kind(value) != "number":
-        raise AttitudeError(f"{name} is {value!r}; give numbers, or text with a unit.")
+        raise AttitudeError(f"{name} is {quoted(value)}; give numbers, or text with a unit.")
     try:
         return float(value)
     except OverflowError as err:

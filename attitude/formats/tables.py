@@ -159,7 +159,7 @@ def columns_of(path: FilePath) -> Table:
     except OSError as err:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
     except Exception as err:  # astropy raises exceptions of any type for broken files
-        reason = " ".join(str(err).split())[:200] or type(err).__name__
+        reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from None
 
 
@@ -359,7 +359,7 @@ def _columns(table, name, names, origin, unit):
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError) as err:  # from astropy, for unknown units
-        reason = " ".join(str(err).split())[:200]
+        reason = " ".join(str(err).split())[:120]
         raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from None
 
 

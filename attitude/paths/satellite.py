@@ -21,7 +21,7 @@ import numpy as np
 from attitude import pairs, validation
 from attitude.epochs import time_scales
 from attitude.epochs.inputs import Instant
-from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.errors import AttitudeError, AttitudeWarning, quoted
 from attitude.paths.moving_pole import pole_of_teme, to_gcrs
 from attitude.paths.path import Path, since, spelled
 from attitude.textfiles import kvn, records, xml
@@ -231,12 +231,12 @@ def omm(
     ):
         given = fields.get(keyword) or allowed[0]
         if given.upper() not in allowed:
-            raise AttitudeError(f"{label}: {keyword} is {given}; it must be {allowed[0]}.")
+            raise AttitudeError(f"{label}: {keyword} is {quoted(given)}; it must be {allowed[0]}.")
     fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
     letter = fields["CLASSIFICATION_TYPE"]
     if len(letter) != 1 or not letter.isascii():
         raise AttitudeError(
-            f"{label}: CLASSIFICATION_TYPE is {letter!r}; it must be one letter, such as U."
+            f"{label}: CLASSIFICATION_TYPE is {quoted(letter)}; it must be one letter, such as U."
         )
     stamp = fields["EPOCH"].removesuffix("Z")
     fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # the form that sgp4 reads
@@ -275,8 +275,8 @@ def _model(lines):
         reader.initialize(model, fields)
     except (ValueError, KeyError) as err:
         raise AttitudeError(
-            f"the OMM of {fields.get('OBJECT_NAME', 'a satellite')} cannot be read: {err}; check "
-            "that field."
+            f"the OMM of {quoted(fields.get('OBJECT_NAME', 'a satellite'), mark='')} cannot be "
+            f"read: {quoted(err, 120, mark='')}; check that field."
         ) from err
     return model
 
@@ -297,7 +297,7 @@ def _text(given, kind):
     if isinstance(given, str) and ("\n" in given or given.lstrip().startswith(("<", "{", "["))):
         return given, kind
     if not isinstance(given, (str, os.PathLike)):
-        raise AttitudeError(f"the {kind} is {given!r}; give its text, or the path of a file.")
+        raise AttitudeError(f"the {kind} is {quoted(given)}; give its text, or the path of a file.")
     text = whole(given, f"give the path of a text file of the {kind}, or its text")
     return text, os.path.basename(os.fspath(given))
 
@@ -324,7 +324,7 @@ def _chosen(found, names_of, name, label):
     if len(found) != 1:
         raise AttitudeError(
             f"{label} holds {len(found)} satellites"
-            + ("; give name=..." if name is None else f" called {name!r}; give another name.")
+            + ("; give name=..." if name is None else f" called {quoted(name)}; give another name.")
         )
     return found[0]
 
@@ -344,19 +344,20 @@ def _check_line(line, number, label):
     """Raise an AttitudeError for a line of another length, checksum or form."""
     if len(line) != 69:
         raise AttitudeError(
-            f"{label}, line {number} of the elements has {len(line)} characters, not 69: {line!r}; "
-            "give it whole, with its spaces."
+            f"{label}, line {number} of the elements has {len(line)} characters, not 69: "
+            f"{quoted(line, 120)}; give it whole, with its spaces."
         )
     total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
     if line[68] != str(total):
         raise AttitudeError(
             f"{label}, line {number} of the elements ends in the checksum {line[68]}, but its "
-            f"digits sum to {total}: {line!r}; a character in it is wrong: get the line anew."
+            f"digits sum to {total}: {quoted(line, 120)}; a character in it is wrong: get the line "
+            "anew."
         )
     if not _LINES[number].fullmatch(line):
         raise AttitudeError(
             f"{label}, line {number} of the elements is not in the columns of the format: "
-            f"{line!r}; give it whole, with its spaces."
+            f"{quoted(line, 120)}; give it whole, with its spaces."
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -161,8 +162,9 @@ def of_rows(
             + (f"; {_listed(left_out)}" if left_out else "")
             + "."
         )
-    both = np.array(numbers).reshape(-1, 2)
     notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
+    notes += _repeated([rows[k] for k in kept], word)
+    both = np.array(numbers).reshape(-1, 2)
     words: dict[str, Any] = {
         key: each if any(each) else None
         for key in ("filter", "site", "session")
@@ -181,6 +183,38 @@ def of_rows(
         site=words["site"],
         session=words["session"],
     )
+
+
+def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
+    """A note of rows that repeat others, and of the sessions that consist of such rows."""
+    first: dict[tuple[str, ...], RawPoint] = {}
+    repeats: list[tuple[RawPoint, RawPoint]] = []
+    for row in rows:
+        key = tuple(each.strip() for each in (row.time, row.value, row.filter, row.site))
+        if (earlier := first.setdefault(key, row)) is not row:
+            repeats.append((row, earlier))
+    if not repeats:
+        return []
+    count = Counter(row.session for row in rows)
+    again = Counter((row.session, earlier.session) for row, earlier in repeats)
+    whole = [
+        f"session {row[:40]!r} repeats {earlier[:40]!r}"
+        for (row, earlier), many in again.items()
+        if row != earlier and many == count[row]
+    ]
+    row, earlier = repeats[0]
+    return [
+        f"{len(repeats)} of {len(rows)} rows repeat the date, {word}, filter and site of others "
+        f"(line {row.line} those of line {earlier.line})"
+        + (f"; {listed(whole)}" if whole else "")
+        + ": they count twice."
+    ]
+
+
+def listed(items: Sequence[object]) -> str:
+    """The first six of some items, and how many follow."""
+    more = len(items) - _NAMED
+    return ", ".join(map(str, items[:_NAMED])) + (f" and {more} more" if more > 0 else "")
 
 
 def report(contents: Contents, bad: str) -> None:

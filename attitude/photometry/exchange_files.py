@@ -31,7 +31,9 @@ _NO = ("", "NONE", "FALSE")
 _OPTICAL = ("obsTime", "mag", "rmsMag", "band", "stn")
 # Julian date of 1970-01-01.
 _JD_OF_1970 = Decimal("2440587.5")
-_PACKED = re.compile(r"\d{4} \d\d \d\d(?:\.\d+)?")
+# The beginning of a date of the MPC, by which its records are recognized; and a whole one.
+_PACKED = re.compile(r"\d{4} \d\d \d\d", re.ASCII)
+_MPC_DATE = re.compile(r"(\d{4}) (\d\d) (\d\d)(?:\.(\d*))?", re.ASCII)
 
 
 def of_alcdef(text: str, name: str) -> Contents:
@@ -80,6 +82,12 @@ def of_alcdef(text: str, name: str) -> Contents:
     found.more["name"] = ", ".join(sorted(objects - {""})) or None
     if any(meta.get("DIFFERMAGS", "").upper() == "TRUE" for meta in seen):
         found.notes.append("Some sessions have differential magnitudes (DIFFERMAGS).")
+    unmoved = [k for k, meta in enumerate(seen, 1) if _shifted(meta) and not _exposure(meta) > 0.0]
+    if unmoved:
+        found.notes.append(
+            f"EXPJD of block {contents.listed(unmoved)} is not the middle, but EXPOSURE is not "
+            "given: the dates are used as they stand."
+        )
     places = {(m.get("OBSLONGITUDE", ""), m.get("OBSLATITUDE", "")) for m in seen}
     if found.site is None and len(places) == 1 and "" not in (place := places.pop()):
         found.site = [f"{place[0]}, {place[1]} deg"] * len(found.value)
@@ -88,18 +96,30 @@ def of_alcdef(text: str, name: str) -> Contents:
 
 def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int) -> RawPoint:
     date = parts[0].strip()
-    shift = _MIDDLE.get(meta.get("EXPJD", "").upper(), 0.0)
+    shift, exposure = _shifted(meta), _exposure(meta)
     try:
-        exposure = float(meta.get("EXPOSURE", "0"))
         if shift and exposure > 0.0:
             whole, _, rest = date.partition(".")
             date = f"{int(whole) + float(f'0.{rest or 0}') + shift * exposure / _SECONDS:.9f}"
-    except ValueError:
-        pass  # a date that is no number is reported with its row
+    except (ValueError, OverflowError):
+        pass  # a date that is no number, or too large, is reported with its row
     band = meta.get("FILTER") or meta.get("MAGBAND", "")
     session = f"{block} {meta.get('SESSIONDATE', '')}".strip()
     error = parts[2].strip() if len(parts) > 2 else ""
     return RawPoint(number, date, parts[1].strip(), error, band, meta.get("MPCCODE", ""), session)
+
+
+def _shifted(meta: dict[str, str]) -> float:
+    """The part of the exposure from the date of a block to its middle."""
+    return _MIDDLE.get(meta.get("EXPJD", "").upper(), 0.0)
+
+
+def _exposure(meta: dict[str, str]) -> float:
+    """The exposure of a block, s; 0 if it is not given."""
+    try:
+        return float(meta.get("EXPOSURE", "0"))
+    except ValueError:
+        return 0.0
 
 
 def of_ades_text(text: str, name: str) -> Contents:
@@ -159,13 +179,15 @@ def is_mpc(line: str) -> bool:
 
 
 def _mpc_row(number: int, line: str) -> RawPoint:
-    year, month, day = line[15:32].split()
-    whole, _, rest = day.partition(".")
-    try:
-        midnight = Decimal(np.datetime64(f"{year}-{month}-{whole}", "D").astype(int).item())
-        date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
-    except ValueError:
-        date = f"{year} {month} {day}"  # no date, and reported with its row
+    date = line[15:32].strip()
+    found = _MPC_DATE.fullmatch(date)
+    if found is not None:
+        year, month, day, rest = found.groups()
+        try:
+            midnight = Decimal(np.datetime64(f"{year}-{month}-{day}", "D").astype(int).item())
+            date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
+        except ValueError:
+            pass  # no day of that month: reported with its row, as a date in another form
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ from attitude.textfiles import lines
 if TYPE_CHECKING:
     from attitude.annotations import FilePath
 
+# Characters that no text in Latin-1 has.
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f-\x9f]")
 FORMATS: tuple[str, ...] = ("csv", "ecsv", "alcdef", "ades-psv", "ades-xml", "mpc", "damit")
 
 
@@ -27,6 +30,7 @@ def read(
     format: str | None = None,
     columns: Mapping[str, str] | None = None,
     bad: str = "warn",
+    encoding: str | None = None,
     **given: Any,
 ) -> Photometry:
     """The photometry in a file.
@@ -44,6 +48,8 @@ def read(
     bad : "warn", "refuse" or "ignore"
         What happens if rows cannot be used: a warning that names their lines and reasons, an error,
         or neither.  `Photometry.bad` lists them.
+    encoding : str, optional
+        Of the text, as Python names it; by default UTF-8, or with a note Latin-1 where it is not.
     **given
         Keywords of `Photometry`, which replace those of the file.
 
@@ -56,7 +62,7 @@ def read(
     AttitudeError
         For a file that cannot be read, an unknown format, and a file without any usable row.
     """
-    found = opened(path, format=format, columns=columns, bad=bad)
+    found = opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
     keywords = found.keywords()
     keywords.setdefault("name", _stem(path))
     keywords |= {"time_of": found.time_of, "unit_distances": found.unit_distances}
@@ -72,11 +78,12 @@ def opened(
     format: str | None = None,
     columns: Mapping[str, str] | None = None,
     bad: str = "warn",
+    encoding: str | None = None,
 ) -> Contents:
     """The `Contents` of a file; parameters and errors as of `read`."""
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
-    text = lines.whole(name, "give a file of photometry")
+    text, notes = _decoded(name, encoding)
     kind = _kind(text, name) if format is None else validation.one_of(format, "format", FORMATS)
     if columns and kind not in ("csv", "ecsv"):
         raise AttitudeError(f"columns is given, but {name} is {kind}, whose columns are fixed.")
@@ -94,8 +101,23 @@ def opened(
             "mpc": exchange_files.of_mpc,
         }[kind]
         found = reader(text, name)
+    found.notes += notes
     contents.report(found, bad)
     return found
+
+
+def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
+    """The text of a file, and a note if its encoding is a guess."""
+    advice = "give a file of photometry, or its encoding="
+    try:
+        return lines.whole(name, advice, encoding or "UTF-8"), []
+    except AttitudeError as err:
+        if encoding is not None or not isinstance(err.__cause__, UnicodeDecodeError):
+            raise
+        text = lines.whole(name, advice, "latin-1")
+        if _CONTROL.search(text):  # not text at all
+            raise
+    return text, ["The file is not in UTF-8 and was read as Latin-1; encoding= says otherwise."]
 
 
 def _stem(path: FilePath) -> str:
@@ -140,7 +162,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     try:
         table = Table.read(text, format="ascii.ecsv")
     except Exception as err:  # astropy raises exceptions of any type for broken files
-        reason = " ".join(str(err).split())[:200] or type(err).__name__
+        reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
     found: dict[str, list[str]] = {}
     for key in table.colnames:

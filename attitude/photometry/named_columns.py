@@ -33,7 +33,7 @@ import numpy as np
 
 from attitude import epochs, paths
 from attitude.epochs.instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.photometry import contents
 from attitude.photometry.contents import BadRow, Contents, RawPoint
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
@@ -129,7 +129,7 @@ def of_table(
     for meant, given in (columns or {}).items():
         if _plain(given) not in table:
             raise AttitudeError(
-                f"{name}: has no column {given!r}; it has {', '.join(table) or 'none'}."
+                f"{name}: has no column {quoted(given)}; it has {_listed(table) or 'none'}."
             )
         table = {_plain(meant): table[_plain(given)], **{k: v for k, v in table.items()}}
         table[_plain(meant)] = table[_plain(given)]
@@ -140,7 +140,7 @@ def of_table(
     if brightness is None:
         raise AttitudeError(
             f"{name}: has no column of magnitudes or flux; name one mag or flux, or give "
-            f"columns= with one of {', '.join(table)}."
+            f"columns= with one of {_listed(table)}."
         )
     if scale is None and all(map(_is_number, table[date][:5])):
         scale, offset = _scale_of_numbers(table[date], name, date)
@@ -177,7 +177,7 @@ def _dates(table: Mapping[str, Any], name: str) -> tuple[str, tuple[str | None, 
             return key, (less.group(2) or scale, float(less.group(3)), place)
     raise AttitudeError(
         f"{name}: has no column of epochs; name one of {', '.join(_TIMES)}, or give columns= with "
-        f"one of {', '.join(map(str, table))}."
+        f"one of {_listed(table)}."
     )
 
 
@@ -188,9 +188,15 @@ def _scale_of_numbers(values: Sequence[str], name: str, key: str) -> tuple[str, 
         if low < first < high:
             return "utc", offset
     raise AttitudeError(
-        f"{name}: the column {key} begins with {first:g}, which is neither a date nor a Julian "
-        "date; name it jd, mjd, or with what was taken off, as jd-2450000."
+        f"{name}: the column {quoted(key, mark='')} begins with {first:g}, which is "
+        "neither a date nor a Julian date; name it jd, mjd, or with what was taken off, as "
+        "jd-2450000."
     )
+
+
+def _listed(table: Mapping[str, Any]) -> str:
+    """The names of the columns of a table, as far as a sentence holds them."""
+    return quoted(", ".join(table), 120, "")
 
 
 def _column(table: Mapping[str, list[str]], kind: str) -> list[str] | None:
@@ -245,7 +251,10 @@ def _numbers(values: Sequence[str], key: str, found: Contents, name: str) -> Flo
     try:
         return np.array([float(values[k]) for k in found.rows])
     except ValueError as err:
-        raise AttitudeError(f"{name}: the column {key} holds text ({err}); give numbers.") from None
+        raise AttitudeError(
+            f"{name}: the column {quoted(key, mark='')} holds text "
+            f"({quoted(err, 120, '')}); give numbers."
+        ) from None
 
 
 def _of_sky(

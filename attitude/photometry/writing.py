@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 # Names of the columns of dates that are not those of an observer.
 _CENTERS = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}
+
+# What a spreadsheet runs as a formula; a sign before a number is none.
+_FORMULA = re.compile(r"[=@]|[+-](?![\d., +-]*(deg)?$)")
 
 
 def write(path: FilePath, data: Photometry) -> None:
@@ -46,15 +50,32 @@ def write(path: FilePath, data: Photometry) -> None:
         words = getattr(data, f"{key}s")
         if any(words):
             names.append(key)
-            columns.append(
-                [f'"{words[k]}"' if "," in words[k] else words[k] for k in getattr(data, key)]
-            )
+            cells = [_cell(word) for word in words]
+            columns.append([cells[k] for k in getattr(data, key)])
     for key in ("sun", "observer"):
         vectors = getattr(data, key)
         if vectors is not None:
             names += [f"{key}_{axis}" for axis in "xyz"]
             columns += [[repr(float(x)) for x in each] for each in vectors.T / ASTRONOMICAL_UNIT_M]
     with written_whole(path, "photometry") as file:
-        file.write(f"# {data.name or 'photometry'}: times of {data.time_of}\n")
+        file.write(f"# {_remark(data.name or 'photometry')}: times of {data.time_of}\n")
         file.write(",".join(names) + "\n")
         file.writelines(",".join(row) + "\n" for row in zip(*columns, strict=True))
+
+
+def _cell(word: str) -> str:
+    """A word as a cell: in quotes where CSV needs them, behind ' where a spreadsheet would run it.
+
+    >>> print(_cell("T, W"), _cell("=1+A1"), _cell("-70.7, -30.2 deg"))
+    "T, W" "'=1+A1" "-70.7, -30.2 deg"
+    """
+    word = " ".join(word.split())
+    runs = _FORMULA.match(word) is not None
+    if not runs and not any(mark in word for mark in ',;"'):
+        return word
+    return '"' + ("'" if runs else "") + word.replace('"', '""') + '"'
+
+
+def _remark(text: str) -> str:
+    """A text on one line whose parts between separators are no formulas."""
+    return re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join(text.split()))

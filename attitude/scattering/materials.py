@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.scattering import lobes
 from attitude.scattering.law import Law
 from attitude.scattering.parameters import NumberField, parameter
@@ -140,7 +140,8 @@ class Materials(Law):
         for name, material in by_name.items():
             if not isinstance(material, Material):
                 raise AttitudeError(
-                    f"material {name!r} is {material!r}; give an attitude.scattering.Material."
+                    f"material {quoted(name)} is {quoted(material)}; give an "
+                    "attitude.scattering.Material."
                 )
         object.__setattr__(self, "_by_name", by_name)
 
@@ -148,7 +149,7 @@ class Materials(Law):
         if name not in self._by_name:
             known = ", ".join(repr(n) for n in self._by_name)
             raise AttitudeError(
-                f"material {name!r} is unknown; known are {known}. Add it to Materials, or "
+                f"material {quoted(name)} is unknown; known are {known}. Add it to Materials, or "
                 "rename the facets."
             )
         return self._by_name[name]

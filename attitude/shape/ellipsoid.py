@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.immutable import Immutable, frozen
 from attitude.shape.geodesic import lifted, unit_sphere
 from attitude.shape.integrals import MassProperties
@@ -147,7 +147,7 @@ class Ellipsoid(Immutable):
         """
         if not (isinstance(count, (int, np.integer)) and 20 <= count <= 2_000_000):
             raise AttitudeError(
-                f"count is {count!r}; give a whole number of facets from 20 to 2000000."
+                f"count is {quoted(count)}; give a whole number of facets from 20 to 2000000."
             )
         vertices, triangles = unit_sphere(math.isqrt(int(count) // 20))
         return Mesh(lifted(vertices, triangles) * self.semi_axes, triangles, material)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.shape.mesh import SURFACE, Mesh
 from attitude.shape.rounding import of_printed, of_single_precision
 from attitude.textfiles.lines import whole
@@ -69,7 +69,7 @@ def read(
     if kind not in _FORMATS.values():
         raise AttitudeError(
             f"{file.name}: a shape is read as obj, damit, stl or ply; name the file .obj, .txt, "
-            f".stl or .ply, or give format= (given {format!r})."
+            f".stl or .ply, or give format= (given {quoted(format)})."
         )
     if not file.is_file():
         raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
@@ -122,7 +122,8 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
             # x y z, with a weight or three colours after them in some dialects.
             if len(fields) not in (3, 4, 6, 7):
                 raise AttitudeError(
-                    f"{where}: a vertex has 3 coordinates, this has {len(fields)}: {line!r}; "
+                    f"{where}: a vertex has 3 coordinates, this has {len(fields)}: "
+                    f"{quoted(line, 120)}; "
                     "the file may be cut short."
                 )
             vertices.append(_numbers(fields[:3], where))
@@ -130,7 +131,8 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
             corners = [_corner(field, len(vertices), where) for field in fields]
             if len(corners) < 3:
                 raise AttitudeError(
-                    f"{where}: a facet has at least 3 vertices, this has {len(corners)}: {line!r}; "
+                    f"{where}: a facet has at least 3 vertices, this has {len(corners)}: "
+                    f"{quoted(line, 120)}; "
                     "the file may be cut short."
                 )
             for k in range(1, len(corners) - 1):
@@ -140,7 +142,7 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
             material = " ".join(fields) or SURFACE
         elif key not in _IGNORED:
             raise AttitudeError(
-                f"{where}: {key!r} is no statement of a polygon mesh; give v, f, usemtl and "
+                f"{where}: {quoted(key)} is no statement of a polygon mesh; give v, f, usemtl and "
                 "decorations (vt, vn, o, g, s, mtllib)."
             )
     if not facets:
@@ -183,7 +185,9 @@ def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
             f"{where}: must give the numbers of vertices and facets, holds {first[:60]!r}."
         ) from err
     if vertex_count < 1 or facet_count < 1:
-        raise AttitudeError(f"{where}: a shape needs vertices and facets, this counts {first!r}.")
+        raise AttitudeError(
+            f"{where}: a shape needs vertices and facets, this counts {quoted(first)}."
+        )
     expected = 1 + vertex_count + facet_count
     if len(statements) != expected:
         short = len(statements) < expected
@@ -235,9 +239,11 @@ def _numbers(fields: Sequence[str], where: str) -> list[float]:
     try:
         values = [float(field) for field in fields]
     except ValueError as err:
-        raise AttitudeError(f"{where}: {' '.join(fields)!r} are not numbers.") from err
+        raise AttitudeError(f"{where}: {quoted(' '.join(fields))} are not numbers.") from err
     if not np.all(np.isfinite(values)):
-        raise AttitudeError(f"{where}: {' '.join(fields)!r}; every coordinate must be finite.")
+        raise AttitudeError(
+            f"{where}: {quoted(' '.join(fields))}; every coordinate must be finite."
+        )
     return values
 
 
@@ -246,7 +252,7 @@ def _corner(field: str, count: int, where: str) -> int:
     try:
         index = int(field.split("/", 1)[0])
     except ValueError as err:
-        raise AttitudeError(f"{where}: {field!r} is no vertex number.") from err
+        raise AttitudeError(f"{where}: {quoted(field)} is no vertex number.") from err
     resolved = count + index if index < 0 else index - 1
     if not 0 <= resolved < count:
         raise AttitudeError(
@@ -263,7 +269,7 @@ def _metres(unit: str) -> float:
         return float(units.Unit(unit).to("m"))
     except (ValueError, TypeError, units.UnitConversionError):
         raise AttitudeError(
-            f'unit is {unit!r}; give a length that astropy knows, such as "m" or "km".'
+            f'unit is {quoted(unit)}; give a length that astropy knows, such as "m" or "km".'
         ) from None
 
 

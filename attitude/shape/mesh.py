@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.immutable import Immutable, frozen
 from attitude.shape import closure, convexity, integrals, mesh_input
 from attitude.shape.mesh_input import listed
@@ -270,7 +270,7 @@ class Mesh(Immutable):
             From 0 to 8.
         """
         if not (isinstance(times, (int, np.integer)) and 0 <= times <= 8):
-            raise AttitudeError(f"times is {times!r}; give a whole number from 0 to 8.")
+            raise AttitudeError(f"times is {quoted(times)}; give a whole number from 0 to 8.")
         if times == 0:
             return self
         edges = np.sort(self.facets[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)

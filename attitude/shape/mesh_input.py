@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.shape.closure import doubled_facets
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def materials_of(given: Any, count: int) -> tuple[str, ...]:
         names = (given,) * count if isinstance(given, str) else tuple(given)
     except TypeError as err:
         raise AttitudeError(
-            f"materials is {given!r}; give one name for all facets, or one for each."
+            f"materials is {quoted(given)}; give one name for all facets, or one for each."
         ) from err
     if len(names) != count or not all(isinstance(name, str) for name in names):
         raise AttitudeError(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import validation
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 from attitude.shape.mesh import SURFACE, Mesh
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def cylinder(
     length = validation.positive(height, "height", unit="m")
     along = _AXES[validation.one_of(axis, "axis", tuple(_AXES))]
     if not (isinstance(sides, (int, np.integer)) and 3 <= sides <= 100_000):
-        raise AttitudeError(f"sides is {sides!r}; give a whole number from 3 to 100000.")
+        raise AttitudeError(f"sides is {quoted(sides)}; give a whole number from 3 to 100000.")
     turn = 2.0 * np.pi / sides
     rim = r * np.sqrt(turn / np.sin(turn))
     k = np.arange(sides)

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
     from attitude.textfiles.lines import Lines
 
+# Longest keyword, characters: sentences repeat them.
+_LONGEST_KEYWORD = 60
 # value [unit]
 _UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
 
@@ -34,7 +36,9 @@ def first(lines: Lines) -> bytes | None:
     raise lines.fault("the file is empty.")
 
 
-def version(lines: Lines, line: bytes, kind: str, known: Sequence[str]) -> str:
+def version(
+    lines: Lines, line: bytes, kind: str, known: Sequence[str], family: str = "CCSDS"
+) -> str:
     """The version in the first line of a message.
 
     Parameters
@@ -46,17 +50,22 @@ def version(lines: Lines, line: bytes, kind: str, known: Sequence[str]) -> str:
         Kind of the message, such as "AEM".
     known : sequence of str
         Versions that are read.
+    family : str
+        "CCSDS", or "CIC" for the dialect of CNES.
 
     Raises
     ------
     AttitudeError
-        If the line is not ``CCSDS_<kind>_VERS = version``, or the version is not known.
+        If the line is not ``<family>_<kind>_VERS = version``, or the version is not known.
     """
     keyword, value = pair(lines, line)
-    if keyword != f"CCSDS_{kind}_VERS" or value not in known:
+    wanted = f"{family}_{kind}_VERS"
+    if keyword != wanted or value not in known:
+        other = keyword == f"CIC_{kind}_VERS" and family != "CIC"
         raise lines.fault(
-            f"it begins with {shown(lines.text(line))}; an {kind} begins with CCSDS_{kind}_VERS = "
-            f"{' or '.join(known)}."
+            f"it begins with {shown(lines.text(line))}; an {kind} begins with {wanted} = "
+            f"{' or '.join(known)}"
+            + ("; attitude.formats.cic reads the dialect of CNES." if other else ".")
         )
     return value
 
@@ -74,7 +83,7 @@ def pair(lines: Lines, line: bytes) -> tuple[str, str]:
     if comment is not None:
         return "COMMENT", comment
     keyword, equals, value = text.partition("=")
-    if not equals or not keyword.strip():
+    if not equals or not 0 < len(keyword.strip()) <= _LONGEST_KEYWORD:
         raise lines.fault(f'{shown(text)} is no "KEYWORD = value".')
     return keyword.strip().upper(), value.strip()
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import numpy as np
 
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, quoted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -104,7 +104,7 @@ def of_text(text: str, name: str) -> Lines:
     return Lines(io.BytesIO("\n".join(text.splitlines()).encode("utf-8", "surrogatepass")), name)
 
 
-def whole(path: str | os.PathLike[str], advice: str) -> str:
+def whole(path: str | os.PathLike[str], advice: str, encoding: str = "UTF-8") -> str:
     """The text of a file, its lines ended by line feeds.
 
     Parameters
@@ -112,22 +112,29 @@ def whole(path: str | os.PathLike[str], advice: str) -> str:
     path : str or path
     advice : str
         End of the error message: what the user should give instead.
+    encoding : str
+        As Python names it; a byte order mark of UTF-8 is left out.
 
     Raises
     ------
     AttitudeError
-        If the file cannot be read or is not UTF-8.
+        If the file cannot be read or is not text in this encoding, or there is no such encoding.
     """
     try:
         with open(path, "rb") as file:
-            text = file.read().decode("utf-8-sig")
+            text = file.read().decode("utf-8-sig" if encoding == "UTF-8" else encoding)
     except OSError as err:
         raise AttitudeError(
             f"{os.fspath(path)}: cannot be read ({err.strerror or err}); {advice}."
         ) from err
-    except UnicodeDecodeError as err:
+    except UnicodeError as err:
         raise AttitudeError(
-            f"{os.fspath(path)}: is not text in UTF-8 (byte {err.start}); {advice}."
+            f"{os.fspath(path)}: is not text in {encoding} (byte {getattr(err, 'start', 0)}); "
+            f"{advice}."
+        ) from err
+    except (LookupError, TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"encoding is {cut(encoding)}, which Python does not know; give one such as 'latin-1'."
         ) from err
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
@@ -201,8 +208,7 @@ def cut(value: object, mark: str | None = None) -> str:
     >>> cut("SC_BODY_1"), cut("x" * 50, "")
     ("'SC_BODY_1'", 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...')
     """
-    text = repr(value) if mark is None else f"{mark}{value}{mark}"
-    return text if len(text) <= _QUOTED else text[: _QUOTED - 3] + "..."
+    return quoted(value, _QUOTED, mark)
 
 
 class NoNumber(Exception):

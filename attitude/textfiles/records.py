@@ -5,9 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from typing import Any
 
 from attitude.errors import AttitudeError
+
+_GUARD = re.compile(r"^'(?=[=+@-])")
 
 
 def of_json(text: str, name: str) -> Any:
@@ -50,6 +53,7 @@ def of_csv(text: str, name: str) -> list[dict[str, Any]]:
 def of_separated(text: str, name: str) -> list[tuple[int, list[str]]]:
     """The rows of a table in text, each with the number of its line; remarks (#) are left out.
 
+    An apostrophe before =, +, - or @, which keeps spreadsheets from running the entry, is left out.
     Entries are separated by the character out of comma, semicolon, tab and bar that the first row
     has most often, or by blanks if it has none.  `name` is the name of the file in error messages.
 
@@ -74,5 +78,5 @@ def of_separated(text: str, name: str) -> list[tuple[int, list[str]]]:
             entries = next(csv.reader([line], delimiter=mark))
         except (csv.Error, StopIteration) as err:
             raise AttitudeError(f"{name}, line {number}: it is not valid CSV ({err}).") from err
-        found.append((number, [each.strip() for each in entries]))
+        found.append((number, [_GUARD.sub("", each.strip()) for each in entries]))
     return found

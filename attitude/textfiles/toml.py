@@ -9,7 +9,7 @@ import tomllib
 from typing import TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
-from attitude.textfiles.lines import whole
+from attitude.textfiles.lines import cut, whole
 
 if TYPE_CHECKING:
     import os
@@ -41,6 +41,11 @@ def parsed(text: str, origin: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
         raise AttitudeError(_syntax_error(str(err), text, origin)) from err
+    except (ValueError, RecursionError) as err:
+        raise AttitudeError(
+            f"{origin}: is TOML that cannot be read: a number has more digits than Python reads, "
+            "or lists are nested too deeply; write numbers as 1.5e9."
+        ) from err
 
 
 def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -> None:
@@ -52,7 +57,7 @@ def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -
         if key not in known:
             near = difflib.get_close_matches(key.lower(), known, n=1)
             raise AttitudeError(
-                f"{where} has a key {key!r} that is not known; "
+                f"{where} has a key {cut(key)} that is not known; "
                 + (
                     f"did you mean {near[0]!r}?"
                     if near
@@ -83,14 +88,14 @@ def text_of(content: Mapping[str, Any], key: str) -> str | None:
     """The text of a key, or None without the key; AttitudeError if the value is not text."""
     value = content.get(key)
     if value is not None and not isinstance(value, str):
-        raise AttitudeError(f"{key} is {value!r}; give text in quotes.")
+        raise AttitudeError(f"{key} is {cut(value)}; give text in quotes.")
     return value
 
 
 def quoted(value: object, key: str) -> str:
     """A text in quotes, as the value of a key; AttitudeError if the value is not text."""
     if not isinstance(value, str):
-        raise AttitudeError(f"{key} is {value!r}; give text.")
+        raise AttitudeError(f"{key} is {cut(value)}; give text.")
     # JSON escapes as TOML does, except for the delete character.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 

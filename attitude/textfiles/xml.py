@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any
 from xml.parsers import expat
 
 from attitude.errors import AttitudeError
-from attitude.textfiles.lines import unreadable
+from attitude.textfiles.lines import cut, unreadable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 _PIECE = 1 << 20
 _DEEPEST = 32
+# Longest tag, characters: sentences repeat them.
+_LONGEST_TAG = 100
 _LONGEST = 20_000
 
 
@@ -107,8 +109,9 @@ class ElementReader:
         found = attributes.get("version")
         if tag != kind or found is None or found not in known:
             raise self.fault(
-                f"its outermost element is <{tag[:40]}> of version {found!r}; an {kind.upper()} is "
-                f'<{kind} id="CCSDS_{kind.upper()}_VERS" version="{" or ".join(known)}">.'
+                f"its outermost element is <{tag[:40]}> of version {cut(found)}; an "
+                f'{kind.upper()} is <{kind} id="CCSDS_{kind.upper()}_VERS" '
+                f'version="{" or ".join(known)}">.'
             )
         if self.message is not None:
             raise self.fault("it holds several messages; write each into a file of its own.")
@@ -145,7 +148,7 @@ class ElementReader:
         except (LookupError, ValueError) as err:
             if isinstance(err, AttitudeError):
                 raise
-            raise self.fault(f"its encoding cannot be read ({err}); give UTF-8.") from err
+            raise self.fault(f"its encoding cannot be read ({cut(err, '')}); give UTF-8.") from err
 
     def take(self, piece: Any, last: bool = False) -> None:
         """Process the next piece of the file, bytes or str; the last one is empty."""
@@ -160,6 +163,8 @@ class ElementReader:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise self.fault(f"its elements are nested deeper than {_DEEPEST}.")
+        if len(tag) > _LONGEST_TAG:
+            raise self.fault(f"the tag {cut(tag)} is longer than {_LONGEST_TAG} characters.")
         self._text, self._length = [], 0
         self.begin(tag.rpartition(":")[2], attributes)
 

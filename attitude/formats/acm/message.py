@@ -119,7 +119,7 @@ class Comprehensive:
         frames = list(dict.fromkeys(each.meta["body_frame"].upper() for each in self.tables))
         if len(frames) > 1:
             raise AttitudeError(
-                f"the blocks of attitudes are those of {', '.join(frames)[:200]}; choose one of "
+                f"the blocks of attitudes are those of {', '.join(frames)[:120]}; choose one of "
                 "`tables` (in files of any format: segment=, on the command line --segment)."
             )
         return AttitudeTable.joined(self.tables)

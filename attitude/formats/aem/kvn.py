@@ -1,4 +1,4 @@
-"""Attitude Ephemeris Messages in KEYWORD = value notation: CCSDS 504.0-B-1 and 504.0-B-2."""
+"""Attitude Ephemeris Messages in KEYWORD = value notation: CCSDS 504.0-B-1, 504.0-B-2 and CIC."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from attitude.formats.aem.message import Message, MessageSegment
 from attitude.formats.ccsds import attitude_types
 from attitude.formats.ccsds.attitude_types import HEADER, VERSIONS
 from attitude.textfiles import kvn
-from attitude.textfiles.lines import NoNumber, numbers
+from attitude.textfiles.lines import NoNumber, cut, numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -28,14 +28,19 @@ def read(lines: Lines, first: bytes, options: Options) -> AttitudeTable:
 
     `first` is the first line that is not empty, which has been taken from `lines`.
     """
-    message = Message(lines.path, kvn.version(lines, first, "AEM", VERSIONS), options)
+    family = "CIC" if options.cic else "CCSDS"
+    version = kvn.version(lines, first, "AEM", VERSIONS, family)
+    if options.cic:  # both versions of CIC have the keywords of version 1.0
+        message = Message(lines.path, "1.0", options, title=f"CIC AEM {version}")
+    else:
+        message = Message(lines.path, version, options)
     _read_header(lines, message)
-    while True:
+    another = True
+    while another:
         segment = MessageSegment(message, lines.fault)
         _read_meta(lines, segment)
-        _read_data(lines, segment)
-        if not _another_segment(lines):
-            return message.table()
+        another = _read_data(lines, segment)
+    return message.table()
 
 
 def _read_header(lines, message):
@@ -72,27 +77,39 @@ def _read_meta(lines, segment):
     raise lines.fault("the file ends before META_STOP; is it cut off?")
 
 
-def _read_data(lines, segment):
-    options, first = segment.message.options, []
+def _begin_data(lines, segment):
+    """Read up to the first record; the lines that were read and belong to the records."""
+    options = segment.message.options
+    if options.cic:
+        return []
     for line in lines:
         if line.strip() == b"DATA_START":
-            break
-        if options.lenient and line.strip()[:1].isdigit():
+            return []
+        comment = kvn.comment_of(lines.text(line)) if options.lenient else None
+        if comment is not None:
+            segment.data_comments.append(comment)
+        elif options.lenient and line.strip()[:1].isdigit():
             segment.assume("DATA_START is missing: the data begin with the first epoch")
-            first = [line]
-            break
-        if line.strip():
+            return [line]
+        elif line.strip():
             raise lines.fault(f"{kvn.shown(lines.text(line))} stands where DATA_START must be.")
-    batch, width = _Batch(segment), segment.rows.width
+    return []
+
+
+def _read_data(lines, segment):
+    """Read the records of a segment; True if the meta data of another one follow."""
+    options, first = segment.message.options, _begin_data(lines, segment)
+    batch, width, lead = _Batch(segment), segment.rows.width, 2 if options.cic else 1
+    mms = lenient.MMS if options.lenient and not options.cic else None
     of_mms = False
     for line in chain(first, lines):
         tokens = line.split()
-        if options.lenient and len(tokens) == lenient.MMS and tokens[0] != b"COMMENT":
+        if len(tokens) == mms and tokens[0] != b"COMMENT":
             if not of_mms and not batch.numbers and not segment.rows.count:
                 segment.take_columns_of_mms()
                 batch, width, of_mms = _Batch(segment), segment.rows.width, True
             tokens = lenient.of_mms(tokens) if of_mms else tokens
-        if len(tokens) == width + 1:
+        if len(tokens) == width + lead:
             if tokens[0] == b"COMMENT":
                 segment.data_comments.append(kvn.comment_of(lines.text(line)))
                 continue
@@ -104,20 +121,31 @@ def _read_data(lines, segment):
         elif tokens == [b"DATA_STOP"]:
             batch.take()
             segment.finish(lines.number)
-            return
+            return _another_segment(lines)
+        elif tokens == [b"META_START"] and (options.lenient or options.cic):
+            return _end_data(segment, batch, lines.number, True)
         elif tokens:
             comment = kvn.comment_of(lines.text(line))
             if comment is None:
+                epoch = "a day and its seconds" if options.cic else "an epoch"
                 raise lines.fault(
-                    f"it has {len(tokens)} entries; {segment.values['ATTITUDE_TYPE']} has an epoch "
-                    f"and {width} numbers: {', '.join(attitude_types.COLUMNS[segment.kind])}."
+                    f"it has {len(tokens)} entries; {cut(segment.values['ATTITUDE_TYPE'], '')} has "
+                    f"{epoch} and {width} numbers: "
+                    f"{', '.join(attitude_types.COLUMNS[segment.kind])}."
                 )
             segment.data_comments.append(comment)
-    if not options.lenient:
+    if not (options.lenient or options.cic):
         raise lines.fault("the file ends before DATA_STOP; is it cut off?")
-    segment.assume("DATA_STOP is missing: the data end with the file")
+    return _end_data(segment, batch, lines.number, False)
+
+
+def _end_data(segment, batch, line, another):
+    """Finish a segment without DATA_STOP; `another` itself."""
+    if not segment.message.options.cic:
+        segment.assume("DATA_STOP is missing: the data end with the next segment or the file")
     batch.take()
-    segment.finish(lines.number)
+    segment.finish(line)
+    return another
 
 
 class _Batch:
@@ -129,16 +157,18 @@ class _Batch:
 
     def take(self):
         segment, names = self._segment, attitude_types.COLUMNS[self._segment.kind]
-        step = len(names) + 1
+        lead = 2 if segment.message.options.cic else 1
+        step = len(names) + lead
         if not self.numbers:
             return
         try:
-            values = numbers(self.tokens, step, range(1, step))
+            values = numbers(self.tokens, step, range(lead, step))
         except NoNumber as err:
             raise segment.fault(
                 f"{names[err.column]} is {err.shown}, which is no number.", self.numbers[err.line]
             ) from err
-        segment.rows.add(self.tokens[::step], values, self.numbers, segment.fault)
+        of_day = self.tokens[1::step] if lead == 2 else None
+        segment.rows.add(self.tokens[::step], values, self.numbers, segment.fault, of_day)
 
 
 def _another_segment(lines):
@@ -172,8 +202,13 @@ def write_message(
         file.writelines(f"{key} = {value}\n" for key, value in segment.keywords.items())
         file.write("META_STOP\n\nDATA_START\n")
         file.writelines(f"COMMENT {text}\n" for text in segment.data_comments)
-        for epochs, columns in segment.rows():
-            row = "%s" + " %r" * columns.shape[1] + "\n"
-            lists = [epochs, *columns.T.tolist()]
-            file.write("".join([row % each for each in zip(*lists, strict=True)]))
+        write_rows(file, segment)
         file.write("DATA_STOP\n")
+
+
+def write_rows(file: IO[str], segment: WrittenSegment) -> None:
+    """Write the records of a segment, a line each, to an open file."""
+    for epochs, columns in segment.rows():
+        row = "%s" + " %r" * columns.shape[1] + "\n"
+        lists = [epochs, *columns.T.tolist()]
+        file.write("".join([row % each for each in zip(*lists, strict=True)]))

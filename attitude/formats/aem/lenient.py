@@ -35,6 +35,8 @@ def fill(segment: MessageSegment) -> None:
     """
     version, values = segment.message.version, segment.values
     missing = {**_MISSING, **(_MISSING_1 if version == "1.0" else {})}
+    if segment.message.options.cic:  # whose scalar stands first by default
+        missing.pop("QUATERNION_TYPE")
     kind = values.get("ATTITUDE_TYPE", "")
     if kind.upper().endswith(("/RATE", "/ANGVEL")):
         missing[_RATES[version]] = values.get("REF_FRAME_B", "")
@@ -46,7 +48,7 @@ def fill(segment: MessageSegment) -> None:
             segment.lines[keyword] = 1
             segment.assume(f"{keyword} is missing: {cut(value, '')}")
     for keyword in ("START_TIME", "STOP_TIME"):
-        if not values.get(keyword):
+        if not values.get(keyword) and not segment.message.options.cic:
             segment.assume(f"{keyword} is missing: that of the records")
 
 

@@ -13,6 +13,7 @@ from attitude import quaternion
 from attitude.attitude_table import interpolation
 from attitude.attitude_table.table import AttitudeTable
 from attitude.axes import axes
+from attitude.epochs import Instant
 from attitude.errors import AttitudeError
 from attitude.formats.aem import lenient, one_object
 from attitude.formats.ccsds import attitude_types, old_rates
@@ -22,7 +23,6 @@ from attitude.textfiles.lines import cut
 
 if TYPE_CHECKING:
     from attitude.axes.axes import Axes
-    from attitude.epochs import Instant
     from attitude.formats.ccsds.attitude_types import Convention
     from attitude.paths.path import Path
     from attitude.textfiles.lines import Fault
@@ -68,6 +68,8 @@ class Options:
         The place of the one segment that is read, counted from 0.
     lenient : bool
         Whether missing parts of a message in KVN are assumed.
+    cic : bool
+        Whether the file is in the dialect of CNES; see `formats.cic`.
     """
 
     tolerance: float = TOLERANCE
@@ -77,6 +79,7 @@ class Options:
     object: str | None = None
     segment: int | None = None
     lenient: bool = False
+    cic: bool = False
 
     def __post_init__(self) -> None:
         known_tolerance(self.tolerance)
@@ -100,6 +103,8 @@ class Message:
         Whether a warning of the rates of version 1 was given.
     assumed : list of str
         What a lenient reading has assumed.
+    title : str
+        Format and version in `AttitudeTable.meta`, by default those of an AEM.
     """
 
     path: str
@@ -110,6 +115,7 @@ class Message:
     tables: list[AttitudeTable] = field(default_factory=list)
     warned: bool = False
     assumed: list[str] = field(default_factory=list)
+    title: str = ""
 
     def table(self) -> AttitudeTable:
         """The segments of one object as one AttitudeTable; see `one_object.chosen`."""
@@ -203,7 +209,8 @@ class MessageSegment:
         if self.message.options.lenient:
             lenient.fill(self)
         for keyword in _NEEDED:
-            known = self.message.options.lenient and keyword in ("START_TIME", "STOP_TIME")
+            loose = self.message.options.lenient or self.message.options.cic
+            known = loose and keyword in ("START_TIME", "STOP_TIME")
             if not values.get(keyword) and not known:
                 raise self.fault(
                     f"the meta data end without {keyword}, which they must have.", line
@@ -252,7 +259,7 @@ class MessageSegment:
         self.rows.refuse_outside(*self._limits, self.fault)
         values, options = self.values, self.message.options
         meta: dict[str, Any] = {
-            "format": f"AEM {self.message.version}",
+            "format": self.message.title or f"AEM {self.message.version}",
             "header": dict(self.message.header),
             "comments": tuple(self.message.comments),
             "keywords": dict(values),
@@ -309,6 +316,8 @@ class MessageSegment:
         if self.message.version != "1.0":
             return False
         needed = self.kind.startswith("QUATERNION")
+        if self.message.options.cic and "QUATERNION_TYPE" not in self.values:
+            return needed
         return self._one_of("QUATERNION_TYPE", {"FIRST": True, "LAST": False}, needed=needed)
 
     def _rates_over_body(self, body_is_a):
@@ -371,7 +380,11 @@ class MessageSegment:
         value = self.values.get(keyword)
         if value is None:
             return None
+        days = value.encode("ascii", "replace").split() if self.message.options.cic else []
         try:
+            if len(days) == 2:
+                hi, lo = ccsds_epochs.parsed_days(days[:1], days[1:], self.scale)
+                return Instant(float(hi[0]), float(lo[0]))
             return ccsds_epochs.instant(value, self.scale)
         except ccsds_epochs.BadEpoch as err:
             raise self.fault(
@@ -382,6 +395,8 @@ class MessageSegment:
         method, degree = (self.values.get(f"INTERPOLATION_{k}") for k in ("METHOD", "DEGREE"))
         try:
             degree = None if degree is None else int(degree)
+            if method is None and self.message.options.cic:
+                method, degree = "slerp", 1  # as VTS interpolates
             interpolation.settled(method, degree, 2, True)
         except (ValueError, AttitudeError) as err:
             keyword = "INTERPOLATION_" + ("DEGREE" if isinstance(degree, str) else "METHOD")

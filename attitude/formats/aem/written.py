@@ -37,7 +37,8 @@ class WrittenSegment:
     ----------
     part : Records
     settings : mapping
-        Arguments of `aem.write`, by name; `names` are object_name, object_id, center, body_frame.
+        Arguments of `aem.write`, by name; `names` are object_name, object_id, center, body_frame;
+        `epochs`, if given, the function that writes epochs, as `ccsds.epochs.texts`.
 
     Attributes
     ----------
@@ -104,7 +105,9 @@ class WrittenSegment:
             yield epochs, columns
 
     def _texts(self, epoch, seconds, low):
-        return ccsds_epochs.texts(epoch, seconds, low, self._scale, self._settings["digits"])
+        written = self._settings.get("epochs", ccsds_epochs.texts)
+        found: list[str] = written(epoch, seconds, low, self._scale, self._settings["digits"])
+        return found
 
     def _keywords(self, version):
         part, settings, meta = self._part, self._settings, self._part.meta

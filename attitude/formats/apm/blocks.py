@@ -11,6 +11,7 @@ from attitude.formats.apm.keywords import BLOCKS, OLD, REPEATED, XML_BLOCKS
 from attitude.formats.apm.message import Block, Collected
 from attitude.formats.ccsds.attitude_types import VERSIONS
 from attitude.textfiles import kvn
+from attitude.textfiles.lines import cut
 from attitude.textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 
 if TYPE_CHECKING:
@@ -61,7 +62,8 @@ def _marked(message, mark, current, line):
     name, _, end = mark.rpartition("_")
     if name not in BLOCKS:
         raise message.fault(
-            f"{mark} is not known; blocks are {', '.join(BLOCKS)}, each with _START and _STOP.",
+            f"{cut(mark, '')} is not known; blocks are {', '.join(BLOCKS)}, each with _START and "
+            "_STOP.",
             line,
         )
     if end == "START":

@@ -154,7 +154,8 @@ def one_of(
     if value is None or value.upper() not in choices:
         given = "is not given" if value is None else f"is {cut(value)}"
         raise message.fault(
-            f"{keyword} of the block {block.name} {given}; it must be one of {', '.join(choices)}.",
+            f"{keyword} of the block {block.name} {given}; it must be one of "
+            f"{', '.join(cut(each, '') for each in choices)}.",
             block.lines.get(keyword, block.line),
         )
     return choices[value.upper()]

@@ -8,6 +8,7 @@ Arrays of characters become digits in one step: a million epochs a second.
 from __future__ import annotations
 
 import datetime
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from attitude import epochs, pairs
 from attitude.epochs import readers, time_scales
 from attitude.errors import AttitudeError
-from attitude.textfiles.lines import cut
+from attitude.textfiles.lines import cut, is_number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +36,9 @@ WRITTEN: tuple[str, ...] = ("UTC", "TAI", "TT", "TDB", "GPS")
 DIGITS: int = 12
 _LONGEST = 48
 _MOST_DECIMALS = 18
+# A modified Julian date in text, and that of the last day of the year 9999.
+_DAY = re.compile(rb"\d{1,7}(\.0*)?")
+_LAST_DAY = 2973483.0
 _0, _9 = ord("0"), ord("9")
 _CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
 _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
@@ -122,6 +126,48 @@ def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]
     return np.asarray(hi), np.asarray(lo)
 
 
+def parsed_days(
+    days: Sequence[bytes], seconds: Sequence[bytes], scale: str
+) -> tuple[FloatArray, FloatArray]:
+    """TDB seconds since J2000, hi + lo, of N epochs as days and seconds of the day.
+
+    Parameters
+    ----------
+    days : sequence of bytes
+        Modified Julian dates, whole numbers.
+    seconds : sequence of bytes
+        Seconds since midnight, 0 to the length of the day.
+    scale : str
+        Time scale in lower case.
+
+    Raises
+    ------
+    BadEpoch
+        With the index of the first epoch that cannot be read.
+    """
+    for k, (day, second) in enumerate(zip(days, seconds, strict=True)):
+        if _DAY.fullmatch(day) is None or not is_number(second):
+            raise BadEpoch(k, "write a modified Julian date and seconds, like 61041 43200.0")
+    date, given = (np.array(list(map(float, each))) for each in (days, seconds))
+    length = time_scales.DAY + (time_scales.leap_of_day(date) if scale == "utc" else 0.0)
+    outside = ~((given >= 0.0) & (given <= length)) | (date > _LAST_DAY)
+    if np.any(outside):
+        reason = "its seconds are not those of a day, or its year is after 9999"
+        raise BadEpoch(int(np.argmax(outside)), reason)
+    whole = np.floor(given)
+    part = given - whole
+    # Of plain decimals the fraction is a double of its own: of 86400 s one double has 1e-11.
+    parts = [each.partition(b".") for each in seconds]
+    plain = np.array([first.isdigit() and (not rest or rest.isdigit()) for first, _, rest in parts])
+    whole[plain] = [float(first) for k, (first, _, _) in enumerate(parts) if plain[k]]
+    part[plain] = [float(b"0." + rest) for k, (_, _, rest) in enumerate(parts) if plain[k]]
+    try:
+        hi, lo = readers.tdb_of_day(scale, date, whole, part, "an epoch")
+    except AttitudeError as err:
+        raise BadEpoch(0, str(err)) from err
+    return np.asarray(hi), np.asarray(lo)
+
+
 class BadEpoch(Exception):
     """An epoch that cannot be read.
 
@@ -189,6 +235,24 @@ def texts(
     chars = np.stack(np.broadcast_arrays(*columns), axis=-1).astype(np.uint8)
     flat = np.ascontiguousarray(chars).view(f"S{chars.shape[-1]}")[..., 0]
     return flat.astype(f"U{chars.shape[-1]}").tolist()
+
+
+def days_and_seconds(
+    epoch: epochs.Instant,
+    seconds: FloatArray,
+    low: FloatArray | None,
+    scale: str,
+    digits: int = DIGITS,
+) -> list[str]:
+    """Modified Julian date and seconds of the day of N epochs; parameters as of `texts`."""
+    hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    day, whole, ticks = _civil(hi, lo, scale, digits)
+    point = "." if digits else ""
+    rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)
+    return [
+        f"{date} {second}{point}{str(part).zfill(digits) if digits else ''}"
+        for date, second, part in rows
+    ]
 
 
 def _fields(chars, calendar):

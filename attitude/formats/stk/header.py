@@ -103,7 +103,12 @@ class Header:
                 return axes.named(self.section.axes)
             if frame is not None:
                 return axes.named(frame)
-            return self._axes(self.keywords.get("CoordinateAxes", ""))
+            if "CoordinateAxes" not in self.keywords:
+                raise AttitudeError(
+                    "the file has no CoordinateAxes, which names the axes that the attitudes are "
+                    "relative to; add it to the file, or give frame=, such as frame='ICRF'."
+                )
+            return self._axes(self.keywords["CoordinateAxes"])
         except AttitudeError as err:
             raise self.fault("CoordinateAxes", str(err)) from err
 
@@ -152,8 +157,8 @@ class Header:
             name = _KEYWORD_BY_LOWER.get(keyword.lower())
             if name is None:
                 raise lines.fault(
-                    f"{keyword[:40]!r} is not known; known are {', '.join(_KEYWORDS)} and the "
-                    f"sections {', '.join(SECTIONS)}."
+                    f"{keyword[:40]!r} is not known; known are {', '.join(_KEYWORDS)} and "
+                    "sections such as AttitudeTimeQuaternions."
                 )
             if name in self.keywords:
                 raise lines.fault(f"{name} is given twice.")

@@ -1,0 +1,165 @@
+"""Attitude files of CIC, the dialect of CNES in which VTS and many simulators write AEMs.
+
+A file begins with ``CIC_AEM_VERS = 1.0`` or 2.0 and has the keywords of AEM 1.0.  It differs from
+an AEM: the epoch of a record is two columns, the modified Julian date and the seconds of the day,
+in the scale of TIME_SYSTEM; records follow META_STOP without DATA_START and DATA_STOP; START_TIME
+and STOP_TIME may be missing; the scalar of a quaternion stands first unless QUATERNION_TYPE is
+LAST; and VTS interpolates on the great circle between two records.  The direction is that of AEM:
+under A2B the numbers of a quaternion are those of the rotation that takes the axes of A to those of
+B, as Orekit and PATRIUS print them, and as `AttitudeHistory.wxyz` from B to A.
+
+>>> from attitude import Body, FreeRotation, Spin
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
+>>> motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+>>> import os, tempfile
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = os.path.join(folder, "satellite.cic")
+...     write(path, motion, t=[0.0, 10.0, 20.0])
+...     table = read(path)
+>>> table.wxyz.shape, table.method, table.epoch.utc_iso
+((3, 4), 'slerp', '2026-01-01T00:00:00')
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from attitude.formats import sampling, sources
+from attitude.formats.aem import kvn as aem_kvn
+from attitude.formats.aem.message import Options
+from attitude.formats.aem.written import WrittenSegment
+from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude.formats.rows import TOLERANCE
+from attitude.textfiles import kvn
+from attitude.textfiles.atomic_write import written_whole
+from attitude.textfiles.lines import opened
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.attitude_table.table import AttitudeTable
+    from attitude.formats.sampling import SampledFile
+    from attitude.formats.sources import AttitudeSource
+    from attitude.paths.path import Path
+
+# Keywords of an AEM that written files leave out, as those of VTS and its tools do.
+_LEFT_OUT = (
+    *("START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),
+    *("INTERPOLATION_METHOD", "INTERPOLATION_DEGREE"),
+)
+
+
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+    rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
+    lenient: bool = False,
+) -> AttitudeTable:
+    """A CIC attitude file as an AttitudeTable relative to ICRF.
+
+    Parameters
+    ----------
+    path, tolerance, frame, orbit, rates, object, segment
+        As of `aem.read`.
+    lenient : bool
+        Leave out keywords that are not known, and assume those that are missing.
+
+    Raises
+    ------
+    AttitudeError
+        As `aem.read`.
+    """
+    options = Options(tolerance, frame, orbit, rates, object, segment, lenient, cic=True)
+    with opened(path) as lines:
+        return aem_kvn.read(lines, kvn.first(lines) or b"<", options)
+
+
+def write(
+    path: FilePath,
+    source: AttitudeSource,
+    *,
+    t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
+    frame: str = "EME2000",
+    time_system: str = "UTC",
+    object_name: str | None = None,
+    object_id: str | None = None,
+    body_frame: str | None = None,
+    originator: str = "ATTITUDE",
+    comments: Sequence[str] | None = None,
+    creation_date: str | None = None,
+    digits: int = ccsds_epochs.DIGITS,
+    orbit: Path | None = None,
+) -> SampledFile | None:
+    """Write attitudes as a CIC file: quaternions from `frame` to the body, scalar first.
+
+    Parameters
+    ----------
+    path, source, t, start, stop, tolerance
+        As of `aem.write`; one segment.
+    frame : str
+        The external axes: VTS knows EME2000, which is the default, not that of a table read.
+    time_system, object_name, object_id, body_frame, originator, comments, creation_date, digits
+        As of `aem.write`.
+    orbit : Path, optional
+        Path of the body about its center, for axes of an orbit.
+
+    Returns
+    -------
+    SampledFile or None
+        As `aem.write`.
+
+    Raises
+    ------
+    AttitudeError
+        For several segments, and as `aem.write`.
+    """
+    meta, _ = sources.known_of(source, t)
+    settings: dict[str, Any] = {
+        **{"version": "1.0", "kind": "QUATERNION", "scalar_first": True, "rates": None},
+        **{"rates_over": "body", "sequence": "ZYX", "method": "slerp", "degree": 1, "for_": None},
+        "frame": frame or "EME2000",
+        "time_system": time_system or "UTC",
+        "digits": digits,
+        "orbit": orbit,
+        "names": (object_name, object_id, None, body_frame),
+        "epochs": ccsds_epochs.days_and_seconds,
+    }
+    header = {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator}
+    comments = list(meta.get("comments", ()) if comments is None else comments)
+    for text in (*header.values(), *comments):
+        kvn.refuse_line_breaks(text)
+
+    def write_records(target: FilePath, parts: Sequence[Any]) -> None:
+        segment = WrittenSegment(parts[0], settings)
+        lines = ["CIC_AEM_VERS = 1.0", *(f"COMMENT {text}" for text in comments)]
+        lines += [f"{key} = {value}" for key, value in header.items()]
+        keywords = [key for key in segment.keywords if key not in _LEFT_OUT]
+        lines += ["", "META_START", *(f"COMMENT {text}" for text in segment.comments)]
+        lines += ["", *(f"{key} = {segment.keywords[key]}" for key in keywords)]
+        with written_whole(target, "the CIC file") as file:
+            file.write("\n".join([*lines, "", "META_STOP", "", ""]))
+            aem_kvn.write_rows(file, segment)
+
+    if tolerance is None:
+        sources.refuse_span(start, stop)
+        write_records(path, [sources.only_segment(source, t, "a CIC file")])
+        return None
+    sources.refuse_epochs(t)
+    return sampling.write(
+        *(path, sources.one_motion(source), start, stop, tolerance),
+        method="slerp",
+        degree=1,
+        name="a CIC file",
+        write_records=write_records,
+        read=lambda target: read(target, orbit=orbit),
+        one_segment=True,
+    )
