@@ -7,3 +7,7 @@ class AttitudeError(ValueError):
 
 class AttitudeWarning(UserWarning):
     """A result that is computed as requested but less certain than it looks; one sentence."""
+
+
+class CovarianceWarning(AttitudeWarning):
+    """Errors so large that a covariance does not describe them; once for each motion."""

@@ -1,10 +1,13 @@
 """Covariances of attitudes: against the sensitivity, against samples, and bad input."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, AttitudeTable, Body, FreeRotation, Spin
 from attitude import representations as forms
+from attitude.errors import AttitudeWarning, CovarianceWarning
 from attitude.quaternion import conjugate, multiply
 
 BODIES = {
@@ -258,3 +261,50 @@ def test_without_a_covariance():
     again = FreeRotation(motion.body, motion.spin.with_covariance({"attitude": 0.1}))
     assert np.allclose(again.at(0.0).sigma, 0.1)
     assert again.spin.with_covariance(None).covariance is None
+
+
+def large(errors, omega=(0.3, 1.0, 0.2)):
+    """A motion of a body with errors."""
+    return FreeRotation(Body(moments=(1, 2, 3)), spin_of(omega, errors))
+
+
+def test_a_covariance_without_meaning_warns_once():
+    motion = large({"attitude": "61 deg"})
+    with pytest.warns(CovarianceWarning, match="reaches 61 deg: covariances do not describe"):
+        _ = motion.at(0.0).sigma
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _ = motion.at([0.0, 1.0]).covariance  # said before
+        _ = large({"attitude": "59 deg"}).at(0.0).covariance  # linear at the epoch
+        grown = large({"angular_velocity": 1e-3})
+        _ = grown.at(10.0).sigma
+        assert 100.0 < grown.predictable_time(tolerance=1.5) < 1e5  # looks beyond, and says nothing
+    with pytest.warns(CovarianceWarning):
+        grown.covariance_at([10.0, 1e5], rates=False)
+    assert issubclass(CovarianceWarning, AttitudeWarning)
+
+
+def test_covariances_warn_of_nonlinearity():
+    """Below 60 deg: about the middle axis errors of 29 deg are linear at first, then not."""
+    errors, omega = {"angular_velocity": 0.02}, (0.02, 1.0, 0.02)
+    motion = large(errors, omega)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        before = motion.at(5.8)
+        assert 25.0 < np.max(before.sigma_deg) < 35.0 and before.nonlinearity < 0.1
+    with pytest.warns(CovarianceWarning, match="nonlinearity of the errors of the attitude reach"):
+        _ = motion.at(13.1).nonlinearity
+    motion = large(errors, omega)
+    with pytest.warns(CovarianceWarning, match="nonlinearity of the errors of the attitude reach"):
+        later = motion.at([13.1, 13.2]).sigma_deg
+    assert np.max(later) < 50.0
+
+
+def test_warnings_pass_over_nan_epochs():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        motion = large({"attitude": "20 deg"})
+        assert np.all(np.isnan(motion.at([np.nan]).sigma))
+        _ = motion.at([np.nan, 0.0]).sigma
+    with pytest.warns(CovarianceWarning):
+        _ = large({"attitude": "70 deg"}).at([np.nan, 0.0]).sigma
