@@ -9,6 +9,10 @@ class AttitudeWarning(UserWarning):
     """A result that is computed as requested but less certain than it looks; one sentence."""
 
 
+class CovarianceWarning(AttitudeWarning):
+    """Errors so large that a covariance does not describe them; once for each motion."""
+
+
 def quoted(value: object, most: int = 60, mark: str | None = None) -> str:
     """A value as a sentence quotes it: on one line, at most `most` characters.
 

@@ -31,23 +31,27 @@ class FlatTable(QTable):
     }
 
     def flat(self) -> QTable:
-        """The table with one column for each component of vectors."""
+        """The table with one column for each component of vectors.
+
+        The names of columns in other units than SI end in the unit, as in "elevation [deg]".
+        """
         found = QTable(meta=self.meta)
         for name in self.colnames:
             column = self[name]
+            unit = _unit_in_name(column)
             if len(column.shape) == 1:
-                found[name] = column
+                found[name + unit] = column
                 continue
             width = int(np.prod(column.shape[1:]))
             rows = column.reshape(len(self), width)
             known = self.flat_names.get(name, ())
             names = known if len(known) == width else [f"{name}_{k}" for k in range(width)]
             for k, part in enumerate(names):
-                found[part] = rows[:, k]
+                found[part + unit] = rows[:, k]
         return found
 
     def write(self, *given: Any, **options: Any) -> None:
-        """As `astropy.table.Table.write`; to CSV with a column for each component of vectors."""
+        """As `astropy.table.Table.write`; to CSV the columns of `flat`."""
         kind = options.get("format", "")
         if not kind and given and isinstance(given[0], (str, os.PathLike)):
             kind = os.path.splitext(os.fspath(given[0]))[1].lstrip(".")
@@ -55,7 +59,7 @@ class FlatTable(QTable):
         plain.write(*given, **options)
 
     def to_pandas(self, *given: Any, **options: Any) -> Any:
-        """A pandas DataFrame: times as UTC, a column for each component, units in ``.attrs``.
+        """A pandas DataFrame: times as UTC, the columns of `flat`, units in ``.attrs``.
 
         Raises
         ------
@@ -85,6 +89,14 @@ class FlatTable(QTable):
         frame = pandas.DataFrame(columns, *given, **options)
         frame.attrs.update(units=units)
         return frame
+
+
+def _unit_in_name(column: Any) -> str:
+    """The unit of a column in brackets if numbers in it are not those in SI units, radians, mag."""
+    unit = getattr(column, "unit", None)
+    if unit is None or unit.decompose().scale == 1.0:
+        return ""
+    return f" [{unit}]"
 
 
 def _utc(time: Any) -> Any:

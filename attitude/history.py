@@ -140,8 +140,13 @@ class AttitudeHistory(Immutable):
 
     @cached_property
     def sigma(self) -> FloatArray:
-        """(S, 3) standard deviations of the attitude about the ICRF axes, degrees."""
-        return frozen(np.degrees(_deviations(self.attitude_covariance)))
+        """(S, 3) standard deviations of the attitude about the ICRF axes, rad."""
+        return frozen(_deviations(self.attitude_covariance))
+
+    @property
+    def sigma_deg(self) -> FloatArray:
+        """(S, 3) `sigma` in degrees."""
+        return frozen(np.degrees(self.sigma))
 
     @cached_property
     def sigma_angular_velocity(self) -> FloatArray:
@@ -285,7 +290,7 @@ class AttitudeHistory(Immutable):
         ``.write("x.ecsv")`` keeps units and times; ``.write("x.csv")`` has one column for each
         component: w, x, y, z, omega_x, omega_y, omega_z.
 
-        With ``sigma=True`` also their standard deviations: sigma (deg, about the ICRF axes) and
+        With ``sigma=True`` also their standard deviations: sigma (rad, about the ICRF axes) and
         sigma_angular_velocity (rad/s).
 
         Raises
@@ -309,7 +314,7 @@ class AttitudeHistory(Immutable):
             of_rates = np.array(self.sigma_angular_velocity) * units.rad / units.s
             columns["sigma_angular_velocity"] = of_rates
         if sigma:
-            columns["sigma"] = np.array(self.sigma) * units.deg
+            columns["sigma"] = np.array(self.sigma) * units.rad
         description = {"frame": "ICRF", "epoch": f"{self.epoch.utc_iso} UTC"}
         return FlatTable(columns, meta={**description, "wxyz": "body to ICRF, scalar first"})
 

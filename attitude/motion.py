@@ -210,6 +210,12 @@ class Motion(Valued):
         ------
         AttitudeError
             If the spin of the motion has no covariance, or the motion no derivatives.
+
+        Warns
+        -----
+        CovarianceWarning
+            Once for a motion: where a standard deviation of the attitude exceeds 60 deg, or the
+            nonlinearity at the largest one (of free rotations) exceeds 0.5.
         """
         raise self._without_derivatives()
 

@@ -1,14 +1,20 @@
 """What the first results cost: in fresh processes, with an empty and with a filled cache.
 
-    python benchmarks/first_use.py [--quick]
+    python benchmarks/first_use.py [--quick] [--calls [NAME]]
 
 Each time is the least of three processes (features that compile for seconds: one), in CPU seconds,
 with the ratio to one that only imports numpy.  Empty: the folder of machine code is new for each
 process.  Compiled: the same with ATTITUDE_COMPILE=always and an empty folder; features that have no
 such number compile in any case, or nothing.
+
+--calls: how a call becomes fast that a process repeats.  For each public entry point, in a process
+of its own with an empty folder of machine code: CPU time of calls 1, 10, 100 and 1000, the longest
+pause (a call that compiles) and its number, and the seconds that ran in Python in all.  A row ends
+after `CALLS_BUDGET` s of calls that compile nothing.
 """
 
 import argparse
+import json
 import os
 import resource
 import subprocess
@@ -21,7 +27,7 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.doc_tables import Table, markdown
 
-MAKES = ("first use",)
+MAKES = ("first use", "repeated calls")
 MOTION = """
 import numpy as np
 from attitude import Body, FreeRotation, Spin
@@ -110,6 +116,141 @@ scene.at(np.linspace(0.0, 6e3, 10)).magnitude
 }
 # What has seconds of its own: a search for spin states, and a page with all epochs.
 APART = "`attitude invert`, a search of 2 s", "`attitude view toutatis`"
+# Set-up and call of public entry points, small calls that a script would repeat.
+SCENE = """
+from attitude import Scene, shape
+scene = Scene(motion, "mars barycenter", shape=shape.Ellipsoid((3, 2, 1)))
+"""
+ORBIT = """
+from attitude import Scene, events, paths
+orbit = paths.kepler(
+    epoch="2026-01-01", center="earth", semi_major_axis=7e6, eccentricity=0.01, inclination=1.0,
+    node=0.1, pericenter_argument=0.2, mean_anomaly=0.3,
+)
+scene = Scene(None, orbit, observer=paths.site("10 deg", "45 deg"))
+"""
+TABLE = """
+from attitude import AttitudeTable, fit, fit_directions, fit_rates
+t = np.linspace(0, 10, 101)
+history = motion.at(t)
+table = AttitudeTable("2026-01-01", t, history.wxyz)
+stars = np.resize([[1.0, 0, 0], [0, 1.0, 0]], (101, 3))
+seen = history.inertial_to_body(stars)
+"""
+CURVE_OF_TWO = """
+from attitude import photometry
+from attitude.spectrum import fit as series
+t = np.sort(np.random.default_rng(1).uniform(0.0, 4e5, 200))
+y = 15.0 + 0.2 * np.cos(2e-4 * t) + 0.1 * np.cos(3.3e-4 * t)
+"""
+COVARIANT = "motion = FreeRotation(body, spin.with_covariance({'attitude': 0.1}))\n"
+MESH = """
+from attitude import shape
+from attitude.light_curve import brightness
+from attitude.scattering import Lambert
+mesh = shape.box_wing((10, 4, 4), (14, 5), wings=1)
+turns = np.random.default_rng(0).normal(size=(100, 3))
+turns /= np.linalg.norm(turns, axis=1)[:, None]
+"""
+CALLS = {
+    "`propagate`, 1000 epochs": ("", "propagate(MOMENTS, WXYZ, RATES, T)"),
+    "`propagate`, sensitivity, 1000 epochs": (
+        "",
+        "propagate(MOMENTS, WXYZ, RATES, T, sensitivity=True)",
+    ),
+    "`propagate`, 100 bodies, 11 epochs": (
+        "bodies = np.array(RATES) * np.linspace(1, 2, 100)[:, None]\n",
+        "propagate(MOMENTS, WXYZ, bodies, T[:11])",
+    ),
+    "`Body`, `Spin`, `FreeRotation`, one epoch": (
+        "",
+        "FreeRotation(Body(moments=MOMENTS), Spin(EPOCH, WXYZ, RATES)).at(60.0).wxyz",
+    ),
+    "`motion.at`, one epoch": ("", "motion.at(60.0).wxyz"),
+    "`history.angular_velocity`, 1000 epochs": ("", "motion.at(T).angular_velocity"),
+    "`motion.sensitivity_at`, 11 epochs": ("", "motion.sensitivity_at(T[:11])"),
+    "`history.sigma`, 11 epochs": (COVARIANT, "motion.at(T[:11]).sigma"),
+    "`history.covariance`, 1000 epochs": (COVARIANT, "motion.at(T).covariance"),
+    "`history.nonlinearity`, 11 epochs": (COVARIANT, "motion.at(T[:11]).nonlinearity"),
+    "`motion.regime`": ("", "FreeRotation(body, spin).regime.P_psi"),
+    "`motion.published`": ("", "FreeRotation(body, spin).published('L')"),
+    "`Spin.from_periods`": (
+        "",
+        "Spin.from_periods(Body(moments=(0.61, 0.965, 1.0), relative=True), mode='SAM', "
+        "convention='S', P_psi='263 h', P_phi='27.38 h', pole=(1.0, 0.5), phi0=0.1, psi0=0.2, "
+        "epoch=EPOCH)",
+    ),
+    "`Ensemble.at`, 100 members, 11 epochs": (
+        "from attitude.ensemble import Ensemble\n",
+        "Ensemble.of([motion] * 100).at(T[:11]).wxyz",
+    ),
+    "`Arcs.at`, one impulse, 23 epochs": (
+        "from attitude.arcs import Arcs, Impulse\n",
+        "Arcs(body, spin, [Impulse(at=5.0, angular_momentum=(0.1, 0.2, 0.3))]).at(T[:23]).wxyz",
+    ),
+    "`TorquedRotation.at`, 7 epochs": (
+        "from attitude.splitting import TorquedRotation\n"
+        "from attitude.torques import ConstantTorque\n",
+        "TorquedRotation(body, spin, ConstantTorque((0.01, 0, 0)), step=0.01)"
+        ".at(np.linspace(0.0, 3.0, 7)).wxyz",
+    ),
+    "`AttitudeTable.at`, 11 epochs": (TABLE, "table.at(t[:11] + 0.01).wxyz"),
+    "`view.phase_angle`, 1000 epochs": (SCENE, "scene.at(T).phase_angle"),
+    "`view.magnitude`, ellipsoid, ten epochs": (SCENE, "scene.at(T[:10]).magnitude"),
+    "`view.magnitude_sigma`, ten epochs": (
+        COVARIANT + SCENE,
+        "scene.at(T[:10]).magnitude_sigma",
+    ),
+    "`light_curve.brightness`, mesh, 100 directions": (
+        MESH,
+        "brightness(mesh, Lambert(), turns, turns[::-1])",
+    ),
+    "`events.find_discrete`": (
+        "from attitude.events import find_discrete, illuminated\n",
+        "find_discrete(0.0, 100.0, illuminated(motion, (0, 0, 1), sun=(1, 0, 1)))",
+    ),
+    "`events.passes`, two days": (ORBIT, "events.passes(scene, '2026-01-01', '2026-01-03')"),
+    "`fit`, 101 attitudes": (TABLE, "fit(table)"),
+    "`fit_rates`, 101 rates": (
+        TABLE,
+        "fit_rates(history.time, history.angular_velocity, start=motion)",
+    ),
+    "`fit_directions`, 101 directions": (
+        TABLE,
+        "fit_directions(history.time, seen, stars, start=motion)",
+    ),
+    "`photometry.periodogram`, 200 points": (
+        CURVE_OF_TWO,
+        "photometry.periodogram(t, y, min_period=1e4, max_period=1e5)",
+    ),
+    "`spectrum.fit`, two periods, 200 points": (
+        CURVE_OF_TWO,
+        "series(t, y, P_psi=31415.9, P_phi=19040.0)",
+    ),
+    "`jacobi.sn`, 100 numbers": (
+        "from attitude import jacobi\n",
+        "jacobi.sn(np.linspace(0, 3, 100), 0.5)",
+    ),
+}
+CALLS_BUDGET = 4.0
+COUNTED = 1, 10, 100, 1000
+REPEATED = """
+import json, sys
+from time import process_time
+from attitude import propagate, compilation_status
+from attitude.compilation import decorators
+EPOCH, MOMENTS, WXYZ, RATES = "2026-01-01", (10, 20, 26), (1, 0, 0, 0), (1, 15, 1)
+T = np.linspace(0, 100, 1000)
+{setup}
+times, steady = [], 0.0
+while len(times) < {most} and steady < {budget}:
+    known = len(decorators.compiled_names())
+    begin = process_time()
+    {call}
+    times.append(process_time() - begin)
+    steady += times[-1] if len(decorators.compiled_names()) == known else 0.0
+print(json.dumps([times, compilation_status().seconds_in_python]))
+"""
 ALL = "from attitude import warm_up\nfor each in warm_up.features(True): each()"
 
 
@@ -125,12 +266,26 @@ def tables(quick):
                 ratios[f"{name}, {kind}"] = seconds / base
     head = "CPU seconds of a process", "empty cache", "later", "compiled at once, empty cache"
     yield Table("first use", markdown(head, rows, right=(1, 2, 3)), ratios=ratios)
+    if not quick:
+        head = "ms of call", *map(str, COUNTED), "longest pause, s", "at call", "s in Python"
+        rows = [(name, *_spelled(*repeated(name))) for name in CALLS]
+        yield Table("repeated calls", markdown(head, rows, right=range(1, len(head))))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="one process each")
-    rounds = 1 if parser.parse_args().quick else 3
+    parser.add_argument("--calls", nargs="?", const="", help="repeated calls, of names with NAME")
+    given = parser.parse_args()
+    if given.calls is not None:
+        cells = *(f"call {k}, ms" for k in COUNTED), "pause, s", "at call", "Python, s"
+        print(f"{'':<50}" + "".join(f"{each:>14}" for each in cells))
+        for name in CALLS:
+            if given.calls in name:
+                cells = _spelled(*repeated(name))
+                print(f"{name:<50}" + "".join(f"{each:>14}" for each in cells), flush=True)
+        return
+    rounds = 1 if given.quick else 3
     base = None
     print(f"{'CPU seconds (x import numpy)':<44}{'empty cache':>18}{'later':>18}{'compiled':>18}")
     for name, cells in measured(rounds, everything=True):
@@ -149,6 +304,32 @@ def measured(rounds, everything):
     yield "all of the above in one process", (least(in_one_process(), 1, True), None, None)
     if everything:
         yield "all features, as `attitude warm-up --all`", (least(ALL, 1, True), None, None)
+
+
+def repeated(name, most=COUNTED[-1]):
+    """CPU seconds of the calls of a row of `CALLS`, and those that ran in Python."""
+    setup, call = CALLS[name]
+    code = MOTION + REPEATED.format(setup=setup, call=call, most=most, budget=CALLS_BUDGET)
+    with tempfile.TemporaryDirectory() as cache:
+        ran = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=ROOT,
+            env={
+                **os.environ,
+                **dict.fromkeys(("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"), cache),
+                "ATTITUDE_COMPILE": "automatic",
+            },
+            stdout=subprocess.PIPE,
+            check=True,
+        )
+    return json.loads(ran.stdout)
+
+
+def _spelled(times, in_python):
+    """The cells of a row of repeated calls."""
+    calls = [f"{1e3 * times[k - 1]:.3g}" if k <= len(times) else "" for k in COUNTED]
+    longest = max(times)
+    return (*calls, f"{longest:.2f}", str(times.index(longest) + 1), f"{in_python:.2f}")
 
 
 def in_one_process():

@@ -96,7 +96,7 @@ def test_covariance_and_samples():
             for each in motion.sample(300, seed=2)
         ]
     )
-    assert np.allclose(np.degrees(np.sqrt(np.mean(turns**2, axis=0))), history.sigma, rtol=0.2)
+    assert np.allclose(np.sqrt(np.mean(turns**2, axis=0)), history.sigma, rtol=0.2)
     assert np.all(history.nonlinearity < 1e-3)
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from attitude import FreeRotation, Spin, propagate
 from attitude.body import Body
-from attitude.compilation import choice
-from attitude.compilation.decorators import sized_entry_point, slowly_compiled
+from attitude.compilation import choice, decorators
+from attitude.compilation.decorators import EntryPoint, sized_entry_point, slowly_compiled
 
 # Machine code that the tests share.
 CACHE = os.environ["NUMBA_CACHE_DIR"]
@@ -149,7 +149,7 @@ def test_working_memory_is_not_work(monkeypatch):
             out[i] = 2.0 * x[i]
 
     doubled(np.arange(3.0), np.empty(10**6), np.empty(10**6), np.empty(3))
-    predicted, _, _, to_compile, _ = seen[0]
+    predicted, _, _, to_compile, *_ = seen[0]
     assert predicted < 1e-3 and to_compile == choice.TO_COMPILE_DERIVATIVES
 
 
@@ -280,3 +280,94 @@ def test_propagate_of_one_body_is_the_same_in_python():
     with choice.compiling():
         expected = propagate(*given)
     assert np.array_equal(propagate(*given), expected)
+
+
+def _setup(x, out):
+    for i in range(len(x)):
+        out[i] = x[i] + 1.0
+
+
+def _loop(x, out):
+    for i in range(len(x)):
+        out[i] = 2.0 * x[i]
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """Two steps of a call, set-up and loop, and a function apart from them; none compiles."""
+    monkeypatch.setattr(choice, "MODE", "automatic")
+    monkeypatch.setattr(choice, "_forced", 0)
+    monkeypatch.setattr(decorators, "_in_python", {})
+    monkeypatch.setattr(decorators, "_compiled", set())
+    monkeypatch.setattr(EntryPoint, "dispatcher", property(lambda self: self.py_func))
+    made = sized_entry_point(_setup), slowly_compiled(_loop), sized_entry_point(_doubled)
+    for each in made:  # no machine code on the disk, whatever other tests left there
+        monkeypatch.setitem(each.__dict__, "_is_on_disk", False)
+    return made
+
+
+def test_set_up_follows_the_loop(steps):
+    """The steps of a call that repeats compile together after one second, and nothing else."""
+    setup, loop, apart = steps
+    x, out = np.arange(3.0), np.empty(3)
+    apart(x, out)
+    for _ in range(choice.STEADY_CALLS):
+        setup(x, out)
+        loop(x, out)
+    assert loop._steps == [setup] and setup._steps == [loop]
+    assert decorators.compiled_names() == set()
+    loop._spent = choice.STEADY  # of 5 s that its compilation takes
+    setup(x, out)
+    loop(x, out)
+    assert {each.rpartition(".")[2] for each in decorators.compiled_names()} == {"_setup", "_loop"}
+
+
+def test_a_large_call_takes_nothing_with_it(steps):
+    """Work that is large at once compiles its loop; the set-up of few calls stays in Python."""
+    setup, loop, _ = steps
+    x, out = np.arange(3.0), np.empty(3)
+    for _ in range(2):
+        setup(x, out)
+        loop(x, out)
+    loop._pace = 10.0
+    for _ in range(choice.REPEATS - 1):
+        loop(x, out)
+        setup(x, out)
+    assert {each.rpartition(".")[2] for each in decorators.compiled_names()} == {"_loop"}
+
+
+def test_what_is_slow_beside_machine_code_compiles(steps):
+    """After ten calls of a loop, such as one loaded from the disk, slower steps follow."""
+    setup, loop, apart = steps
+    x, out = np.arange(3.0), np.empty(3)
+    loop.compiled(x, out)
+    apart(x, out)
+    for _ in range(choice.REPEATS):
+        setup(x, out)
+        loop(x, out)
+    assert setup._follows and not apart._follows
+    assert loop.run is loop.dispatcher  # as fast as before
+    setup(x, out)
+    assert {each.rpartition(".")[2] for each in decorators.compiled_names()} == {"_setup", "_loop"}
+
+
+def test_quick_steps_stay_in_python(steps):
+    setup, loop, _ = steps
+    x, out = np.arange(3.0), np.empty(3)
+    loop.compiled(x, out)
+    for _ in range(choice.REPEATS):
+        setup(x, out)
+        loop(x, out)
+        loop._seconds += 1.0
+    assert not setup._follows and loop.run is loop.dispatcher
+
+
+def test_a_loop_alone_settles_at_once(steps):
+    _, loop, _ = steps
+    x, out = np.arange(3.0), np.empty(3)
+    for _ in range(3):
+        loop.compiled(x, out)
+        loop(x, out)
+        loop(x, out)
+        loop(x, out)
+    assert loop.run is loop.dispatcher

@@ -87,15 +87,15 @@ def test_standard_deviations(attitude_command, tmp_path):
         assert sigma.tolist() == history.sigma[:, k].tolist()
         of_rate = np.array(found[f"sigma_omega_{axis}"], dtype=float)
         assert of_rate.tolist() == np.sqrt(history.covariance[:, 3 + k, 3 + k]).tolist()
-        assert sigma[0] == pytest.approx(1.0, rel=1e-12)
-    assert sigma[-1] > 1.001
+        assert sigma[0] == pytest.approx(np.radians(1.0), rel=1e-12)
+    assert sigma[-1] > np.radians(1.001)
     _, out, _ = attitude_command(*options)
     assert list(columns(out))[-4:] == ["z", "sigma_x", "sigma_y", "sigma_z"]
     from astropy.table import QTable
 
     attitude_command(*options, "--rates", "--output", tmp_path / "a.ecsv")
     table = QTable.read(tmp_path / "a.ecsv")
-    assert np.array_equal(table["sigma_z"].to_value("deg"), history.sigma[:, 2])
+    assert np.array_equal(table["sigma_z"].to_value("rad"), history.sigma[:, 2])
     assert str(table["sigma_omega_x"].unit) == "rad / s"
     code, out, err = attitude_command("propagate", PAPER, "--stop", "1", "--step", "1", "--sigma")
     assert (code, out) == (2, "")

@@ -1,10 +1,13 @@
 """Covariances of attitudes: against the sensitivity, against samples, and bad input."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, AttitudeTable, Body, FreeRotation, Spin
 from attitude import representations as forms
+from attitude.errors import AttitudeWarning, CovarianceWarning
 from attitude.quaternion import conjugate, multiply
 
 BODIES = {
@@ -51,9 +54,11 @@ def test_products_of_the_sensitivity(name):
     assert np.array_equal(part, history.covariance[:, :3, :3])
     for k in (0, 130, 150, 299):  # the same bits whatever the block
         assert np.array_equal(motion.covariance_at(t[k], rates=False), part[k])
-    assert np.array_equal(history.sigma, np.degrees(np.sqrt(np.diagonal(part, axis1=1, axis2=2))))
+    assert np.array_equal(history.sigma, np.sqrt(np.diagonal(part, axis1=1, axis2=2)))
+    assert np.array_equal(history.sigma_deg, np.degrees(history.sigma))
 
 
+@pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")
 @pytest.mark.parametrize("name", BODIES)
 def test_large_results_have_the_bits_of_small_ones(name):
     """Results beyond 4 MB are stored past the caches, in whole lines of them."""
@@ -100,7 +105,7 @@ def test_the_attitude_at_the_epoch_has_the_given_error():
     over_ecliptic = spin.covariance[:3, :3]
     assert np.allclose(np.degrees(np.sqrt(np.diag(over_ecliptic))), [1, 2, 3])
     assert np.isclose(np.trace(history.covariance[:3, :3]), np.trace(over_ecliptic))
-    assert not np.allclose(history.sigma, [1, 2, 3])
+    assert not np.allclose(history.sigma_deg, [1, 2, 3])
 
 
 def test_nonlinearity_says_when_the_covariance_misleads():
@@ -110,7 +115,8 @@ def test_nonlinearity_says_when_the_covariance_misleads():
     )
     t = np.array([0.0, 1.0, 100.0])
     assert np.all(small.at(t).nonlinearity < 1e-4)
-    found = large.at(t).nonlinearity
+    with pytest.warns(CovarianceWarning, match="nonlinearity"):
+        found = large.at(t).nonlinearity
     assert found[0] < 1e-6 and found[2] >= 1.0
 
 
@@ -131,7 +137,7 @@ def test_errors_of_a_common_scale_are_none():
     motion = FreeRotation(Body(moments=moments), spin_of((1, 15, 1), common))
     assert len(motion.sigma_points()) == 2
     # Of 1e5 rad in each moment alone.
-    assert np.all(motion.at([0.0, 1e3, 1e5]).sigma < 1e-7)
+    assert np.all(motion.at([0.0, 1e3, 1e5]).sigma < 2e-9)
     assert motion.predictable_time() == np.inf
 
 
@@ -255,5 +261,52 @@ def test_without_a_covariance():
         with pytest.raises(AttitudeError, match="has no covariance"):
             getattr(motion.at(1.0), name)
     again = FreeRotation(motion.body, motion.spin.with_covariance({"attitude": 0.1}))
-    assert np.allclose(again.at(0.0).sigma, np.degrees(0.1))
+    assert np.allclose(again.at(0.0).sigma, 0.1)
     assert again.spin.with_covariance(None).covariance is None
+
+
+def large(errors, omega=(0.3, 1.0, 0.2)):
+    """A motion of a body with errors."""
+    return FreeRotation(Body(moments=(1, 2, 3)), spin_of(omega, errors))
+
+
+def test_a_covariance_without_meaning_warns_once():
+    motion = large({"attitude": "61 deg"})
+    with pytest.warns(CovarianceWarning, match="reaches 61 deg: covariances do not describe"):
+        _ = motion.at(0.0).sigma
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _ = motion.at([0.0, 1.0]).covariance  # said before
+        _ = large({"attitude": "59 deg"}).at(0.0).covariance  # linear at the epoch
+        grown = large({"angular_velocity": 1e-3})
+        _ = grown.at(10.0).sigma
+        assert 100.0 < grown.predictable_time(tolerance=1.5) < 1e5  # looks beyond, and says nothing
+    with pytest.warns(CovarianceWarning):
+        grown.covariance_at([10.0, 1e5], rates=False)
+    assert issubclass(CovarianceWarning, AttitudeWarning)
+
+
+def test_covariances_warn_of_nonlinearity():
+    """Below 60 deg: about the middle axis errors of 29 deg are linear at first, then not."""
+    errors, omega = {"angular_velocity": 0.02}, (0.02, 1.0, 0.02)
+    motion = large(errors, omega)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        before = motion.at(5.8)
+        assert 25.0 < np.max(before.sigma_deg) < 35.0 and before.nonlinearity < 0.1
+    with pytest.warns(CovarianceWarning, match="nonlinearity of the errors of the attitude reach"):
+        _ = motion.at(13.1).nonlinearity
+    motion = large(errors, omega)
+    with pytest.warns(CovarianceWarning, match="nonlinearity of the errors of the attitude reach"):
+        later = motion.at([13.1, 13.2]).sigma_deg
+    assert np.max(later) < 50.0
+
+
+def test_warnings_pass_over_nan_epochs():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        motion = large({"attitude": "20 deg"})
+        assert np.all(np.isnan(motion.at([np.nan]).sigma))
+        _ = motion.at([np.nan, 0.0]).sigma
+    with pytest.warns(CovarianceWarning):
+        _ = large({"attitude": "70 deg"}).at([np.nan, 0.0]).sigma

@@ -76,3 +76,48 @@ def test_docs_import_from_public_modules():
         for name in re.findall(r"\bfrom (attitude[\w.]*) import ", file.read_text()):
             known = name in attitude.PUBLIC_MODULES or name == "attitude.compilation.decorators"
             assert known, f"{file.name} imports from {name}"
+
+
+# Units other than SI and radians, as docstrings spell them behind "in" or a comma, or at the end.
+_NOT_SI = {
+    "deg": r"deg|degrees?",
+    "h": r"h|hours?",
+    "d": r"d|days?",
+    "km": r"km",
+    "au": r"au",
+    "arcsec": r"arcsec|arcseconds?",
+}
+
+
+def test_public_numbers_are_si_or_name_their_unit():
+    """A public attribute in another unit has the unit at the end of its name."""
+    import importlib
+    import inspect
+
+    import attitude
+
+    spelled = {unit: re.compile(rf"(?:,|\bin) (?:{each})[.,;]") for unit, each in _NOT_SI.items()}
+    seen, bad = set(), []
+    for module in attitude.PUBLIC_MODULES:
+        try:
+            found = importlib.import_module(module)
+        except ImportError:  # jax, torch
+            continue
+        classes = [each for each in vars(found).values() if inspect.isclass(each)]
+        for owner in classes:
+            if owner in seen or not owner.__module__.startswith("attitude"):
+                continue
+            seen.add(owner)
+            docs = {name: each.__doc__ or "" for name, each in vars(owner).items()}
+            docs = {name: text.split("\n")[0] for name, text in docs.items() if name[0] != "_"}
+            heads = re.findall(
+                r"^    (\w[\w, ]*) : .*\n((?:        .*\n)*)", owner.__doc__ or "", re.M
+            )
+            docs |= {name: text for names, text in heads for name in names.split(", ")}
+            for name, text in docs.items():
+                for unit, pattern in spelled.items():
+                    if pattern.search(text) and not name.endswith(f"_{unit}"):
+                        bad.append(f"{owner.__qualname__}.{name}: {text.strip()}")
+    assert len(seen) > 100
+    # The columns of DAMIT's files, and arguments that take any Quantity.
+    assert not [each for each in bad if not each.startswith("DamitLightCurve.")], bad

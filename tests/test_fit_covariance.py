@@ -171,5 +171,5 @@ def test_a_symmetric_body_has_finite_errors():
     later = found.motion.at(LATER)
     off = quaternion.multiply(later.wxyz, quaternion.conjugate(given.at(LATER).wxyz))
     # The attitude of the body, whose errors those of the principal axes bound in size.
-    assert np.linalg.norm(forms.to_rotation_vector(off)) < 10.0 * np.radians(np.max(later.sigma))
-    assert np.max(later.sigma) < 3.0
+    assert np.linalg.norm(forms.to_rotation_vector(off)) < 10.0 * np.max(later.sigma)
+    assert np.max(later.sigma_deg) < 3.0

@@ -101,7 +101,7 @@ def test_a_fit_is_written_with_its_errors(tmp_path):
     sigma = np.sqrt(cov.variances[:, :3])
     assert np.min(sigma) > 1e-5 and np.max(sigma) < 1e-3
     assert np.sum(cov.variances[:, :3], axis=1) == pytest.approx(
-        np.sum(np.radians(history.sigma) ** 2, axis=1), rel=1e-9
+        np.sum(history.sigma**2, axis=1), rel=1e-9
     )
 
 

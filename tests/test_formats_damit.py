@@ -34,10 +34,10 @@ def test_there_and_back(tmp_path):
     body = Body(moments=(1.0, 1.2, 1.5), relative=True)
     damit.write(path, given.motion(body), scattering=given.scattering)
     again = damit.read(path)
-    assert abs(again.longitude - given.longitude) < 1e-12
-    assert abs(again.latitude - given.latitude) < 1e-12
-    assert abs(again.period / given.period - 1.0) < 1e-15
-    assert abs(again.phi0 - given.phi0) < 1e-11 and again.jd0 == given.jd0
+    assert abs(again.longitude_deg - given.longitude_deg) < 1e-12
+    assert abs(again.latitude_deg - given.latitude_deg) < 1e-12
+    assert abs(again.period_h / given.period_h - 1.0) < 1e-15
+    assert abs(again.phi0_deg - given.phi0_deg) < 1e-11 and again.jd0 == given.jd0
     assert again.scattering == given.scattering
 
 

@@ -57,7 +57,7 @@ def test_standard_deviations_are_written(tmp_path, monkeypatch, ending, rates):
         from astropy.table import QTable
 
         found = QTable.read(path, **({"astropy_native": True} if ending == "fits" else {}))
-        assert found["sigma"].unit == "deg"
+        assert found["sigma"].unit == "rad"
         sigma = found["sigma"].value
     elif ending == "csv":
         found = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding=None)

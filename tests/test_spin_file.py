@@ -142,7 +142,7 @@ def test_errors_in_units():
     expected = [*np.radians([1, 1, 1, 1, 2, 3]), 1, 1, 1]
     assert sigma == pytest.approx(expected, rel=1e-15)
     assert np.count_nonzero(found.spin.covariance) == 9
-    assert found.motion.at(0.0).sigma == pytest.approx([1, 1, 1], rel=1e-12)
+    assert found.motion.at(0.0).sigma_deg == pytest.approx([1, 1, 1], rel=1e-12)
     relative = spin_file.parse(
         toml(body={"relative": "true"}, errors={"moments": "[0.1, 0.2, 0.3]"})
     )

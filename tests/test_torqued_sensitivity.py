@@ -107,7 +107,7 @@ def test_covariances_are_those_of_samples():
     expected = np.sqrt(np.diag(motion.covariance_at(10.0, rates=False)))
     # four standard deviations of that of 400 draws
     assert np.all(np.abs(found / expected - 1.0) <= 4.0 / np.sqrt(800.0))
-    assert np.allclose(history.sigma, np.degrees(expected), rtol=1e-12)
+    assert np.allclose(history.sigma, expected, rtol=1e-12)
 
 
 def test_bad_input():

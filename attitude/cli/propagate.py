@@ -20,7 +20,7 @@ columns:
   tdb_seconds    TDB seconds since the epoch of the spin file
   w x y z        attitude from body axes to ICRF, a quaternion with its scalar first
   omega_x _y _z  with --rates: angular velocity over the body axes, rad/s
-  sigma_x _y _z  with --sigma: standard deviations of the attitude about the axes of ICRF, degrees;
+  sigma_x _y _z  with --sigma: standard deviations of the attitude about the axes of ICRF, rad;
                  sigma_omega_x _y _z with --rates: of the angular velocity, rad/s
 
 --sigma needs the section [errors] of the spin file.

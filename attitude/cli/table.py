@@ -42,7 +42,7 @@ def header(kind: str, motion: FreeRotation, *, rates: bool, sigma: bool = False)
         table[name] = Quantity([0.0], "rad/s")
         table[name].info.description = "angular velocity over the body axes"
     for name in csv_rows.SIGMA if sigma else ():
-        table[name] = Quantity([0.0], "deg")
+        table[name] = Quantity([0.0], "rad")
         table[name].info.description = "standard deviation of the attitude about an ICRF axis"
     for name in csv_rows.SIGMA_RATES if sigma and rates else ():
         table[name] = Quantity([0.0], "rad/s")

@@ -8,6 +8,11 @@ its compilation.  That never takes more than about twice the time of the better 
 function that takes little of a process is not compiled for those that take much.  Calls that repeat
 will go on, and machine code serves all later processes: after each `REPEATS` calls of a function,
 its seconds count once more.
+
+Functions that run between every two calls of another one are steps of one call, which is as fast as
+its slowest step: set-up follows the loop.  Where such a call repeats, all of its steps compile once
+they have taken `STEADY` seconds together; and where a loop has run as machine code `REPEATS` times
+while the steps beside it took longer in Python, these compile too (`decorators.EntryPoint`).
 ``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
 ``automatic`` is the default.
 """
@@ -32,6 +37,9 @@ TO_COMPILE_SHORT: Final = 0.3
 TO_COMPILE_DERIVATIVES: Final = 5.0
 # Calls of a function after which its seconds in Python count twice, thrice, ...
 REPEATS: Final = 10
+# Seconds that the steps of a call take in Python, and calls, after which all of them compile.
+STEADY: Final = 1.0
+STEADY_CALLS: Final = 3
 
 
 def mode() -> str:
@@ -56,17 +64,21 @@ def is_worth_python(
     own: float = 0.0,
     to_compile: float = TO_COMPILE,
     calls: int = 0,
+    steps: float = 0.0,
 ) -> bool:
     """Whether a call of a function that takes `predicted` seconds in Python is to run there.
 
     `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
-    `own` are the seconds that the `calls` before have taken in Python.
+    `own` are the seconds that the `calls` before have taken in Python, `steps` those of all steps
+    of the call that repeats (infinite for a step of one that is compiled).
     """
     if _forced:
         return False
     if _is_in_python():
         # The arguments of nested calls have the types of Python, for which nothing is compiled.
         return True
+    if calls >= STEADY_CALLS and steps >= STEADY:
+        return False
     repeated = 1.0 + calls / REPEATS
     if kept:
         seconds = max(_spent, own * repeated) + predicted

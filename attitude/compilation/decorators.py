@@ -15,10 +15,12 @@ coverage.
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from functools import cached_property
 from pathlib import Path
+from time import thread_time
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, cast
 
@@ -44,6 +46,9 @@ _INNER = {"no_cpython_wrapper": True}
 _lock = threading.RLock()
 # Names of the entry points that Python has called as machine code.
 _compiled: set[str] = set()
+# Entry points that have run in Python, and the number of calls that were counted.
+_in_python: dict[EntryPoint, None] = {}
+_number = 0
 
 
 def _after_fork() -> None:
@@ -153,11 +158,16 @@ class EntryPoint(Compilable):
         super().__init__(python, options, kept)
         self._to_compile = to_compile
         self.run: Callable[..., Any] = self._first
+        # Seconds in Python for each number; those of all calls; and calls, in Python or not.
+        self._pace, self._spent, self._calls = _FIRST_GUESS, 0.0, 0
+        # The number of the last call among all, and what ran in Python between any two calls.
+        self._number, self._seconds, self._settled = 0, 0.0, 0
+        self._steps: list[EntryPoint] | None = None
+        self._follows = False
         if UNCOMPILED:
             self.run = self._in_python
         elif sized and choice.MODE == "automatic":
-            self.run, self._pace, self._spent = self._by_size, _FIRST_GUESS, 0.0
-            self._calls = 0
+            self.run = self._by_size
 
     def __call__(self, *arguments: Any) -> Any:
         return self.run(*arguments)
@@ -175,14 +185,45 @@ class EntryPoint(Compilable):
         ]
         size = 1 + max((each.size for each in arrays), default=0)
         kept, predicted = self._is_on_disk, size * self._pace
-        earlier = self._spent, self._to_compile, self._calls
+        steps = self._note_call()
+        together = math.inf if self._follows else self._spent + sum(each._spent for each in steps)
+        earlier = self._spent, self._to_compile, self._calls, together
         if not choice.is_worth_python(predicted, kept, *earlier):
+            if self._calls >= choice.STEADY_CALLS and together >= choice.STEADY:
+                _follow(steps)
             return self._first(*arguments)
         with choice.InPython() as run:
             result = self._in_python(*arguments)
         self._pace = run.seconds / size
         self._spent += run.seconds
         self._calls += 1
+        _in_python[self] = None
+        return result
+
+    def _note_call(self) -> list[EntryPoint]:
+        """Count a call; what has run in Python between every two calls so far, [] at the first."""
+        global _number
+        if self._number:
+            known = list(_in_python) if self._steps is None else self._steps
+            self._steps = [
+                each for each in known if each._number > self._number and each is not self
+            ]
+        _number += 1
+        self._number = _number
+        return self._steps or []
+
+    def _settling(self, *arguments: Any) -> Any:
+        """One of the first calls as machine code, after which what is slow beside it follows."""
+        steps = self._note_call()
+        begin = thread_time()
+        result = self.dispatcher(*arguments)
+        self._seconds += thread_time() - begin
+        self._settled += 1
+        if self._settled >= choice.REPEATS or (self._settled > 1 and not steps):
+            self.run = self.dispatcher
+            each_call = sum(each._spent / max(each._calls, 1) for each in steps)
+            if self._settled >= choice.REPEATS and each_call > self._seconds / self._settled:
+                _follow(steps)
         return result
 
     @cached_property
@@ -202,14 +243,27 @@ class EntryPoint(Compilable):
         return any((source.parent / "__pycache__").glob(index))
 
     def _first(self, *arguments: Any) -> Any:
+        name = f"{self.__module__}.{self.__name__}"
+        is_new = name not in _compiled
         self.run = self.dispatcher
-        _compiled.add(f"{self.__module__}.{self.__name__}")
-        return self.run(*arguments)
+        _compiled.add(name)
+        result = self.run(*arguments)
+        if is_new and choice.MODE == "automatic":
+            _in_python.pop(self, None)
+            self._steps, self._seconds, self._settled = None, 0.0, 0
+            self.run = self._settling
+        return result
 
     def _in_python(self, *arguments: Any) -> Any:
         # Compiled code neither raises nor warns at a division by zero or an overflow.
         with np.errstate(all="ignore"):
             return self.uncompiled(*map(_with_fields, arguments))
+
+
+def _follow(steps: list[EntryPoint]) -> None:
+    """Let functions compile at their next call from Python."""
+    for each in steps:
+        each._follows = True
 
 
 def compiled_names() -> set[str]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 # Columns of the attitude (body to ICRF, scalar first) and of the angular velocity (rad/s, body).
 ATTITUDE: tuple[str, ...] = ("w", "x", "y", "z")
 RATES: tuple[str, ...] = ("omega_x", "omega_y", "omega_z")
-# Their standard deviations: deg about the ICRF axes, rad/s over the body axes.
+# Their standard deviations: rad about the ICRF axes, rad/s over the body axes.
 SIGMA: tuple[str, ...] = ("sigma_x", "sigma_y", "sigma_z")
 SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z")
 
@@ -64,7 +64,7 @@ def of_history(
     rates : bool
         Write the angular velocity too, rad/s over the body axes.
     sigma : bool
-        Write the standard deviations too: deg about the ICRF axes, rad/s over the body axes.
+        Write the standard deviations too: rad about the ICRF axes, rad/s over the body axes.
     """
     columns = numbers(history, rates=rates, sigma=sigma)
     return text(dates, seconds.tolist(), *(column.tolist() for column in columns))

@@ -5,7 +5,7 @@ A QTable, ECSV and FITS have the columns ``time`` (TDB, as two Julian dates: 5e-
 CSV has ``utc`` (12 decimals), ``tdb_seconds`` since the first row, ``w, x, y, z`` and
 ``omega_x, omega_y, omega_z``; parquet has ``tdb_jd1, tdb_jd2`` instead of the first two.  Numbers
 are written such that reading gives the same doubles.  With ``sigma=True`` there are standard
-deviations too: ``sigma`` (deg about the ICRF axes) and ``sigma_angular_velocity``, in CSV and
+deviations too: ``sigma`` (rad about the ICRF axes) and ``sigma_angular_velocity``, in CSV and
 parquet ``sigma_x, sigma_y, sigma_z, sigma_omega_x, ...``; readers skip them.
 
 Similar tables are read too: with any Time column, ``jd1`` and ``jd2`` (TDB) or ``utc`` for the

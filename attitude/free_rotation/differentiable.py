@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal, Self, overload
 
@@ -9,7 +11,7 @@ import numpy as np
 
 from attitude import epochs, quaternion, validation
 from attitude import representations as forms
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, CovarianceWarning
 from attitude.free_rotation import sensitivity
 from attitude.motion import Motion
 from attitude.sensitivities import covariance as covariances
@@ -25,6 +27,12 @@ if TYPE_CHECKING:
 
 # Squares of turns, rad2, that are rounding errors of attitudes.
 _ROUNDING = 1e-28
+# Standard deviation of the attitude, rad, and nonlinearity from which a covariance means nothing: a
+# normal distribution of 60 deg reaches round the circle, and half of the change is of second order.
+_LARGEST_SIGMA = math.pi / 3.0
+_LARGEST_NONLINEARITY = 0.5
+# Standard deviation, rad, from which the nonlinearity is looked at: 2 r motions at one epoch.
+_CHECKED_SIGMA = 0.25
 
 
 class Differentiable(Motion):
@@ -34,6 +42,9 @@ class Differentiable(Motion):
     the methods of `attitude.free_rotation.sensitivity.Sensitivity`) and ``_with(body, spin)``, the
     same motion from another state.
     """
+
+    # Whether another motion takes no steps, so that covariances can look at the nonlinearity.
+    _has_closed_form = False
 
     if TYPE_CHECKING:
         body: Body
@@ -132,7 +143,49 @@ class Differentiable(Motion):
     ) -> FloatArray:
         """Covariance (S, 6, 6), or (S, 3, 3) without rates; see `Motion.covariance_at`."""
         hi, lo = epochs.plain_seconds(seconds, low)
-        return self._sensitivity.covariance_at(self._errors(), hi, lo, rates)
+        found = self._linear_covariance_at(hi, lo, rates)
+        self._warn_of_large(found, hi, lo)
+        return found
+
+    def _linear_covariance_at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """`covariance_at` without the warning."""
+        return self._sensitivity.covariance_at(self._errors(), seconds, low, rates)
+
+    def _warn_of_large(
+        self, covariance: FloatArray, seconds: FloatArray, low: FloatArray | None
+    ) -> None:
+        """Warn once if covariances (S, n, n) do not describe the errors of the attitude."""
+        if "_has_warned" in self.__dict__ or not covariance.size:
+            return
+        variances = [covariance[..., k, k] for k in range(3)]
+        largest = math.sqrt(
+            np.fmax.reduce([np.fmax.reduce(each, axis=None) for each in variances], initial=0.0)
+        )
+        if largest > _LARGEST_SIGMA:
+            found = f"{math.degrees(largest):.3g} deg"
+            self._warn(f"the standard deviation of the attitude reaches {found}")
+            return
+        # The nonlinearity grows with the errors: it is looked at again where they are larger.
+        known = self.__dict__.get("_checked_sigma", _CHECKED_SIGMA)
+        if not self._has_closed_form or not largest > known:
+            return
+        self._set("_checked_sigma", 1.5 * largest)
+        at = np.unravel_index(np.nanargmax(sum(variances)), seconds.shape)
+        with suppress(AttitudeError):  # errors that lead to moments of no body
+            self.nonlinearity_at(seconds[at], None if low is None else low[at])
+
+    def _warn(self, what: str) -> None:
+        """Warn, once for the motion, that its covariances mean little."""
+        if "_has_warned" not in self.__dict__:
+            self._set("_has_warned", True)
+            warnings.warn(
+                f"{what}: covariances do not describe such errors. Take motion.sample(n), "
+                "motion.sigma_points(), or epochs within motion.predictable_time().",
+                CovarianceWarning,
+                stacklevel=2,
+            )
 
     @property
     def momentum_covariance(self) -> FloatArray:
@@ -160,7 +213,11 @@ class Differentiable(Motion):
         found = np.sqrt(np.divide(second, first, out=np.zeros_like(first), where=first > _ROUNDING))
         # A turn of more than half a revolution is another one's: nothing is linear any more.
         far = np.max(np.sum(plus**2 + minus**2, axis=-1), axis=0) > 0.5 * np.pi**2
-        return np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(found, 1.0), found))
+        found = np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(found, 1.0), found))
+        largest = float(np.fmax.reduce(found, axis=None, initial=0.0))
+        if largest > _LARGEST_NONLINEARITY:
+            self._warn(f"the nonlinearity of the errors of the attitude reaches {largest:.2g}")
+        return found
 
     def sigma_points(self) -> list[Self]:
         """Motions one standard deviation to either side along each principal axis of the errors.

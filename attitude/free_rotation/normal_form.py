@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 class NormalForm(Differentiable):
     """A free rotation with its elements; a class of this kind is made from a Body and a Spin."""
 
+    _has_closed_form = True
+
     if TYPE_CHECKING:
         _constants: Any
 

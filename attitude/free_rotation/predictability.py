@@ -113,7 +113,7 @@ def time_of_covariance(motion: Differentiable, tolerance: Real) -> float:
     angle = validation.positive(tolerance, "tolerance", unit="rad")
 
     def largest(seconds: FloatArray) -> FloatArray:
-        found = np.linalg.eigvalsh(motion.covariance_at(seconds, rates=False))[..., -1]
+        found = np.linalg.eigvalsh(motion._linear_covariance_at(seconds, None, False))[..., -1]
         return np.sqrt(np.maximum(found, 0.0))
 
     if largest(np.zeros(1))[0] >= angle:

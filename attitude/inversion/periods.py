@@ -14,9 +14,8 @@ from attitude.inversion.curve import LightCurve
 from attitude.spectrum import significance
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
-
     from attitude.annotations import FilePath, Real
+    from attitude.flat_table import FlatTable
 
 # Error of the model, mag, and turns per span searched at most.
 _ERROR, _MOST_TURNS = 0.02, 1500.0
@@ -70,13 +69,14 @@ class Periods(Sequence[Pair]):
     def __len__(self) -> int:
         return len(self._pairs)
 
-    def table(self) -> QTable:
+    def table(self) -> FlatTable:
         """A row for each pair."""
         from astropy import units
-        from astropy.table import QTable
+
+        from attitude.flat_table import FlatTable
 
         both = np.array([each[:2] for each in self._pairs]).reshape(-1, 2)
-        return QTable(
+        return FlatTable(
             {
                 "first": 1.0 / both[:, 0] / 86400.0 * units.d,
                 "second": 1.0 / both[:, 1] / 86400.0 * units.d,

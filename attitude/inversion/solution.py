@@ -17,9 +17,8 @@ from attitude.inversion.curve_fit import CurveFit
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from astropy.table import QTable
-
     from attitude.annotations import FilePath, FloatArray
+    from attitude.flat_table import FlatTable
     from attitude.inversion.convex import Tie
     from attitude.inversion.curve import LightCurve
     from attitude.inversion.jackknife import GroupErrors
@@ -227,16 +226,17 @@ class SpinStates(Sequence[Any]):
     def __len__(self) -> int:
         return len(self._solutions)
 
-    def table(self) -> QTable:
+    def table(self) -> FlatTable:
         """A row for each solution: mode, periods, pole, moments, fit, relation to the best."""
         from astropy import units
-        from astropy.table import QTable
+
+        from attitude.flat_table import FlatTable
 
         rows = self._solutions
         first = rows[0].evidence if rows else 0.0
         moments = np.array([each.moments for each in rows]).reshape(-1, 3)
         poles = np.array([each.pole for each in rows]).reshape(-1, 2)
-        return QTable(
+        return FlatTable(
             {
                 "rank": np.arange(len(rows)),
                 "mode": [each.mode for each in rows],

@@ -17,10 +17,10 @@ from attitude.photometry.windows import Window
 from attitude.spectrum import refinement, samples
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epochs, FilePath, FloatArray, Real, Reals
+    from attitude.flat_table import FlatTable
     from attitude.spectrum.samples import HasSamples, Samples
 
 _DAY = 86400.0
@@ -106,12 +106,13 @@ class Periodogram(Immutable):
         f = refinement.bootstrap(self.samples, found, validation.count(draws, "draws", 2), seed)
         return float(np.std(f[:, 0], ddof=1) * self.peaks[rank].period ** 2)
 
-    def table(self) -> QTable:
+    def table(self) -> FlatTable:
         """A row for each peak."""
         from astropy import units
-        from astropy.table import QTable
 
-        return QTable(
+        from attitude.flat_table import FlatTable
+
+        return FlatTable(
             {
                 "period": np.array([each.period for each in self.peaks]) / 3600.0 * units.h,
                 "error": np.array([each.error for each in self.peaks]) / 3600.0 * units.h,

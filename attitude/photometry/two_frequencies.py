@@ -22,10 +22,10 @@ from attitude.spectrum.pair_search import OVERSAMPLING
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from astropy.table import QTable
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epochs, FilePath, FloatArray, Real, Reals
+    from attitude.flat_table import FlatTable
     from attitude.photometry.candidates import PeriodCandidate
     from attitude.photometry.folding import Folded
     from attitude.spectrum.samples import HasSamples, Samples
@@ -150,14 +150,15 @@ class TwoPeriods(Immutable):
         first, second = np.std(f, axis=0, ddof=1) * np.array(self.pairs[rank].periods) ** 2
         return float(first), float(second)
 
-    def table(self) -> QTable:
+    def table(self) -> FlatTable:
         """A row for each pair."""
         from astropy import units
-        from astropy.table import QTable
+
+        from attitude.flat_table import FlatTable
 
         periods = np.array([each.periods for each in self.pairs]) / _HOUR * units.h
         errors = np.array([each.errors for each in self.pairs]) / _HOUR * units.h
-        return QTable(
+        return FlatTable(
             {
                 "first": periods[:, 0],
                 "first_error": errors[:, 0],

@@ -41,29 +41,29 @@ _ALONG_Z = 1e-9
 
 @dataclass(frozen=True)
 class RelaxedRotator:
-    """Pole, period and phase of a spin file.
+    """Pole, period and phase of a spin file: its numbers, in its units.
 
     Attributes
     ----------
-    longitude, latitude : float
-        Of the pole, deg, ecliptic of J2000.
-    period : float
-        Sidereal period, h.
+    longitude_deg, latitude_deg : float
+        Of the pole, ecliptic of J2000.
+    period_h : float
+        Sidereal period.
     jd0 : float
         Epoch of phi0, Julian date.
-    phi0 : float
-        Angle about the pole at jd0, deg.
+    phi0_deg : float
+        Angle about the pole at jd0.
     scattering : tuple of str
         The lines behind the first two, unchanged.
     time_system : str
         Time scale of jd0.
     """
 
-    longitude: float
-    latitude: float
-    period: float
+    longitude_deg: float
+    latitude_deg: float
+    period_h: float
     jd0: float
-    phi0: float
+    phi0_deg: float
     scattering: tuple[str, ...] = ()
     time_system: str = "TDB"
 
@@ -82,9 +82,9 @@ class RelaxedRotator:
 
             pair = time_scales.seconds_from_jd(np.float64(self.jd0), np.float64(0.0))
             epoch = Instant(*map(float, time_scales.tdb_from(scale, *pair)))
-        angles = np.radians([self.longitude, 90.0 - self.latitude, self.phi0])
+        angles = np.radians([self.longitude_deg, 90.0 - self.latitude_deg, self.phi0_deg])
         wxyz = forms.from_euler("ZYZ", angles)
-        rate = 2.0 * np.pi / (self.period * _HOUR)
+        rate = 2.0 * np.pi / (self.period_h * _HOUR)
         return Spin(epoch, wxyz, (0.0, 0.0, rate), frame="ecliptic")
 
     def motion(self, body: Body | None = None) -> FreeRotation:
