@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
@@ -44,3 +45,12 @@ def check_call(
     wrong = next(each for each in named if each not in allowed)
     advice = hints.get(wrong, f"it takes {', '.join(allowed)}")
     raise AttitudeError(f"{name} has no argument {wrong}; {advice}, as in {example}.")
+
+
+def show_arguments(cls: type) -> None:
+    """Let `inspect.signature` find the arguments of ``__init__`` where ``__new__`` takes any."""
+    known = inspect.signature(vars(cls)["__init__"])
+    arguments = list(known.parameters.values())[1:]
+    cls.__signature__ = known.replace(  # type: ignore[attr-defined]
+        parameters=arguments, return_annotation=inspect.Signature.empty
+    )
