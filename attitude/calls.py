@@ -1,4 +1,4 @@
-"""Calls with arguments that do not exist: a sentence that shows the right call."""
+"""Calls that fail: of arguments that do not exist, and of packages that are not installed."""
 
 from __future__ import annotations
 
@@ -9,6 +9,20 @@ from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+# What pip installs, and where: no package index has the package before its release.  From then on
+# "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.
+SOURCE: str = "."
+WHERE: str = ", in a checkout of this project"
+
+
+def installing(extra: str) -> str:
+    """The command that installs the packages of an extra, for the end of a sentence.
+
+    >>> installing("jax")
+    'pip install ".[jax]", in a checkout of this project'
+    """
+    return f'pip install "{SOURCE}[{extra}]"{WHERE}'
 
 
 def check_call(

@@ -392,6 +392,17 @@ def test_naming_what_the_package_offers_loads_nothing_heavy():
     assert _loaded_by("from attitude import AttitudeHistory") == []
 
 
+def test_matplotlib_is_loaded_by_plots_only():
+    """It is a dependency, and takes 0.3 s: the main job, `plots` and `viewer` do without."""
+    job = "from attitude import cli, inversion, photometry, plots, viewer; "
+    job += "cli.main(['propagate', 'toutatis', '--stop', '2 d', '--step', '1 d'])"
+    assert "matplotlib" not in _loaded_by(job)
+    drawn = (
+        "from attitude import catalog, plots; plots.overview(catalog.entry('toutatis').motion())"
+    )
+    assert "matplotlib" in _loaded_by(drawn)
+
+
 def test_modules_are_reached_after_importing_the_package():
     reached = "import attitude\nassert attitude.events.glints and attitude.catalog.entry"
     assert "numpy" not in _loaded_by("import attitude")

@@ -219,11 +219,11 @@ def test_dcm_takes_the_frame_to_the_body_and_matrix_the_body_to_the_frame(frame)
 
 
 def test_one_attitude_is_given():
-    for given in ({}, {"wxyz": WXYZ, "dcm": np.eye(3)}):
+    for attitude in ({}, {"wxyz": WXYZ, "dcm": np.eye(3)}):
         with pytest.raises(
-            AttitudeError, match="either wxyz=.*from body axes to the frame, or dcm="
+            AttitudeError, match=r"either wxyz=.*from body axes to the frame, or dcm="
         ):
-            Spin(**GIVEN, **given)
+            Spin(**GIVEN, **attitude)
     with pytest.raises(AttitudeError, match="angular_velocity is None; give real"):
         Spin("2026-01-01", WXYZ)
     with pytest.raises(AttitudeError, match=r"use Spin.from_matrix .body to frame., or give dcm="):
