@@ -408,7 +408,14 @@ def test_modules_are_reached_after_importing_the_package():
     assert "numpy" not in _loaded_by("import attitude")
     run = subprocess.run([sys.executable, "-c", reached], cwd=PACKAGE.parent, check=False)
     assert run.returncode == 0
-    assert {"catalog", "events", "paths", "plots", "shape"} <= set(dir(attitude))
+    public = {name.split(".")[1] for name in attitude.PUBLIC_MODULES if "." in name}
+    assert {"catalog", "inversion", "photometry", "viewer", "torques"} <= public
+    assert set(dir(attitude)) == {*public, *attitude.__all__, "__version__"}
+    each = (
+        f"import attitude\nfor name in {sorted(public - {'jax', 'torch'})}: getattr(attitude, name)"
+    )
+    run = subprocess.run([sys.executable, "-c", each], cwd=PACKAGE.parent, check=False)
+    assert run.returncode == 0
 
 
 def test_moments_and_plain_epochs_need_nothing_heavy():
