@@ -13,16 +13,46 @@ from attitude.errors import AttitudeError as AttitudeError
 
 if TYPE_CHECKING:
     # The names of _MODULES and _WHERE, for editors and type checkers.
+    import attitude.arcs
+    import attitude.attitude_table
+    import attitude.axes
+    import attitude.body
     import attitude.catalog
+    import attitude.conditions
+    import attitude.ensemble
     import attitude.epochs
+    import attitude.errors
     import attitude.events
+    import attitude.fitting
     import attitude.formats
+    import attitude.frames
+    import attitude.free_rotation
+    import attitude.history
+    import attitude.inversion
+    import attitude.jacobi
+    import attitude.jax
     import attitude.light_curve
+    import attitude.motion
     import attitude.paths
+    import attitude.photometry
     import attitude.plots
+    import attitude.propagation
+    import attitude.published
+    import attitude.quaternion
+    import attitude.referee
+    import attitude.regime
+    import attitude.representations
     import attitude.scattering
+    import attitude.scene
+    import attitude.sensitivities
     import attitude.shape
-    import attitude.spectrum  # noqa: F401
+    import attitude.spectrum
+    import attitude.spin
+    import attitude.splitting
+    import attitude.survey
+    import attitude.torch
+    import attitude.torques
+    import attitude.viewer  # noqa: F401
     from attitude.arcs.arcs import Arcs as Arcs
     from attitude.arcs.arcs import Impulse as Impulse
     from attitude.arcs.arcs import InertiaChange as InertiaChange
@@ -68,12 +98,6 @@ _WHERE = {
     "propagate": "attitude.propagation",
 }
 
-# Modules that are imported when they are first used as attributes, such as attitude.events.
-_MODULES = (
-    *("catalog", "epochs", "events", "formats", "light_curve"),
-    *("paths", "plots", "scattering", "shape", "spectrum"),
-)
-
 __all__ = ["AttitudeError", *sorted(_WHERE)]
 
 # The modules whose names are public; others may change in any release.
@@ -109,6 +133,10 @@ PUBLIC_MODULES: tuple[str, ...] = (
 )
 
 
+# Those that are imported when they are first used as attributes, such as attitude.events.
+_MODULES = tuple(dict.fromkeys(name.split(".")[1] for name in PUBLIC_MODULES[1:]))
+
+
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
     def __getattr__(name: str) -> Any:
@@ -122,4 +150,4 @@ if not TYPE_CHECKING:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_WHERE, *_MODULES})
+    return sorted({*__all__, *_MODULES, "__version__"})

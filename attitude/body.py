@@ -315,6 +315,10 @@ class Body(Valued):
         return self._moments
 
 
+# __new__, which takes anything, would hide the arguments from help and shift-tab.
+calls.show_arguments(Body)
+
+
 def _check(moments: FloatArray, name: str) -> None:
     """AttitudeError for principal moments that no body has."""
     x, y, z = moments.tolist()

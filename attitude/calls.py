@@ -1,13 +1,28 @@
-"""Calls with arguments that do not exist: a sentence that shows the right call."""
+"""Calls that fail: of arguments that do not exist, and of packages that are not installed."""
 
 from __future__ import annotations
 
+import inspect
 from typing import TYPE_CHECKING, Any
 
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+# What pip installs, and where: no package index has the package before its release.  From then on
+# "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.
+SOURCE: str = "."
+WHERE: str = ", in a checkout of this project"
+
+
+def installing(extra: str) -> str:
+    """The command that installs the packages of an extra, for the end of a sentence.
+
+    >>> installing("jax")
+    'pip install ".[jax]", in a checkout of this project'
+    """
+    return f'pip install "{SOURCE}[{extra}]"{WHERE}'
 
 
 def check_call(
@@ -44,3 +59,12 @@ def check_call(
     wrong = next(each for each in named if each not in allowed)
     advice = hints.get(wrong, f"it takes {', '.join(allowed)}")
     raise AttitudeError(f"{name} has no argument {wrong}; {advice}, as in {example}.")
+
+
+def show_arguments(cls: type) -> None:
+    """Let `inspect.signature` find the arguments of ``__init__`` where ``__new__`` takes any."""
+    known = inspect.signature(vars(cls)["__init__"])
+    arguments = list(known.parameters.values())[1:]
+    cls.__signature__ = known.replace(  # type: ignore[attr-defined]
+        parameters=arguments, return_annotation=inspect.Signature.empty
+    )

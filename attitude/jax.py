@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from attitude import calls
 from attitude.errors import AttitudeError
 from attitude.propagation import propagate as _compiled
 
@@ -27,7 +28,7 @@ try:
     import jax
     import jax.numpy as jnp
 except ImportError as err:
-    raise ImportError('attitude.jax needs jax: pip install "attitude-propagation[jax]".') from err
+    raise ImportError(f"attitude.jax needs jax: {calls.installing('jax')}.") from err
 
 __all__ = ["propagate"]
 

@@ -62,8 +62,7 @@ def overview(
     Raises
     ------
     AttitudeError
-        For a body at rest, a rod, a span that is not positive, an unknown frame, or if matplotlib
-        is not installed.
+        For a body at rest, a rod, a span that is not positive, and an unknown frame.
 
     Warns
     -----
@@ -106,20 +105,9 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
-    """An empty figure without a window, of a width and height in inches.
+    """An empty figure without a window, of a width and height in inches."""
+    from attitude.shown_figure import ShownFigure
 
-    Raises
-    ------
-    AttitudeError
-        If matplotlib is not installed.
-    """
-    try:
-        from attitude.shown_figure import ShownFigure
-    except ImportError as err:
-        raise AttitudeError(
-            "matplotlib is not installed, which draws the plots; install it with pip install "
-            "matplotlib."
-        ) from err
     return ShownFigure(figsize=size, layout="constrained")
 
 

@@ -13,7 +13,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distributions, version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 # Accepted errors: rad, and of the angular velocity relative to its largest component.
 LARGEST_ERROR: float = 4e-15
+# The folder of this package, and a file in it of the other project of its name, Attitude 0.5.0.
+_FOLDER = Path(__file__).resolve().parent
+_OTHERS = Path("orientation", "pca.py")
 _PACKAGES = ("numpy", "scipy", "astropy", "skyfield", "numba", "llvmlite")
 
 
@@ -162,6 +166,22 @@ def _least(call: Callable[[], object]) -> float:
         call()
         times.append(time.perf_counter() - start)
     return min(times)
+
+
+def other_project() -> str | None:
+    """A sentence if PyPI's `Attitude`, another project, lies in the same folder; None otherwise."""
+    same = [
+        each.version
+        for each in distributions(name="attitude")
+        if Path(str(each.locate_file("attitude"))).resolve() == _FOLDER
+    ]
+    if not same and not (_FOLDER / _OTHERS).is_file():
+        return None
+    return (
+        f"files of another project, PyPI's Attitude{' ' + same[0] if same else ''}, lie in "
+        f"{_FOLDER} too, and each of both replaces files of the other; install "
+        "attitude-propagation in an environment without it."
+    )
 
 
 def versions() -> list[str]:

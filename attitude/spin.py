@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast, overload
 
 import numpy as np
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from attitude.body import Body
     from attitude.regime import Mode
 
-_ARGUMENTS = ("epoch", "wxyz", "angular_velocity", "frame", "covariance")
+_ARGUMENTS = ("epoch", "wxyz", "angular_velocity", "frame", "covariance", "dcm")
 _FIRST = "give wxyz=(w, x, y, z), the scalar first"
 _RATES = "give angular_velocity=(3 numbers), rad/s over the body axes"
 _HINTS = {
@@ -32,7 +32,7 @@ _HINTS = {
     **dict.fromkeys(("omega", "rates", "rate", "angular_rate", "w"), _RATES),
     **dict.fromkeys(("time", "date", "t", "t0"), "give epoch="),
     "rotation": "use Spin.from_rotation",
-    **dict.fromkeys(("matrix", "dcm"), "use Spin.from_matrix"),
+    "matrix": "use Spin.from_matrix (body to frame), or give dcm= (frame to body)",
     **dict.fromkeys(("euler", "angles"), "use Spin.from_euler or Spin.from_angles"),
     **dict.fromkeys(("P_psi", "P_phi", "pole", "P"), "use Spin.from_periods"),
 }
@@ -75,8 +75,9 @@ class Spin(Valued):
     Raises
     ------
     AttitudeError
-        For a date that cannot be read, a quaternion of zero length, a shape, unit or frame that
-        is not known, and a covariance that is not symmetric or not positive.
+        For a date that cannot be read, a quaternion of zero length, a matrix that is not a rotation
+        within 1e-6, both of these or neither, a shape, unit or frame that is not known, and a
+        covariance that is not symmetric or not positive.
 
     >>> Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 1, 15, 1 rad/s in body axes>
@@ -103,17 +104,41 @@ class Spin(Valued):
         )
         return object.__new__(cls)
 
+    @overload
     def __init__(
         self,
         epoch: Epoch,
         wxyz: Reals,
         angular_velocity: Reals,
+        frame: str = ...,
+        covariance: Reals | Mapping[str, Reals] | None = ...,
+    ) -> None: ...
+
+    @overload
+    def __init__(
+        self,
+        epoch: Epoch,
+        *,
+        dcm: Reals,
+        angular_velocity: Reals,
+        frame: str = ...,
+        covariance: Reals | Mapping[str, Reals] | None = ...,
+    ) -> None: ...
+
+    def __init__(
+        self,
+        epoch: Epoch,
+        wxyz: Reals | None = None,
+        angular_velocity: Reals | None = None,
         frame: str = "icrf",
         covariance: Reals | Mapping[str, Reals] | None = None,
+        dcm: Reals | None = None,
     ) -> None:
         known_epoch, known_frame = epochs.instant(epoch, "epoch"), frames.known(frame)
-        in_pairs = quaternion.unit_in_pairs(wxyz)
-        rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
+        in_pairs = quaternion.unit_in_pairs(_attitude(wxyz, dcm))
+        rate = validation.real(
+            cast("Reals", angular_velocity), "angular_velocity", shape=(3,), unit="rad/s"
+        )
         errors = None if covariance is None else frozen(covariances.known(covariance))
         self._set_all(
             epoch=known_epoch,
@@ -144,7 +169,7 @@ class Spin(Valued):
     ) -> Spin:
         """From a rotation matrix (3, 3) that takes body vectors to the frame.
 
-        Its transpose is the paper's attitude matrix A, often called DCM.
+        Its transpose, the paper's attitude matrix A, often called DCM, is given as ``Spin(dcm=)``.
         """
         matrix = validation.real(matrix, "matrix", shape=(3, 3))
         return cls(epoch, quaternion.from_matrix(matrix), angular_velocity, frame)
@@ -348,3 +373,19 @@ class Spin(Valued):
     def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
+
+
+# __new__, which takes anything, would hide the arguments from help and shift-tab.
+calls.show_arguments(Spin)
+
+
+def _attitude(wxyz: Reals | None, dcm: Reals | None) -> Reals:
+    """The quaternion given, or that of the matrix given."""
+    if wxyz is not None and dcm is None:
+        return wxyz
+    if dcm is not None and wxyz is None:
+        return quaternion.from_matrix(validation.real(dcm, "dcm", shape=(3, 3)).T, "dcm")
+    raise AttitudeError(
+        "Spin takes either wxyz=(w, x, y, z), from body axes to the frame, or dcm=(3 x 3), from "
+        "the frame to body axes."
+    )

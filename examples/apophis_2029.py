@@ -73,14 +73,10 @@ def main() -> None:
 
 
 def draw(view: View, days: NDArray[np.float64], nearest: float) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
 
     figure, panels = plt.subplots(4, 1, figsize=(9, 11), sharex=True, layout="constrained")
     panels[0].semilogy(days, view.observer_distance / 1e3, color="C0")

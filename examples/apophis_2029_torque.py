@@ -98,14 +98,11 @@ def main() -> None:
 def draw(
     days: Array, distance: Array, free: AttitudeHistory, tidal: AttitudeHistory, body: Body
 ) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     momentum = tidal.body_to_inertial(tidal.angular_velocity @ body.tensor)
     change = momentum / np.sqrt(np.sum(momentum[0] ** 2))
     size = np.sqrt(np.sum(change**2, axis=-1))

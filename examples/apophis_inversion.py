@@ -43,12 +43,8 @@ def main() -> None:
     print(found, end="\n\n")
     print("Found:", found[0].published("L"))
     print("Truth:", motion.published("L", frame="ecliptic"))
-    try:
-        found.plot(PICTURE)
-    except ImportError:
-        print("No picture: it needs matplotlib (pip install matplotlib).")
-    else:
-        print(f"Picture: {PICTURE}")
+    found.plot(PICTURE)
+    print(f"Picture: {PICTURE}")
 
 
 if __name__ == "__main__":

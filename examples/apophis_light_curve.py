@@ -105,14 +105,10 @@ def draw(
     frequency, amplitude = periodogram(days * DAY, variation)
     top = frequency[np.argmax(amplitude)]
     print(f"\nThe periodogram of the curve peaks at {1.0 / top:.2f} h, half of {2.0 / top:.2f} h.")
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
 
     figure, (whole, part, lines) = plt.subplots(3, 1, figsize=(10, 11), layout="constrained")
     whole.plot(days, magnitude, color="#0072b2", lw=0.7)

@@ -57,14 +57,11 @@ def main() -> None:
 
 
 def draw(motion: Arcs) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     t = np.linspace(0.0, motion.joints[-1] + 120.0, 4001)
     rates = np.degrees(motion.at(t).angular_velocity)
     figure, axes = plt.subplots(figsize=(9, 4.5), layout="constrained")

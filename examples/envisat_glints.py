@@ -146,14 +146,10 @@ def draw(
     flashes: list[Glint],
     date: Callable[[float, int], str],
 ) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
 
     middles = [scale.of(scene.at([0.5 * (each.begin + each.end)]))[0] for each in flashes]
     visible = [pair for pair in zip(middles, flashes, strict=True) if np.isfinite(pair[0])]

@@ -71,14 +71,10 @@ def shadow(scene: Scene, start: epochs.Instant) -> None:
 
 
 def draw(view: View, seconds: NDArray[np.float64], start: epochs.Instant) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
 
     minutes = seconds / 60.0
     figure, (above, middle, below) = plt.subplots(

@@ -63,14 +63,11 @@ def main() -> None:
 
 
 def draw(t: Array, history: AttitudeHistory, found: dict[float, tuple[Array, Array]]) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     figure, panels = plt.subplots(3, 1, figsize=(9, 10), sharex=True, layout="constrained")
     rates, attitude, error = panels
     dots = slice(None, None, 20)

@@ -65,14 +65,11 @@ def main() -> None:
 
 
 def draw(days: Array, energy: Array, separatrix: float, angles: dict[str, Array]) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), sharex=True, layout="constrained")
     above.plot(days, energy)
     above.axhline(separatrix, color="0.5", ls="--", lw=1, label="separatrix")

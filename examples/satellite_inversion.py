@@ -51,12 +51,8 @@ def main() -> None:
         here = motion.at([start])
         rate = np.degrees(here.matrix[0] @ here.angular_velocity[0])
         print(f"{name}: rates {rate.round(3)} deg/s over ICRF axes at {START}")
-    try:
-        result.plot(PICTURE)
-    except ImportError:
-        print("No picture: it needs matplotlib (pip install matplotlib).")
-    else:
-        print(f"Picture: {PICTURE}")
+    result.plot(PICTURE)
+    print(f"Picture: {PICTURE}")
 
 
 if __name__ == "__main__":

@@ -56,14 +56,11 @@ def main() -> None:
 
 
 def draw(t: Array, angle: Array) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     figure, axes = plt.subplots(figsize=(9, 4), layout="constrained")
     axes.plot(t, angle)
     axes.set(

@@ -84,14 +84,11 @@ def main() -> None:
 
 
 def draw(motion: FreeRotation, seen: list[Spin], axes: Array) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     from attitude import epochs
 
     start = epochs.instant("1992-12-02")

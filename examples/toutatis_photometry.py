@@ -76,12 +76,8 @@ def main() -> None:
     print(f"{'UTC':<20}{'attitude':>10}{'long axis':>11}   deg from radar")
     for spin, whole, axis in zip(radar(), *angles_to_radar(best.motion), strict=True):
         print(f"{spin.epoch.utc_iso:<20}{whole:10.0f}{axis:11.0f}")
-    try:
-        found.plot(PICTURE)
-    except ImportError:
-        print("No picture: it needs matplotlib (pip install matplotlib).")
-    else:
-        print(f"Picture: {PICTURE}")
+    found.plot(PICTURE)
+    print(f"Picture: {PICTURE}")
 
 
 if __name__ == "__main__":

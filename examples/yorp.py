@@ -200,14 +200,11 @@ def main() -> None:
 
 
 def draw(degrees: Array, curve: Array, found: Array, years: Array, ahead: list[Array]) -> None:
-    try:
-        import matplotlib
+    import matplotlib
 
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        print("\nNo picture: it needs matplotlib (pip install matplotlib).")
-        return
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
     names = ("spin rate (1e-4 deg/day2)", "obliquity (deg in 1e5 years)")
     for k, name in enumerate(names):

@@ -392,12 +392,30 @@ def test_naming_what_the_package_offers_loads_nothing_heavy():
     assert _loaded_by("from attitude import AttitudeHistory") == []
 
 
+def test_matplotlib_is_loaded_by_plots_only():
+    """It is a dependency, and takes 0.3 s: the main job, `plots` and `viewer` do without."""
+    job = "from attitude import cli, inversion, photometry, plots, viewer; "
+    job += "cli.main(['propagate', 'toutatis', '--stop', '2 d', '--step', '1 d'])"
+    assert "matplotlib" not in _loaded_by(job)
+    drawn = (
+        "from attitude import catalog, plots; plots.overview(catalog.entry('toutatis').motion())"
+    )
+    assert "matplotlib" in _loaded_by(drawn)
+
+
 def test_modules_are_reached_after_importing_the_package():
     reached = "import attitude\nassert attitude.events.glints and attitude.catalog.entry"
     assert "numpy" not in _loaded_by("import attitude")
     run = subprocess.run([sys.executable, "-c", reached], cwd=PACKAGE.parent, check=False)
     assert run.returncode == 0
-    assert {"catalog", "events", "paths", "plots", "shape"} <= set(dir(attitude))
+    public = {name.split(".")[1] for name in attitude.PUBLIC_MODULES if "." in name}
+    assert {"catalog", "inversion", "photometry", "viewer", "torques"} <= public
+    assert set(dir(attitude)) == {*public, *attitude.__all__, "__version__"}
+    each = (
+        f"import attitude\nfor name in {sorted(public - {'jax', 'torch'})}: getattr(attitude, name)"
+    )
+    run = subprocess.run([sys.executable, "-c", each], cwd=PACKAGE.parent, check=False)
+    assert run.returncode == 0
 
 
 def test_moments_and_plain_epochs_need_nothing_heavy():

@@ -18,6 +18,29 @@ def test_this_installation_passes(capsys):
     assert "near_separatrix" in shown
 
 
+def test_another_project_in_the_same_folder_is_named(tmp_path, monkeypatch, capsys):
+    """PyPI's Attitude 0.5.0, by its metadata, and by a file where these are lost."""
+    assert selftest.other_project() is None
+    monkeypatch.setattr(selftest, "_FOLDER", tmp_path / "attitude")
+    (tmp_path / "attitude" / "orientation").mkdir(parents=True)
+    assert selftest.other_project() is None
+    (tmp_path / "attitude" / "orientation" / "pca.py").touch()
+    assert "PyPI's Attitude, lie in" in selftest.other_project()
+    (tmp_path / "attitude" / "orientation" / "pca.py").unlink()
+    metadata = tmp_path / "Attitude-0.5.0.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text("Metadata-Version: 2.1\nName: Attitude\nVersion: 0.5.0\n")
+    assert selftest.other_project() is None  # installed, but not where Python looks for modules
+    monkeypatch.syspath_prepend(tmp_path)
+    assert cli.main(["check"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("Warning: files of another project, PyPI's Attitude 0.5.0, lie in ")
+    assert "passed" in shown
+    monkeypatch.delattr("attitude.__version__")  # installed after this package
+    assert cli.main(["check"]) == 2
+    assert "PyPI's Attitude 0.5.0" in capsys.readouterr().err
+
+
 def test_every_family_of_states_is_in_the_file():
     from tests import states
 

@@ -366,7 +366,8 @@ def test_every_mode_has_its_words(moments, rates, wanted):
 
 
 def test_help_and_version(attitude_command):
-    assert attitude_command("--version") == (0, f"attitude {attitude.__version__}\n", "")
+    for option in ("--version", "-V"):
+        assert attitude_command(option) == (0, f"attitude {attitude.__version__}\n", "")
     code, out, _ = attitude_command("--help")
     assert code == 0
     assert "write a table of attitudes" in out

@@ -1,7 +1,13 @@
 """Pages of docs that are made from the sources are up to date, and their links lead somewhere."""
 
 import importlib.util
+import os
 import re
+import subprocess
+import sys
+import tomllib
+from contextlib import suppress
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -121,3 +127,65 @@ def test_public_numbers_are_si_or_name_their_unit():
     assert len(seen) > 100
     # The columns of DAMIT's files, and arguments that take any Quantity.
     assert not [each for each in bad if not each.startswith("DamitLightCurve.")], bad
+
+
+def _brought_by_the_install_line():
+    """Names of all distributions that `pip install .` installs, as the metadata here say."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    names, wanted = set(), list(project["dependencies"])
+    while wanted:
+        given = wanted.pop()
+        name = re.match(r"[\w.-]+", given).group().lower().replace("_", "-").replace(".", "-")
+        if name not in names and "extra ==" not in given:
+            names.add(name)
+            with suppress(metadata.PackageNotFoundError):  # for another system or Python
+                wanted += metadata.requires(name) or []
+    return names
+
+
+def test_the_first_block_of_the_readme_needs_no_extra(tmp_path):
+    """What stands in the first block runs after the first command: no other package can load."""
+    block = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
+    brought = _brought_by_the_install_line()
+    others = {
+        module
+        for module, owners in metadata.packages_distributions().items()
+        if not any(re.sub(r"[_.]", "-", each).lower() in brought for each in owners)
+    } - {"attitude", "numba", "sitecustomize", "__editable___attitude_propagation_finder"}
+    assert "pytest" in others and "numpy" not in others
+    hide = f"import sys\nfor name in {sorted(others)!r}:\n    sys.modules[name] = None\n"
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", hide + block],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "toutatis.png").stat().st_size > 10_000
+
+
+def test_pages_and_messages_install_from_one_place():
+    """`calls.SOURCE`; extras in quotes, since zsh expands brackets."""
+    from attitude import calls
+
+    pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
+    sources = [
+        file for folder in ("attitude", "examples") for file in (ROOT / folder).rglob("*.py")
+    ]
+    wrong, count = [], 0
+    for file in [*pages, *sources]:
+        if file == ROOT / "attitude" / "calls.py":
+            continue
+        for line in file.read_text().splitlines():
+            for found in re.findall(
+                r'pip install (?:-e )?((?:\\?")?[\w.-]+(?:\[[^\]]*\](?:\\?")?)?)', line
+            ):
+                is_own = re.match(r'["\\]*(?:\.|attitude)', found) is not None
+                count += is_own
+                name = re.match(r'["\\]*([\w.-]+)', found).group(1)
+                quoted = "[" not in found or '"' in found[:2]
+                if is_own and not (name == calls.SOURCE and quoted):
+                    wrong.append(f"{file.name}: {line.strip()}")
+    assert wrong == [] and count > 5

@@ -49,11 +49,3 @@ def test_paper_figure3(tmp_path):
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 1e-10
     assert is_picture(tmp_path / "paper_figure3.png")
-
-
-def test_without_matplotlib_a_sentence(tmp_path):
-    (tmp_path / "matplotlib.py").write_text("raise ImportError('hidden by the test')\n")
-    found = run("toutatis.py", tmp_path, PYTHONPATH=f"{tmp_path}{os.pathsep}{ROOT}")
-    assert found.stderr == ""
-    assert "No picture: it needs matplotlib" in found.stdout
-    assert not (tmp_path / "toutatis.png").exists()

@@ -1,13 +1,19 @@
 """Periods from photometry: reduction, one period, two periods, errors, candidates, commands."""
 
+import signal
+import sys
+import time
+import types
+
 import numpy as np
 import pytest
 from astropy import units
 from astropy.time import Time
+from astropy.timeseries import LombScargle
 
 from attitude import AttitudeError, cli, paths, photometry, scattering, spectrum
 from attitude.errors import AttitudeWarning
-from attitude.photometry import candidates, windows
+from attitude.photometry import candidates, periodograms, windows
 from attitude.physical_constants import ASTRONOMICAL_UNIT_M as AU
 from attitude.physical_constants import SPEED_OF_LIGHT_M_S as C
 from attitude.spectrum import pair_search, refinement, samples
@@ -332,3 +338,70 @@ def test_both_engines_agree():
         return
     other = photometry.periodogram(t, y, engine="nifty-ls", **limits)
     np.testing.assert_allclose(other.power, one.power, atol=1e-6)
+
+
+# Ctrl-C -------------------------------------------------------------------------------------------
+
+
+def longest_silence(work):
+    """The longest time, s of processor, in which Python acts on no signal while `work` runs."""
+    heard = [time.process_time()]
+    other = signal.signal(signal.SIGPROF, lambda *_: heard.append(time.process_time()))
+    signal.setitimer(signal.ITIMER_PROF, 0.01, 0.01)
+    try:
+        work()
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, other)
+    return np.diff([*heard, time.process_time()]).max()
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers of processor time")
+def test_searches_hear_signals_soon(monkeypatch):
+    """0.2 s are felt as at once; compiled loops over all pairs, or all points, took 0.3 to 2 s."""
+    monkeypatch.setattr(periodograms, "_PERMUTATIONS", 1)
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 60.0 * DAY, 1000))
+    y, few = tumbler(t), slice(100)
+    photometry.two_periods(t[few], y[few], min_period="24 h", max_period="40 h")  # compiles
+    photometry.periodogram(t[few], y[few], min_period="24 h", method="pdm")
+    work = (
+        lambda: photometry.two_periods(t, y, min_period="4 h", max_period="40 h"),
+        lambda: photometry.periodogram(t, y, min_period="0.5 h", method="pdm"),
+    )
+    assert [round(each, 2) for each in map(longest_silence, work) if each > 0.2] == []
+
+
+def test_ctrl_c_in_a_destructor_of_finufft_is_not_lost(monkeypatch):
+    """Python prints and swallows what a destructor raises; finufft's plans have one."""
+
+    class Plan:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    calls = []
+
+    def power(series, frequency, method, assume_regular_frequency):
+        assert method == "fastnifty_chi2" and len(frequency) > 1
+        calls.append(len(frequency))
+        plan = Plan()
+        del plan
+        return np.zeros(len(frequency))
+
+    monkeypatch.setitem(sys.modules, "nifty_ls", types.ModuleType("nifty_ls"))
+    monkeypatch.setattr(LombScargle, "power", power)
+    t = np.linspace(0.0, 60.0 * DAY, 300)
+    with pytest.raises(KeyboardInterrupt):
+        photometry.periodogram(t, tumbler(t), min_period="0.5 h", engine="nifty-ls")
+    assert len(calls) == 1
+
+
+def test_parts_of_the_grid_of_nifty_ls_join(monkeypatch):
+    """The powers of the parts are those of the whole, to the errors of its transforms, 1e-7."""
+    pytest.importorskip("nifty_ls", reason="nifty-ls is not installed")
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 60.0 * DAY, 200))
+    powers = []
+    for most in (1 << 15, 1000):
+        monkeypatch.setattr(periodograms, "_FREQUENCIES", most)
+        found = photometry.periodogram(t, tumbler(t), min_period="2 h", engine="nifty-ls")
+        powers.append(found.power)
+    assert np.abs(powers[1] - powers[0]).max() < 1e-7

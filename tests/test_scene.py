@@ -583,3 +583,12 @@ def test_magnitudes_follow_a_phase_function():
         Scene(motion, center, shape=shape, phase_function=19.09)
     with pytest.raises(AttitudeError, match="leave out sun_magnitude"):
         Scene(motion, center, shape=shape, phase_function=function, sun_magnitude=-26.7)
+
+
+def test_a_notebook_names_a_law_without_a_registered_name():
+    metal = scattering.Material(diffuse=0.1)
+    named = scattering.Materials({"panel": metal})
+    for law, words in ((metal, "material"), (named, "Materials"), (None, "lommel-seeliger")):
+        options = {} if law is None else {"law": law}
+        shown = Scene(None, None, (1, 0, 0), (0, 1, 0), **options)._repr_html_()
+        assert f">{words}</td>" in shown

@@ -1,7 +1,9 @@
 """The state at an epoch: every way to give it is the same state, and what is refused."""
 
 import datetime
+import inspect
 import math
+import re
 
 import numpy as np
 import pytest
@@ -27,6 +29,7 @@ GIVEN = {"epoch": "2026-01-01", "angular_velocity": OMEGA}
         Spin(wxyz=tuple(3.7 * WXYZ), **GIVEN),
         Spin.from_rotation(rotation=Rotation.from_quat(WXYZ[[1, 2, 3, 0]]), **GIVEN),
         Spin.from_matrix(matrix=Rotation.from_quat(WXYZ[[1, 2, 3, 0]]).as_matrix(), **GIVEN),
+        Spin(dcm=Rotation.from_quat(WXYZ[[1, 2, 3, 0]]).as_matrix().T, **GIVEN),
         Spin.from_euler(
             sequence="ZXZ",
             angles=Rotation.from_quat(WXYZ[[1, 2, 3, 0]]).as_euler("ZXZ"),
@@ -201,6 +204,40 @@ def test_bad_input_is_a_sentence(options, message):
         Spin(**given)
 
 
+@pytest.mark.parametrize("frame", ["icrf", "ecliptic"])
+def test_dcm_takes_the_frame_to_the_body_and_matrix_the_body_to_the_frame(frame):
+    """The long axis z of a body towards x of the frame, as a user writes its unit vectors down."""
+    axes = np.array(
+        [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+    )  # rows: x, y, z of the body
+    one = Spin(dcm=axes, frame=frame, **GIVEN)
+    other = Spin.from_matrix(matrix=axes.T, frame=frame, **GIVEN)
+    assert one == other
+    assert quaternion.rotate(one.wxyz, (0, 0, 1)) == pytest.approx([1, 0, 0], abs=1e-15)
+    history = FreeRotation(Body(moments=(10, 20, 26)), Spin(dcm=axes, **GIVEN)).at(0.0)
+    assert np.max(np.abs(history.dcm - axes)) < 1e-15
+
+
+def test_one_attitude_is_given():
+    for attitude in ({}, {"wxyz": WXYZ, "dcm": np.eye(3)}):
+        with pytest.raises(
+            AttitudeError, match=r"either wxyz=.*from body axes to the frame, or dcm="
+        ):
+            Spin(**GIVEN, **attitude)
+    with pytest.raises(AttitudeError, match="angular_velocity is None; give real"):
+        Spin("2026-01-01", WXYZ)
+    with pytest.raises(AttitudeError, match=r"use Spin.from_matrix .body to frame., or give dcm="):
+        Spin(matrix=np.eye(3), **GIVEN)
+
+
+@pytest.mark.parametrize("named", [Body, Spin])
+def test_arguments_are_shown(named):
+    """By help and by shift-tab, which ask `inspect.signature`."""
+    shown = list(inspect.signature(named).parameters)
+    assert shown == list(inspect.signature(named.__init__).parameters)[1:] and "self" not in shown
+    assert {"moments", "tensor"} <= set(shown) or {"epoch", "wxyz", "dcm"} <= set(shown)
+
+
 @pytest.mark.parametrize(
     ("matrix", "message"),
     [
@@ -216,6 +253,8 @@ def test_bad_input_is_a_sentence(options, message):
 def test_what_is_no_rotation_matrix(matrix, message):
     with pytest.raises(AttitudeError, match=message):
         Spin.from_matrix(matrix=matrix, **GIVEN)
+    with pytest.raises(AttitudeError, match=re.sub("^matrix", "dcm", message)):
+        Spin(dcm=matrix, **GIVEN)
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,12 @@
 
 import os
 import pickle
+import signal
 import stat
+import subprocess
+import sys
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +17,9 @@ from hypothesis import strategies as st
 from attitude import AttitudeError, Body, FreeRotation, Spin, validation
 from attitude.epochs.inputs import Instant
 from attitude.formats import spin_file
-from attitude.textfiles.atomic_write import written_whole
+from attitude.textfiles.atomic_write import made_whole, written_whole
 from tests import states
+from tests.test_docs import ROOT
 
 GOOD = {
     "body": {"moments": "[10, 20, 26]"},
@@ -374,6 +379,89 @@ def test_a_failed_write_leaves_what_was_there(tmp_path):
     assert path.read_text() == "new"
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
     assert os.listdir(tmp_path) == ["a.txt"]
+
+
+_WRITING = """
+import sys, threading, time
+from attitude.textfiles.atomic_write import made_whole, written_whole
+
+def write():
+    with written_whole("a.txt") as file, made_whole("b.gif") as name, open(name, "w") as other:
+        print(*(file.write("half"), other.write("half")), flush=True)
+        while True:
+            time.sleep(0.01)
+
+if sys.argv[1] == "thread":  # signals reach the main thread
+    with written_whole("c.txt"):
+        threading.Thread(target=write, daemon=True).start()
+        while True:
+            time.sleep(0.01)
+write()
+"""
+
+
+def _ended_while_writing(folder, number, where="main"):
+    """Start a process that writes to files in a folder, and end it by a signal."""
+    command = [sys.executable, "-c", _WRITING, where]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+        assert any(name.endswith(".part") for name in os.listdir(folder))
+        process.send_signal(number)
+        assert process.wait(20) == -number
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGTERM that a process can handle")
+@pytest.mark.parametrize("where", ["main", "thread"])
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_signal_to_end_leaves_no_files(tmp_path, name, where):
+    _ended_while_writing(tmp_path, getattr(signal, name), where)
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
+def test_the_next_write_deletes_what_a_killed_process_left(tmp_path):
+    """And nothing of processes that live, of other names, or that another machine has locked."""
+    _ended_while_writing(tmp_path, signal.SIGKILL)
+    assert len(os.listdir(tmp_path)) == 2
+    kept = [f".a.txt.{os.getppid()}.part", ".a.txt.x.part", ".aa.txt.1.part", ".a.txt.0.part"]
+    for name in kept:
+        (tmp_path / name).write_text("half")
+    with written_whole(tmp_path / "a.txt") as file:
+        file.write("new")
+    with made_whole(tmp_path / "b.gif") as name:
+        Path(name).write_text("new")
+    assert sorted(os.listdir(tmp_path)) == sorted([*kept, "a.txt", "b.gif"])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no locks of this kind")
+def test_a_file_that_is_locked_is_in_use(tmp_path):
+    import fcntl
+
+    (tmp_path / ".a.txt.4194305.part").write_text("above the largest number of a process")
+    with open(tmp_path / ".a.txt.4194305.part", "rb") as other:
+        fcntl.flock(other, fcntl.LOCK_SH)
+        with written_whole(tmp_path / "a.txt") as file:
+            file.write("new")
+    assert len(os.listdir(tmp_path)) == 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGTERM that a process can handle")
+def test_handlers_of_others_stay(tmp_path):
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    with written_whole(tmp_path / "a.txt"):
+        assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+        with written_whole(tmp_path / "b.txt"):
+            pass
+        assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    try:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        with written_whole(tmp_path / "a.txt"):
+            assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def test_a_link_is_kept_and_a_device_is_written_to(tmp_path):

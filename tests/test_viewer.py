@@ -238,11 +238,38 @@ def test_a_table_needs_no_inertia():
     assert ["moments", "unknown: without them no momentum is drawn"] in data["facts"]
 
 
-def test_text_of_a_title_ends_no_script():
-    made = view(toutatis(), title="</script><b>&")
-    assert content(made)["title"] == "</script><b>&"
-    assert "<title>&lt;/script&gt;&lt;b&gt;&amp;</title>" in made.html
-    assert "srcdoc" in made._repr_html_()
+@pytest.mark.parametrize(
+    "title",
+    [
+        "</script><b>&",
+        "<!--<script>",
+        "<!-- <SCRIPT",
+        "</SCRIPT x>-->",
+        "--><script>",
+        "a\u2028b\u2029c",
+        "{{script}}\\u003c",
+    ],
+)
+def test_text_of_a_title_ends_no_script(title):
+    """A parser of the HTML standard finds the same elements as with a plain title."""
+    import html5lib
+
+    made, plain = (
+        html5lib.parse(view(toutatis(), title=text).html, namespaceHTMLElements=False)
+        for text in (title, "plain")
+    )
+    assert [each.tag for each in made.iter()] == [each.tag for each in plain.iter()]
+    assert made.find("head/title").text == title
+    data, other = (each.find(".//script[@id='data']").text for each in (made, plain))
+    assert json.loads(data)["title"] == title
+    assert [each.text for each in made.iter("script") if each.text != data] == [
+        each.text for each in plain.iter("script") if each.text != other
+    ]
+    assert not set(data) & {"<", "\u2028", "\u2029"}  # as text of JavaScript too
+
+
+def test_a_page_in_a_notebook_is_a_frame():
+    assert "srcdoc" in view(toutatis())._repr_html_()
 
 
 def test_the_library_is_whole_and_named():

@@ -30,7 +30,6 @@ from functools import partial
 from importlib import import_module
 from typing import Any, NoReturn
 
-from attitude import __version__
 from attitude.errors import AttitudeError, AttitudeWarning
 
 COMMANDS: tuple[str, ...] = (
@@ -117,7 +116,13 @@ class _Parser(argparse.ArgumentParser):
 
 def _parsed(argv: list[str]) -> argparse.Namespace:
     parser = _Parser(prog="attitude", description=_DESCRIPTION, epilog=_EPILOG)
-    parser.add_argument("--version", action="version", version=f"attitude {__version__}")
+    if "--version" in argv or "-V" in argv:
+        from attitude import __version__  # not there where another project has replaced the file
+
+        version = f"attitude {__version__}"
+    else:
+        version = "attitude"
+    parser.add_argument("-V", "--version", action="version", version=version)
     first = argv[0] if argv else None
     if first is None:
         raise AttitudeError(f'give a command: {", ".join(COMMANDS)}; see "attitude --help".')

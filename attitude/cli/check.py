@@ -22,12 +22,18 @@ def run(arguments: argparse.Namespace) -> None:
     Raises
     ------
     AttitudeError
-        If the reference states cannot be read.
+        If the reference states cannot be read, or another project has replaced the package's file.
     SystemExit
         With code 1, if an error is larger than accepted.
     """
+    import attitude
     from attitude import selftest
 
+    other = selftest.other_project()
+    if other is not None:
+        if not hasattr(attitude, "__version__"):  # its __init__.py is there in place of ours
+            raise AttitudeError(other)
+        print(f"Warning: {other}")
     try:
         result = selftest.check()
     except (OSError, KeyError, ValueError) as err:

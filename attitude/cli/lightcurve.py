@@ -255,11 +255,5 @@ def _require_paths(scene: Scene, output: str) -> None:
 
 
 def _figure_kind(figure: str | None) -> str | None:
-    """The format of --figure, or None without it; checks that matplotlib is installed."""
-    if figure is None:
-        return None
-    from attitude import plots
-
-    kind = output.kind_of(figure, output.PICTURES, "--figure")
-    plots.new_figure((1.0, 1.0))
-    return kind
+    """The format of --figure, or None without it."""
+    return None if figure is None else output.kind_of(figure, output.PICTURES, "--figure")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import validation
+from attitude import calls, validation
 from attitude.ensemble.ensemble import Ensemble
 from attitude.errors import AttitudeError
 from attitude.formats import parquet
@@ -329,6 +329,6 @@ def _dask() -> Any:
         import dask
     except ModuleNotFoundError as err:
         raise AttitudeError(
-            'dask is not installed; install it by pip install "attitude-propagation[dask]".'
+            f"dask is not installed; install it by {calls.installing('dask')}."
         ) from err
     return dask

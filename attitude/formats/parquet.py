@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import pairs
+from attitude import calls, pairs
 from attitude.epochs import time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import csv_rows
@@ -142,7 +142,7 @@ def _pyarrow():
         import pyarrow.parquet
     except ImportError as err:
         raise AttitudeError(
-            "parquet files need pyarrow, which is not installed; install it with "
-            'pip install "attitude-propagation[parquet]".'
+            "parquet files need pyarrow, which is not installed; install it by "
+            f"{calls.installing('parquet')}."
         ) from err
     return pyarrow

@@ -165,7 +165,7 @@ class LightCurve(Immutable, HasSamples):
         self._set("name", name)
 
     @classmethod
-    def read(cls, path: FilePath, **given: Any) -> Self:
+    def read(cls, path: FilePath, /, **given: Any) -> Self:
         """The light curve in a file of any format that `attitude.photometry.read` reads.
 
         Parameters

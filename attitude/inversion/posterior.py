@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import validation
+from attitude import calls, validation
 from attitude.errors import AttitudeError
 from attitude.inversion import blas_threads, density_of_motion, population, states
 
@@ -122,7 +122,8 @@ def sampled(
         import emcee
     except ImportError as err:
         raise AttitudeError(
-            "posterior needs emcee, which is not installed; install attitude-propagation[posterior]"
+            f"posterior needs emcee, which is not installed; install it by "
+            f"{calls.installing('posterior')}."
         ) from err
     if solutions[0].is_axial:
         raise AttitudeError(

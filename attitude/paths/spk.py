@@ -304,7 +304,7 @@ def spk(file: FilePath, target: str | int) -> Path:
     ----------
     file : path
         An SPK kernel.  Types 2 and 3 need no other package, all others (21 of Horizons, 9, 13, 1,
-        ...) need spiceypy: ``pip install attitude-propagation[spice]``.
+        ...) need spiceypy: the extra ``spice``.
     target : str or int
         A name such as "moon", or a NAIF number such as 20099942.
 

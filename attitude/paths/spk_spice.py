@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import pairs
+from attitude import calls, pairs
 from attitude.errors import AttitudeError
 from attitude.paths.spk_segment import Segment
 
@@ -33,7 +33,7 @@ class SpiceSegment(Segment):
         if importlib.util.find_spec("spiceypy") is None:
             raise AttitudeError(
                 f"{kernel.source} has {name} in a segment of type {segment.data_type}, which needs "
-                'SPICE; install it with pip install "attitude-propagation[spice]".'
+                f"SPICE; install it by {calls.installing('spice')}."
             )
         self._arguments = (kernel.file, number)
 

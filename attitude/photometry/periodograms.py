@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude import validation
+from attitude import blocks, validation
+from attitude.compilation import deferral
 from attitude.errors import AttitudeError
 from attitude.immutable import Immutable, frozen
 from attitude.photometry import folding, windows
@@ -30,6 +31,10 @@ _OVERSAMPLING, _MOST = 5.0, 5_000_000
 _NYQUIST = 2.0
 _PERMUTATIONS = 12
 _EULER = 0.5772
+# Frequencies of one call of nifty-ls, and products of points and frequencies of one of phase
+# dispersion, some 0.05 s: Python acts on signals, such as that of Ctrl-C, between two calls.  More
+# frequencies also take longer each, beyond the caches.
+_FREQUENCIES, _POINTS = 1 << 15, 5_000_000
 
 
 class Peak(NamedTuple):
@@ -250,14 +255,24 @@ def _fourier(
     """The share of the variance explained, by astropy's LombScargle."""
     from astropy.timeseries import LombScargle
 
-    method = "fastchi2" if len(frequency) > 200 else "chi2"
+    series = LombScargle(data.t - data.t.min(), y, data.errors, nterms=order)
+    power = np.empty_like(frequency)
+
+    def computed(begin: int, end: int, method: str = "fastnifty_chi2") -> None:
+        part = slice(begin, end)
+        power[part] = series.power(frequency[part], method=method, assume_regular_frequency=True)
+
     if _has_nifty(engine):
-        method = "fastnifty_chi2"
-    errors = None if data.errors is None else data.errors
-    found = LombScargle(data.t - data.t.min(), y, errors, nterms=order).power(
-        frequency, method=method, assume_regular_frequency=True
-    )
-    return np.clip(np.asarray(found, dtype=np.float64), 0.0, 1.0)
+        # finufft swallows an exception that comes while it hands over arguments or deletes a plan.
+        def undisturbed(begin: int, end: int) -> None:
+            with deferral.interrupts_held():
+                computed(begin, end)
+
+        count = -(-len(frequency) // _FREQUENCIES)  # of equal length: none has one frequency alone
+        blocks.in_blocks(undisturbed, len(frequency), -(-len(frequency) // count), 1)
+    else:
+        computed(0, len(frequency), "fastchi2" if len(frequency) > 200 else "chi2")
+    return np.clip(power, 0.0, 1.0)
 
 
 def _has_nifty(engine: str) -> bool:
@@ -279,7 +294,13 @@ def _has_nifty(engine: str) -> bool:
 def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) -> FloatArray:
     theta = np.empty_like(frequency)
     start = np.ascontiguousarray(data.t - data.t.min())
-    dispersions(start, np.ascontiguousarray(y), data.weights**2, frequency, bins, 2, theta)
+    values, weights = np.ascontiguousarray(y), data.weights**2
+
+    def work(begin: int, end: int) -> None:
+        part = slice(begin, end)
+        dispersions(start, values, weights, frequency[part], bins, 2, theta[part])
+
+    blocks.in_blocks(work, len(theta), max(1, _POINTS // len(start)), 1)
     return 1.0 - theta
 
 

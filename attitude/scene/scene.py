@@ -332,7 +332,7 @@ class Scene(Immutable):
             ("observer", self.observer.name),
             ("Sun", self.sun.name),
             ("shape", "none" if self.shape is None else repr(self.shape)),
-            ("scattering law", str(self.law.name)),
+            ("scattering law", self.law.name or type(self.law).__name__),
         ]
         if self.epoch is not None:
             rows.append(("epoch", f"{self.epoch.utc_iso} UTC"))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude import calls
 from attitude.errors import AttitudeError, quoted
 from attitude.shape.mesh import SURFACE, Mesh
 from attitude.shape.rounding import of_printed, of_single_precision
@@ -279,7 +280,7 @@ def _trimesh() -> Any:
     except ImportError as err:
         raise AttitudeError(
             "STL and PLY files, and repair=True, need the package trimesh: "
-            'pip install "attitude-propagation[mesh]".'
+            f"{calls.installing('mesh')}."
         ) from err
     return trimesh
 
@@ -311,6 +312,6 @@ def _repaired(vertices: FloatArray, facets: IntArray) -> Parts:
     except ImportError as err:
         raise AttitudeError(
             f"repair=True needs a package of trimesh that is not installed ({err}): "
-            'pip install "attitude-propagation[mesh]".'
+            f"{calls.installing('mesh')}."
         ) from err
     return np.array(mesh.vertices), np.array(mesh.faces), SURFACE

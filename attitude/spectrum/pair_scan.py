@@ -13,12 +13,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude import blocks
 from attitude.compilation.decorators import entry_point, reduction_subroutine, subroutine
 
 if TYPE_CHECKING:
-    from attitude.annotations import IntArray
+    from attitude.annotations import FloatArray, IntArray
 
 _SIDE = 16
+# Products of the factorisations of one compiled call, some 0.03 s: Python acts on signals, such as
+# that of Ctrl-C, between two calls.
+_PRODUCTS = 5e7
 
 
 def harmonics(order: int) -> IntArray:
@@ -37,13 +41,34 @@ def harmonics(order: int) -> IntArray:
     return np.array(found)
 
 
-@entry_point
-def decreases(wr, wi, yr, yi, first, second, lines, ridge, out):
+def decreases(
+    wr: FloatArray,
+    wi: FloatArray,
+    yr: FloatArray,
+    yi: FloatArray,
+    first: IntArray,
+    second: IntArray,
+    lines: IntArray,
+    ridge: float,
+    out: FloatArray,
+) -> None:
     """Decrease of chi-squared by the series of each pair, into out (P,).
 
     wr, wi, yr, yi: the tables, real and imaginary parts; first, second: grid numbers of the pairs;
     lines as of `harmonics`; ridge: inverse variance of the amplitudes before the fit.
     """
+    unknown = 2 * len(lines) - 1
+    size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
+
+    def work(begin: int, end: int) -> None:
+        part = slice(begin, end)
+        _decreases(wr, wi, yr, yi, first[part], second[part], lines, ridge, out[part])
+
+    blocks.in_blocks(work, len(first), size, 1)
+
+
+@entry_point
+def _decreases(wr, wi, yr, yi, first, second, lines, ridge, out):
     terms = lines.shape[0]
     unknown = 2 * terms - 1
     g, b = np.empty((unknown, unknown, _SIDE)), np.empty((unknown, _SIDE))

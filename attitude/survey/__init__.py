@@ -26,10 +26,11 @@ if find_spec("sorcha") is not None:
 
 def __getattr__(name: str) -> Any:
     if name in ("RELAXED", "LightCurve", "light_curve_class"):
+        from attitude import calls
         from attitude.errors import AttitudeError
 
         raise AttitudeError(
             f"{name} is part of the light-curve class for the simulator sorcha, which is not "
-            'installed; install it by pip install "attitude-propagation[sorcha]".'
+            f"installed; install it by {calls.installing('sorcha')}."
         )
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,12 +3,13 @@
 import sys
 
 import attitude.survey
+from attitude import calls
 
 
 def main() -> None:
     """Run ``sorcha run`` with the arguments of the command line."""
     if not hasattr(attitude.survey, "LightCurve"):
-        sys.exit('sorcha is not installed: pip install "attitude-propagation[sorcha]".')
+        sys.exit(f"sorcha is not installed: {calls.installing('sorcha')}.")
     from sorcha_cmdline.run import main as run
 
     if sys.argv[1:2] == ["run"]:

@@ -24,6 +24,19 @@ def written(value: Any, *, indent: int | None = None) -> str:
     )
 
 
+def within_script(value: Any) -> str:
+    """The JSON of a value for a script element of HTML, which no text in it ends or extends.
+
+    The HTML standard ("Restrictions for contents of script elements") lets `</script`, `<!--` and
+    `<script` change where the element ends, so that every `<` is escaped; the separators of lines
+    U+2028 and U+2029 end lines of JavaScript before ES2019.
+    """
+    text = written(value)
+    for each in ("<", "\u2028", "\u2029"):  # in JSON these stand within strings only
+        text = text.replace(each, f"\\u{ord(each):04x}")
+    return text
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _plain(each) for name, each in value.items()}

@@ -70,7 +70,7 @@ def animate(
     Raises
     ------
     AttitudeError
-        For another ending, if matplotlib, Pillow or ffmpeg is not installed, and as `view`.
+        For another ending, if Pillow or ffmpeg is not installed, and as `view`.
 
     Notes
     -----

@@ -24,8 +24,7 @@ def page(data: dict[str, Any]) -> str:
         "style": _text("style.css"),
         "licence": html.escape(f"three.js {version()}: {_text('three/LICENSE')}"),
         "three": _text("three/three.min.js"),
-        # Within a script element "</" could end it.
-        "data": json_text.written(data).replace("</", "<\\/"),
+        "data": json_text.within_script(data),
         "script": script(),
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _text("viewer.html"))

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
+from attitude import calls
 from attitude.errors import AttitudeError
 from attitude.formats.ck import daf_head
 from attitude.textfiles.lines import unreadable
@@ -29,9 +30,7 @@ def spiceypy() -> Any:
     try:
         import spiceypy
     except ImportError as err:
-        raise AttitudeError(
-            'CK needs SPICE; install it with pip install "attitude-propagation[spice]".'
-        ) from err
+        raise AttitudeError(f"CK needs SPICE; install it by {calls.installing('spice')}.") from err
     return spiceypy
 
 
