@@ -1,6 +1,7 @@
 """Inversion of light curves: compiled parts against definitions, and curves of known states."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from attitude.inversion import (
     search,
     states,
 )
+from attitude.inversion.spin_states import is_constant
 from attitude.light_curve import closed_form
 from attitude.spectrum import pair_scan, transforms
 from benchmarks import inversion as figures
@@ -337,6 +339,64 @@ def test_figures_are_drawn(solved, tmp_path):
     found.plot(tmp_path / "all.png")
     found[0].plot(tmp_path / "one.png")
     assert (tmp_path / "all.png").stat().st_size > 10_000
+
+
+SMALL = {"_PAIRS": 60, "_DEEP": 20, "_CLASSES": 10, "_CONVEX": 10, "_FINAL": 5, "_ROUNDS": 1}
+
+
+@pytest.fixture
+def small_search(monkeypatch):
+    """With fewer pairs of frequencies, starts and solutions than a search has."""
+    for name, count in SMALL.items():
+        monkeypatch.setattr(search, name, count)
+    # poles of rotation about one axis, from 200 directions, take half of the time
+    monkeypatch.setattr(search.Search, "_axial_poles", lambda self: None)
+
+
+def test_a_rotation_of_days_is_found_in_sessions_of_hours(small_search):
+    """Offsets of its 60 sessions, 0.1 mag, explain the whole curve, and evidence rejects them."""
+    case = inversion_cases.case(501, figures.STYLES[5])
+    curve = figures.curve_of(case, "auto")
+    given, _ = curve_problem.problem(curve, case.most / 86400.0, 0.07, "auto")
+    assert is_constant(given)
+    found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), budget=300)
+    assert figures.judged(found[0], case)[0]
+    assert "sessions" not in " ".join(found.notes)
+
+
+def test_offsets_of_sessions_about_a_constant_brightness(small_search):
+    """Within their prior no tumbling body explains them better; with "free" the note says so."""
+    case = inversion_cases.case(501, figures.STYLES[5])
+    generator = np.random.default_rng(6)
+    zero = 0.08 * generator.normal(size=case.session.max() + 1)
+    size = np.linalg.norm(case.sun, axis=1) * np.linalg.norm(case.observer, axis=1)
+    noise = case.sigma * generator.normal(size=len(case.sigma))
+    flat = replace(case, magnitude=5.0 * np.log10(size) + zero[case.session] + noise)
+    for zero_points in ("auto", "free"):
+        curve = figures.curve_of(flat, zero_points)
+        found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), budget=300)
+        words = " ".join(found.notes)
+        assert not len(found) and found.verdict == "not solved"
+        assert "constant within the errors with" in words and "with one zero point chi2/N" in words
+
+
+def test_offsets_that_the_data_ask_for_are_fitted(small_search):
+    """Sessions of a fast tumbler whose zero points differ by 0.1 mag."""
+    case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 9, "zero": 0.1})
+    found = inversion.spin_states(figures.curve_of(case, "auto"), f"{case.most} /d", budget=300)
+    assert "sessions have zero points of their own" in " ".join(found.notes)
+    assert found[0].rms < 0.05
+
+
+def test_no_slow_tumbler_is_called_constant():
+    assert figures.called_constant(12, 8100000) == ([], 1)
+
+
+@pytest.mark.slow
+def test_no_slow_tumbler_of_many_is_called_constant():
+    """Offsets of the sessions within their prior explain one curve in six, and none is lost."""
+    found, explained = figures.called_constant(300, 8100000)
+    assert found == [] and explained > 30
 
 
 def test_periods_of_the_lines(solved):

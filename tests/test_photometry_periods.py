@@ -170,6 +170,35 @@ def test_errors_by_curvature_and_by_bootstrap_are_those_of_repeated_noise():
     assert 1 / 1.6 < np.std(drawn) / scatter < 1.6
 
 
+def _slow():
+    """Two periods of days in 60 sessions of three hours, errors of 0.03 mag."""
+    generator = np.random.default_rng(12)
+    session = np.repeat(np.arange(60), 5)
+    t = DAY * (2.3 * session + generator.uniform(0.0, 0.125, 300))
+    first, second = 2.0 * np.pi * t / (5.3 * DAY), 2.0 * np.pi * t / (3.7 * DAY)
+    y = 0.4 * np.cos(2.0 * first) + 0.3 * np.cos(first + second)
+    y += 0.03 * generator.normal(size=300)
+    times = Time("2026-01-01", scale="tdb") + t * units.s
+    return photometry.Photometry(times, magnitude=y, sigma=0.03, session=session)
+
+
+def test_periods_of_days_in_sessions_of_hours():
+    """Zero points of the sessions would take up three quarters of it; the data need one."""
+    data = _slow()
+    bounds = {"min_period": "1.5 d", "max_period": "20 d"}
+    found = photometry.two_periods(data, order=2, count=3, **bounds)
+    assert found.samples.curves == 1 and found[0].left < 0.02
+    free = photometry.two_periods(data, order=2, count=3, zero_points="free", **bounds)
+    assert free.samples.curves == 60
+    lines = [line.frequency * DAY for line, _ in found.lines()[:2]]
+    expected = [2.0 / 5.3, 1.0 / 5.3 + 1.0 / 3.7]
+    assert lines == pytest.approx(expected, abs=5e-4)  # a tenth of 1/span
+    folded = photometry.fold(data, ["5.3 d", "3.7 d"], order=2)
+    assert folded.samples.curves == 1 and folded.rms < 0.035
+    one = photometry.periodogram(data, order=1, **bounds)
+    assert one.samples.curves == 1 and one.period == pytest.approx(0.5 * 5.3 * DAY, rel=2e-3)
+
+
 def test_zero_points_of_sessions_are_free():
     t = nights()
     session = (t // DAY).astype(int)

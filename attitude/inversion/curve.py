@@ -193,11 +193,20 @@ class LightCurve(Immutable, HasSamples):
         )
 
     def samples(self) -> Samples:
-        """Reduced magnitudes at the epochs of emission, a zero point a session and filter."""
+        """Reduced magnitudes at the epochs of emission, a zero point a session and filter.
+
+        Or one a filter: those of the curve that are "free" or "shared" are known.
+        """
         keys = self.session * len(self.filters) + self.filter
-        curve = np.unique(keys, return_inverse=True)[1].reshape(-1)
-        t = np.array(self.emission)
-        return Samples(t, self.reduced, np.array(self.sigma), curve.astype(np.int64), self.epoch)
+        curve, joined = (
+            np.unique(each, return_inverse=True)[1].reshape(-1).astype(np.int64)
+            for each in (keys, self.filter)
+        )
+        given = np.array(self.emission), self.reduced, np.array(self.sigma)
+        if self.zero_points == "shared":
+            curve = joined
+        is_known = self.zero_points in ("shared", "free")
+        return Samples(*given, curve, self.epoch, joined=None if is_known else joined)
 
     @property
     def span(self) -> float:

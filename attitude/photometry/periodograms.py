@@ -150,14 +150,14 @@ def periodogram(
     engine: str = "auto",
     count: int = 10,
     seed: int = 0,
+    zero_points: str = "auto",
 ) -> Periodogram:
     """The periods of a light curve with one frequency.
 
     Parameters
     ----------
     t : Photometry, LightCurve, or (N,) epochs
-        Photometry has its values, errors, and a zero point for each session and filter
-        (`Photometry.shared` joins the sessions).
+        Photometry has its values, errors, sessions and filters, which have their own zero points.
     values, errors, curve
         As of `spectrum.fit`.
     min_period, max_period : float, Quantity or text, optional
@@ -174,6 +174,9 @@ def periodogram(
         Of peaks.
     seed : int
         Of the permutations.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
 
     Returns
     -------
@@ -188,22 +191,48 @@ def periodogram(
     -----
     The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
     (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
-    scan the mean of each session is taken off, which weakens periods longer than a session.
+    scan the mean of each curve with a zero point of its own is taken off, which hides most of a
+    period longer than a session: so one zero point for all sessions is tried first.
 
     >>> t = np.sort(np.random.default_rng(1).uniform(0.0, 40.0, 200))      # days
     >>> found = periodogram(t * 86400.0, np.sin(2 * np.pi * t / 0.31), min_period="2 h", order=1)
     >>> round(found.period / 86400.0, 6)
     0.31
     """
-    data = samples.tempered(samples.of(t, values, errors, curve))
+    data = samples.tempered(samples.of(t, values, errors, curve, zero_points))
     number = validation.count(order, "order")
     validation.one_of(method, "method", ("fourier", "pdm"))
+
+    def found(own: Samples) -> Periodogram:
+        bounds = min_period, max_period
+        return _periodogram(own, bounds, number, method, bins, engine, count, seed)
+
+    return samples.settled(data, found, _significant)
+
+
+def _significant(found: Periodogram) -> refinement.RefinedSeries | None:
+    """The series of the best peak; None if chance reaches its power."""
+    if found.peaks[0].power < found.false_alarm:
+        return None
+    return _refined(found.samples, 1.0 / found.period, found.order)
+
+
+def _periodogram(
+    data: Samples,
+    bounds: tuple[Real | None, Real | None],
+    number: int,
+    method: str,
+    bins: int,
+    engine: str,
+    count: int,
+    seed: int,
+) -> Periodogram:
     if len(data.t) < data.curves + 2 * number + 2:
         raise AttitudeError(
             f"{len(data.t)} values are given for {data.curves} zero points and {number} harmonics; "
             "give more values, or a lower order."
         )
-    frequency = _grid(data, min_period, max_period, number)
+    frequency = _grid(data, *bounds, number)
     if method == "fourier":
         power = _fourier(data, frequency, number, data.detrended, engine)
         chance = _chance(data, frequency, number, engine, seed)
