@@ -416,6 +416,6 @@ def test_the_package_names_what_it_has():
 
 
 def test_files_and_functions_fit():
-    """One idea a file: none longer than 400 lines."""
+    """One idea a file: none longer than 700 lines."""
     for file in MODULES.values():
-        assert len(file.read_text().splitlines()) <= 400, file
+        assert len(file.read_text().splitlines()) <= 700, file

@@ -199,6 +199,18 @@ def test_periods_of_days_in_sessions_of_hours():
     assert one.samples.curves == 1 and one.period == pytest.approx(0.5 * 5.3 * DAY, rel=2e-3)
 
 
+def test_peaks_lie_in_the_range_of_periods_and_in_the_order_of_their_power():
+    """Half a period lies just outside of the range: its slope may lead a refinement there."""
+    t = nights()
+    y = np.cos(2 * np.pi * t / (6.1 * HOUR)) + 0.1 * np.random.default_rng(3).normal(size=t.size)
+    for bounds in (("6.15 h", "14 h"), ("3 h", "6.05 h"), ("5 h", "7 h")):
+        found = photometry.periodogram(t, y, min_period=bounds[0], max_period=bounds[1], count=20)
+        low, high = (float(each[:-2]) * HOUR for each in bounds)
+        periods = np.array([each.period for each in found.peaks])
+        assert np.all((periods >= low * (1 - 1e-12)) & (periods <= high * (1 + 1e-12)))
+        assert np.all(np.diff([each.power for each in found.peaks]) <= 0.0)
+
+
 def test_zero_points_of_sessions_are_free():
     t = nights()
     session = (t // DAY).astype(int)

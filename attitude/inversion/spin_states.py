@@ -303,8 +303,9 @@ def is_constant(problem: CurveProblem) -> bool:
 
 
 def is_better_constant(problem: CurveProblem, found: Sequence[Weighted]) -> bool:
-    """Whether offsets of the sessions alone have better evidence than any solution without them."""
-    return all(_evidence(robust.constant(problem)) < _evidence(each) for each in found)
+    """Whether offsets alone have better evidence, by 13, than any solution without them."""
+    most = min((_evidence(each) for each in found), default=math.inf) - verdicts.COMPETING
+    return _evidence(robust.constant(problem)) < most
 
 
 def _shifts(curve: LightCurve) -> tuple[float, ...]:
