@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from attitude.inversion import ellipsoid_search, problem, refinement, robust, verdicts
+from attitude.inversion.curve import CALIBRATED
 from attitude.inversion.spin_states import is_constant
 
 COUNT = 100
@@ -82,6 +83,24 @@ def test_zero_points_of_nights_do_not_hide_a_variation():
         y = noise + size * (40.0 * t - nights - 0.5)
         rest = zeros, zeros, y, np.full(400, 0.05), terms, np.full(40, np.inf), 0.07
         assert is_constant(problem.CurveProblem.of(t, 1.0, *rest)) is expected
+
+
+@pytest.mark.parametrize(("size", "expected"), [(0.0, True), (0.08, True), (0.25, False)])
+def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expected):
+    """Offsets of 60 sessions of four points, held to 0.1 mag; the residuals are noise in each."""
+    nights = np.repeat(np.arange(60), 4)
+    generator = np.random.default_rng(4)
+    y = 0.05 * generator.normal(size=240) + size * generator.normal(size=60)[nights]
+    terms = np.concatenate([np.ones((240, 1)), nights[:, None] == np.arange(60)], axis=1)
+    prior = np.r_[np.inf, np.full(60, CALIBRATED)]
+    zeros = np.zeros((3, 240))
+    given = np.linspace(-0.5, 0.5, 240), 1.0, zeros, zeros, y, np.full(240, 0.05), terms, prior
+    made = problem.CurveProblem.of(*given, 0.07)
+    assert is_constant(made) is expected
+    found = robust.constant(made)
+    assert found.chi_squared < 1.3
+    # the offsets' part of the posterior volume, closed: ln(1 + 4 prior^2 / sigma^2) of each
+    assert robust.volume_of_offsets(found.problem) == pytest.approx(60.0 * np.log(17.0), rel=0.1)
 
 
 def test_residuals_above_the_errors_are_not_solved():

@@ -176,6 +176,47 @@ def test_errors_by_curvature_and_by_bootstrap_are_those_of_repeated_noise():
     assert 1 / 1.6 < np.std(drawn) / scatter < 1.6
 
 
+def _slow():
+    """Two periods of days in 60 sessions of three hours, errors of 0.03 mag."""
+    generator = np.random.default_rng(12)
+    session = np.repeat(np.arange(60), 5)
+    t = DAY * (2.3 * session + generator.uniform(0.0, 0.125, 300))
+    first, second = 2.0 * np.pi * t / (5.3 * DAY), 2.0 * np.pi * t / (3.7 * DAY)
+    y = 0.4 * np.cos(2.0 * first) + 0.3 * np.cos(first + second)
+    y += 0.03 * generator.normal(size=300)
+    times = Time("2026-01-01", scale="tdb") + t * units.s
+    return photometry.Photometry(times, magnitude=y, sigma=0.03, session=session)
+
+
+def test_periods_of_days_in_sessions_of_hours():
+    """Zero points of the sessions would take up three quarters of it; the data need one."""
+    data = _slow()
+    bounds = {"min_period": "1.5 d", "max_period": "20 d"}
+    found = photometry.two_periods(data, order=2, count=3, **bounds)
+    assert found.samples.curves == 1 and found[0].left < 0.02
+    free = photometry.two_periods(data, order=2, count=3, zero_points="free", **bounds)
+    assert free.samples.curves == 60
+    lines = [line.frequency * DAY for line, _ in found.lines()[:2]]
+    expected = [2.0 / 5.3, 1.0 / 5.3 + 1.0 / 3.7]
+    assert lines == pytest.approx(expected, abs=5e-4)  # a tenth of 1/span
+    folded = photometry.fold(data, ["5.3 d", "3.7 d"], order=2)
+    assert folded.samples.curves == 1 and folded.rms < 0.035
+    one = photometry.periodogram(data, order=1, **bounds)
+    assert one.samples.curves == 1 and one.period == pytest.approx(0.5 * 5.3 * DAY, rel=2e-3)
+
+
+def test_peaks_lie_in_the_range_of_periods_and_in_the_order_of_their_power():
+    """Half a period lies just outside of the range: its slope may lead a refinement there."""
+    t = nights()
+    y = np.cos(2 * np.pi * t / (6.1 * HOUR)) + 0.1 * np.random.default_rng(3).normal(size=t.size)
+    for bounds in (("6.15 h", "14 h"), ("3 h", "6.05 h"), ("5 h", "7 h")):
+        found = photometry.periodogram(t, y, min_period=bounds[0], max_period=bounds[1], count=20)
+        low, high = (float(each[:-2]) * HOUR for each in bounds)
+        periods = np.array([each.period for each in found.peaks])
+        assert np.all((periods >= low * (1 - 1e-12)) & (periods <= high * (1 + 1e-12)))
+        assert np.all(np.diff([each.power for each in found.peaks]) <= 0.0)
+
+
 def test_zero_points_of_sessions_are_free():
     t = nights()
     session = (t // DAY).astype(int)

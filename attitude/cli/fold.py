@@ -50,7 +50,12 @@ def run(arguments: argparse.Namespace) -> None:
     given = np.atleast_1d(validation.real(arguments.period, "--period", unit="s"))
     order = arguments.order or (4 if given.size == 1 else 2)
     found = photometry.fold(
-        data, given, order=order, epoch=arguments.epoch, refine=arguments.refine
+        data,
+        given,
+        order=order,
+        epoch=arguments.epoch,
+        refine=arguments.refine,
+        zero_points=arguments.zero_points,
     )
     print(repr(data)[1:-1])
     phase = np.linspace(0.0, 1.0, 1000)

@@ -51,8 +51,9 @@ def add_data(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--filter", metavar="NAME", help="use the points with this filter")
     parser.add_argument(
         "--zero-points",
-        default="free",
-        help="of sessions: free (default), or shared, where filters keep their own",
+        default="auto",
+        help="of sessions: free, shared (filters keep their own), or auto (default): free if the "
+        "data ask for it",
     )
     orbit.add_arguments(parser)
     parser.add_argument(
@@ -94,9 +95,7 @@ def data_of(arguments: argparse.Namespace) -> Photometry:
     data = photometry.read(arguments.file)
     if arguments.filter is not None:
         data = data.select(filter=arguments.filter)
-    validation.one_of(arguments.zero_points, "--zero-points", ("free", "shared"))
-    if arguments.zero_points == "shared":
-        data = data.shared()
+    validation.one_of(arguments.zero_points, "--zero-points", ("auto", "free", "shared"))
     path = orbit.path_of(arguments)
     site: Any = arguments.site
     if site is not None:
@@ -121,6 +120,7 @@ def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
         order=arguments.order,
         method=arguments.method,
         count=arguments.count,
+        zero_points=arguments.zero_points,
     )
     print(f"power that 1 of 100 light curves reaches by chance: {found.false_alarm:.3f}")
     print(f"{'':4}{'period, h':>14}{'+-':>10}{'period, d':>13}{'power':>8}  relation")
@@ -145,6 +145,7 @@ def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
         max_period=arguments.max,
         order=arguments.order,
         count=max(arguments.count, _ROWS),
+        zero_points=arguments.zero_points,
     )
     print(f"{found.tried} pairs; by chance 1 of 100 leaves {found.false_alarm:.3f} of chi-squared")
     print(f"{'':4}{'first, h':>12}{'+-':>9}{'second, h':>13}{'+-':>9}{'left':>8}  relation")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
@@ -30,6 +31,8 @@ CALIBRATED = 0.1
 _MAGNITUDE = 2.5 / np.log(10.0)
 # The share of points that have the brightest magnitude exactly, from which they may be saturated.
 _SATURATED = 0.05
+# Latitude of the Sun, deg, as seen from the Earth, at most.
+_ON_ECLIPTIC = 0.1
 _J2000 = Instant(0.0)
 _WAYS = "sun= and observer= (vectors from the body), scene=, or path= with site="
 
@@ -83,14 +86,15 @@ class LightCurve(Immutable, HasSamples):
     sessions, filters : tuple of str
     zero_points : str, float or tuple of str
     notes : tuple of str
-        What was assumed or is doubtful.
+        What was assumed or is doubtful: errors, epochs that occur twice, which are averaged, a
+        frame in which the Sun leaves the ecliptic.
     name : str or None
 
     Raises
     ------
     AttitudeError
         For arrays of other lengths, fewer than 20 points, numbers that are not finite, a flux that
-        is not positive, errors below zero, one epoch twice in a session, and missing geometry.
+        is not positive, errors below zero, and missing geometry.
     """
 
     epoch: Instant
@@ -145,11 +149,14 @@ class LightCurve(Immutable, HasSamples):
         values, errors = _brightness(magnitude, flux, sigma, len(t), notes)
         to_sun, to_observer = _geometry(times, start, t, sun, observer, scene, path, site, frame)
         left = t - (np.linalg.norm(to_observer, axis=1) / SPEED_OF_LIGHT_M_S if light_time else 0.0)
+        named = numbered(session, len(t), "session"), numbered(filter, len(t), "filter")
+        _doubts(values, notes)
+        first, values, errors = _without_twice(start, t, named, values, errors, notes)
+        if sun is not None:
+            _doubt_frame(frame, to_sun - to_observer, notes)
+        t, left, to_sun, to_observer = (each[first] for each in (t, left, to_sun, to_observer))
         order = np.argsort(t, kind="stable")
         middle = float(np.round(0.5 * (left.min() + left.max())))
-        named = numbered(session, len(t), "session"), numbered(filter, len(t), "filter")
-        _refuse_twice(t[order], *(each[1][order] for each in named))
-        _doubts(values, notes)
         self._set("epoch", start.after(middle))
         self._set("seconds", frozen(t[order] - middle))
         self._set("emission", frozen(left[order] - middle))
@@ -158,7 +165,7 @@ class LightCurve(Immutable, HasSamples):
         self._set("sun", frozen(to_sun[order]))
         self._set("observer", frozen(to_observer[order]))
         for key, (words, numbers) in zip(("session", "filter"), named, strict=True):
-            self._set(key, frozen(numbers[order]))
+            self._set(key, frozen(numbers[first][order]))
             self._set(f"{key}s", words)
         self._set("zero_points", _known_zero_points(zero_points, self.sessions))
         self._set("notes", tuple(notes))
@@ -193,11 +200,20 @@ class LightCurve(Immutable, HasSamples):
         )
 
     def samples(self) -> Samples:
-        """Reduced magnitudes at the epochs of emission, a zero point a session and filter."""
+        """Reduced magnitudes at the epochs of emission, a zero point a session and filter.
+
+        Or one a filter: those of the curve that are "free" or "shared" are known.
+        """
         keys = self.session * len(self.filters) + self.filter
-        curve = np.unique(keys, return_inverse=True)[1].reshape(-1)
-        t = np.array(self.emission)
-        return Samples(t, self.reduced, np.array(self.sigma), curve.astype(np.int64), self.epoch)
+        curve, joined = (
+            np.unique(each, return_inverse=True)[1].reshape(-1).astype(np.int64)
+            for each in (keys, self.filter)
+        )
+        given = np.array(self.emission), self.reduced, np.array(self.sigma)
+        if self.zero_points == "shared":
+            curve = joined
+        is_known = self.zero_points in ("shared", "free")
+        return Samples(*given, curve, self.epoch, joined=None if is_known else joined)
 
     @property
     def span(self) -> float:
@@ -295,15 +311,53 @@ def _geometry(times, start, t, sun, observer, scene, path, site, frame):
     return sizes[0], sizes[1]
 
 
-def _refuse_twice(t, session, filters):
-    """Raise the AttitudeError for one epoch twice in a session and filter."""
-    rows = np.stack([t, session.astype(float), filters.astype(float)], axis=1)
-    _, first, counts = np.unique(rows, axis=0, return_index=True, return_counts=True)
-    twice = first[counts > 1]
-    if len(twice):
+def _without_twice(start, t, named, values, errors, notes):
+    """Rows (M,) of distinct epochs, and their magnitudes and errors, weighted means of equal ones.
+
+    Equal are epochs of one session and filter.
+    """
+    rows = np.stack([t, *(numbers.astype(float) for _, numbers in named)], axis=1)
+    _, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    which = which.reshape(-1)
+    counts = np.bincount(which)
+    if not np.any(counts > 1):
+        return np.arange(len(t)), values, errors
+    twice = np.sort(first[counts > 1])
+    jd = epochs.times(start, t[twice[:1]], np.zeros(1))[0]
+    notes.append(
+        f"{len(twice)} epochs occur more than once in one session and filter, the first at row "
+        f"{twice[0]}, JD {jd.jd:.6f} (TDB), {jd.utc.isot[:19]} UTC; such points are averaged."
+    )
+    total = np.bincount(which, errors**-2.0)
+    mean = np.bincount(which, values * errors**-2.0) / total
+    if len(mean) < LEAST_POINTS:
         raise AttitudeError(
-            f"{len(twice)} epochs occur more than once in one session and filter, the first "
-            f"{t[twice[0]]:.3f} s after the epoch; average such points, or give session=."
+            f"the light curve has {len(mean)} points at different epochs; give at least "
+            f"{LEAST_POINTS}, better some hundred."
+        )
+    return first, mean, total**-0.5
+
+
+def _doubt_frame(frame, to_sun, notes):
+    """Note vectors (N, 3), ICRF, from observer to Sun, that fit the Earth in another frame alone.
+
+    The Sun stands on the ecliptic of an observer on the Earth; not so of a spacecraft, so that the
+    frame stays as it was given.
+    """
+    unit = to_sun / np.maximum(np.linalg.norm(to_sun, axis=1), 1e-300)[:, None]
+    given = unit @ frames.matrix_to_icrf(frame)
+    north = frames.matrix_to_icrf("ecliptic")[:, 2]
+    latitude = {}
+    for each in dict.fromkeys((frame.lower(), "icrf", "ecliptic")):
+        turned = given @ frames.matrix_to_icrf(each).T
+        latitude[each] = math.degrees(math.asin(min(1.0, np.abs(turned @ north).max())))
+    other = min(latitude, key=lambda each: latitude[each])
+    if latitude[frame.lower()] > _ON_ECLIPTIC > latitude[other]:
+        notes.append(
+            f"the vectors are given over the axes {frame!r}, where the observer sees the Sun up to "
+            f"{latitude[frame.lower()]:.1f} degrees from the ecliptic; over {other!r} it lies on "
+            "the ecliptic, as it does for the Earth. If the observer was there, give "
+            f"frame={other!r}."
         )
 
 

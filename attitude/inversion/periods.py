@@ -9,16 +9,19 @@ import numpy as np
 
 from attitude import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import curve_problem, lattices
+from attitude.inversion import curve_problem, lattices, robust
 from attitude.inversion.curve import LightCurve
 from attitude.spectrum import significance
 
 if TYPE_CHECKING:
-    from attitude.annotations import FilePath, Real
+    from attitude.annotations import FilePath, FloatArray, Real
     from attitude.flat_table import FlatTable
+    from attitude.inversion.problem import CurveProblem
 
 # Error of the model, mag, and turns per span searched at most.
 _ERROR, _MOST_TURNS = 0.02, 1500.0
+# Errors of the series, mag, of which the most probable one compares zero points.
+_ERRORS = 0.02, 0.05, 0.1, 0.2, 0.4
 # Pairs that are fitted with the linear terms, for each that is returned.
 _MORE = 10
 
@@ -136,10 +139,17 @@ def periods(
             f"the light curve spans {turns:.3g} turns at max_frequency; from 3 to "
             f"{_MOST_TURNS:.0f} are searched."
         )
-    problem, _ = curve_problem.problem(curve, most, _ERROR, curve.zero_points)
     keep = validation.count(count, "count")
-    near, _ = lattices.pairs(problem, turns, _MORE * keep, number)
-    found, left = (each[:keep] for each in lattices.exactly(problem, near, number))
+    # offsets of short sessions take up a rotation of days: one zero point is tried first
+    zero_points = ["shared", "auto"] if curve.zero_points == "auto" else [curve.zero_points]
+    tried, near = [], np.zeros((0, 2))
+    for each in zero_points:
+        problem, _ = curve_problem.problem(curve, most, _ERROR, each)
+        near = np.concatenate([near, lattices.pairs(problem, turns, _MORE * keep, number)[0]])
+        exact = lattices.exactly(problem, near, number)
+        tried.append((_cost(problem, exact[0][:1], number), problem, exact))
+    _, problem, exact = min(tried, key=lambda each: each[0])
+    found, left = (each[:keep] for each in exact)
     found = np.sort(found, axis=1) / curve.span
     pairs: list[Pair] = []
     for (first, second), share in zip(found, left, strict=True):
@@ -149,3 +159,18 @@ def periods(
         problem.t, problem.root**2, problem.detrended, turns, number, seed
     )
     return Periods(pairs, number, least)
+
+
+def _cost(problem: CurveProblem, pair: FloatArray, order: int) -> float:
+    """-2 ln of the likelihood of a pair (1, 2), offsets marginal, at the best error of the model.
+
+    But for the amplitudes of the lines, whose number is that of any zero points.
+    """
+    costs = []
+    for error in _ERRORS:
+        own = problem.with_model_error(error)
+        chi_squared = own.chi_squared(np.zeros(len(own)))
+        left = float(lattices.exactly(own, pair, order)[1][0])
+        size = 2.0 * float(np.sum(np.log(own.root)))
+        costs.append(left * chi_squared - size + robust.volume_of_offsets(own))
+    return min(costs)

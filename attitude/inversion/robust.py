@@ -9,7 +9,7 @@ solution as large as expected.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -55,6 +55,8 @@ _LEAST_ERROR = 0.003
 # Mean square of residuals over sigma and 0.01 mag of a solution that is accepted.
 FLOOR, FLOOR_ERROR = 1.0, 0.01
 _ROUNDS = 2
+# Singular values of linear terms, relative to the largest, below which one is a copy.
+_COPY = 1e-7
 # Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
 _ALWAYS, _NUTATION = 4, 4
 
@@ -203,6 +205,44 @@ def student(
     evidence += found.cost - found.chi_squared
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
     return Weighted(found, own, evidence, residual, float(np.mean(square)))
+
+
+class Constant(NamedTuple):
+    """What fits a curve of constant brightness: no parameters, magnitudes (N,) of zero."""
+
+    state: None
+    cost: float
+    chi_squared: float
+    magnitude: FloatArray
+
+
+def constant(problem: CurveProblem) -> Weighted:
+    """The linear terms alone, with the model error that their residuals show."""
+    zeros = np.zeros(len(problem))
+
+    def fit(own: CurveProblem, _: None) -> Constant:
+        chi_squared = own.chi_squared(zeros)
+        return Constant(None, chi_squared, chi_squared, zeros)
+
+    for _ in range(2):
+        residual, _ = residuals(problem, zeros)
+        problem = problem.with_model_error(model_error(problem, residual))
+    return student(problem, None, fit, 0)
+
+
+def volume_of_offsets(own: CurveProblem) -> float:
+    """What an evidence lacks of the terms that have a prior, where their number differs.
+
+    The logarithm of the determinant of their Hessian, over that of the prior, free terms marginal:
+    many offsets that are hardly held fit better by chance.
+    """
+    scaled = own.terms * own.root[:, None]
+    free = np.isinf(own.prior)
+    held = scaled[:, ~free] * own.prior[~free]
+    basis, size, _ = np.linalg.svd(scaled[:, free], full_matrices=False)
+    basis = basis[:, size > _COPY * size.max(initial=0.0)]
+    held = held - basis @ (basis.T @ held)
+    return float(np.linalg.slogdet(np.eye(held.shape[1]) + held.T @ held)[1])
 
 
 def share_left(solution: Weighted, problem: CurveProblem) -> float:

@@ -17,7 +17,7 @@ from attitude.inversion import ellipsoid_search as ellipsoids
 from attitude.inversion import lattices, pole_map, refinement, robust
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from attitude.annotations import BoolArray, FloatArray
     from attitude.inversion.convex import Tie
@@ -61,6 +61,11 @@ _AXIAL_RATE = 1.2
 _AXIAL_OTHERS = 3
 # Tumbling bodies among all: the odds before the curve is seen.
 TUMBLERS = 0.01
+
+
+def never() -> bool:
+    """False: a search goes on."""
+    return False
 
 
 def pole(state: FloatArray) -> FloatArray:
@@ -139,8 +144,22 @@ class Search:
         """Whether the time is over."""
         return time.monotonic() > self.deadline
 
-    def run(self) -> None:
-        """Search until the floor is reached or the time is over."""
+    def begin(self, states: Iterable[FloatArray]) -> None:
+        """Make `solutions` from states alone, such as those that another search has found."""
+        self.convex = [
+            refinement.refine(self.problem, each, tie=self.tie, fixed=self._fixed(each), gain=3e-3)
+            for each in states
+        ]
+        self.convex.sort(key=lambda each: each.cost)
+        self.finish()
+
+    def follow(self, other: Search) -> None:
+        """Make `solutions` from all bodies of a search of the same curve, with these terms."""
+        self.begin([each.state for each in other.convex])
+        self.is_complete = other.is_complete
+
+    def run(self, is_ended: Callable[[], bool] = never) -> None:
+        """Search until the floor is reached, the time is over, or `is_ended` after a round."""
         self._axial()
         for number in range(_ROUNDS):
             for pool in self._pools(number):
@@ -155,7 +174,7 @@ class Search:
                 self._axial_poles()
                 self.is_complete = not self.is_over
             self.finish()
-            if self.is_over or self.has_reached_floor:
+            if is_ended() or self.is_over or self.has_reached_floor:
                 break
 
     @property

@@ -18,6 +18,7 @@ from attitude.inversion import (
     known_states,
     lattices,
     refinement,
+    robust,
     search,
     states,
     ties,
@@ -31,10 +32,14 @@ from attitude.shape import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from attitude.annotations import Real
+    from attitude.annotations import FloatArray, Real
     from attitude.body import Body
     from attitude.inversion.problem import CurveProblem
+    from attitude.inversion.robust import Weighted
     from attitude.scattering import Law
+
+    ZeroPoints = str | float | tuple[str, ...]
+    Prepared = Callable[[ZeroPoints], search.Search]
 
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
@@ -46,6 +51,9 @@ _CONSTANT, _CONSTANT_AT_MOST = 3.0, 1.5
 _MOST_TURNS = 1500.0
 # Of the epochs, the share that lies within the same third of the day for one site.
 _ONE_SITE = 0.9
+_IS_CONSTANT = "the brightness is constant within the errors"
+# Solutions of one zero point that are refined with offsets of the sessions.
+_COMPARED = 6
 
 
 def spin_states(
@@ -119,13 +127,13 @@ def spin_states(
     validation.count(threads, "threads")
     _compile(curve, most)
     deadline = time.monotonic() + seconds
-    zero_points = curve.zero_points
     with blas_threads.limited(threads), timed(_LABEL, seconds, progress) as report:
-        found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, report)
-        offsets = _offsets(found)
-        if zero_points == "auto" and curve_problem.are_free(offsets):
-            zero_points = "free"
-            found = _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, report)
+
+        def prepared(zero_points: ZeroPoints) -> search.Search:
+            given = curve, most, zero_points, modes, shape, tie, seed, deadline, report
+            return _prepared(*given)
+
+        found = _searched(curve, prepared)
     return _results(curve, found)
 
 
@@ -171,7 +179,7 @@ def _checked(curve, max_frequency, modes, shape, moments):
     return most, ties.of(moments)
 
 
-def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
+def _prepared(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
     problem, bins = curve_problem.problem(curve, most, search.ELLIPSOID_ERROR, zero_points)
     made = search.Search(
         problem,
@@ -187,27 +195,117 @@ def _searched(curve, most, zero_points, modes, shape, tie, seed, deadline, progr
     made.notes = list(curve.notes)
     if bins is not None:
         made.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
-    if is_constant(problem):
-        made.notes.append("the brightness is constant within the errors.")
-        return made
+    return made
+
+
+def _searched(curve, prepared):
+    """The search with the zero points of sessions that a curve asks for, after it has run.
+
+    Offsets of short sessions take up a rotation of days.  So one zero point for all sessions is
+    tried first, and offsets follow where evidence prefers them.
+    """
+    one = prepared("shared")
+    if is_constant(one.problem):
+        one.notes.append(_IS_CONSTANT + ".")
+        return one
+    if curve.zero_points != "auto":
+        own = prepared(curve.zero_points)
+        if is_constant(own.problem):
+            own.notes.append(
+                f"{_IS_CONSTANT} with the zero points of the sessions; with one zero point "
+                f"chi2/N is {_mean_square(one.problem):.1f}."
+            )
+        else:
+            _run(own)
+        return own
+    if len(curve.sessions) == 1:
+        _run(one)
+        return one
+    return _with_offsets_if_needed(one, prepared)
+
+
+def _with_offsets_if_needed(one: search.Search, prepared: Prepared) -> search.Search:
+    """The search with one zero point, or one with offsets, whichever has the better evidence."""
+    own = prepared("auto")
+    may_be_constant = is_constant(own.problem)
+    asked = []
+
+    def asks() -> bool:
+        asked.append(_asks_for_offsets(one, own))
+        return asked[-1] and not may_be_constant
+
+    if not _run(one, asks):
+        return one
+    if may_be_constant and is_better_constant(own.problem, one.solutions):
+        one.solutions = []
+        offsets = _offsets_of(robust.constant(own.problem))
+        one.notes.append(
+            f"{_IS_CONSTANT} with zero points of the sessions of {np.std(offsets):.3f} mag rms; "
+            f"with one zero point chi2/N is {_mean_square(one.problem):.1f}."
+        )
+        return one
+    if not asked[-1]:
+        return one
+    own.follow(one)
+    if search.is_axial(own.solutions[0].refined.state) or not own.has_reached_floor:
+        _run(own)
+    offsets = _offsets_of(own.solutions[0])
+    if curve_problem.are_free(offsets):
+        free = prepared("free")
+        _run(free)
+        own = free if free.solutions else own
+    own.notes.append(f"sessions have zero points of their own, {np.std(offsets):.2f} mag rms.")
+    return own
+
+
+def _run(made: search.Search, is_ended: Callable[[], bool] = search.never) -> bool:
+    """Run a search; False if it was interrupted."""
     try:
-        made.run()
+        made.run(is_ended)
     except KeyboardInterrupt:
         made.notes.append("the search was interrupted.")
         if not made.solutions:
             made.finish()
-    return made
+        return False
+    return True
+
+
+def _asks_for_offsets(one: search.Search, own: search.Search) -> bool:
+    """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
+    if not one.solutions:
+        return False
+    own.begin([each.refined.state for each in one.solutions[:_COMPARED]])
+    better = _evidence(one.solutions[0]) - _evidence(own.solutions[0])
+    return better > verdicts.COMPETING
+
+
+def _evidence(found: Weighted) -> float:
+    """That of a solution among others with other zero points."""
+    return found.evidence + robust.volume_of_offsets(found.problem)
+
+
+def _mean_square(problem: CurveProblem) -> float:
+    """Of the magnitudes without the linear terms, over the errors."""
+    return float(np.mean((problem.detrended / problem.sigma) ** 2))
 
 
 def is_constant(problem: CurveProblem) -> bool:
     """Whether the linear terms alone explain the magnitudes.
 
-    Free zero points of many nights take degrees of freedom, and most of a slow variation.
+    Terms with a prior count by it: offsets beyond it are no constant brightness.  Free zero points
+    of many nights take degrees of freedom, and most of a slow variation.
     """
     own = problem.with_model_error(0.0)
-    free = len(own) - float(np.sum(own.u**2))
+    taken = np.linalg.matrix_rank((own.terms * own.root[:, None])[:, np.isinf(own.prior)])
+    free = len(own) - int(taken)
     most = min(_CONSTANT_AT_MOST, 1.0 + _CONSTANT * math.sqrt(2.0 / free))
-    return bool(np.sum((own.detrended / own.sigma) ** 2) < most * free)
+    return own.chi_squared(np.zeros(len(own))) < most * free
+
+
+def is_better_constant(problem: CurveProblem, found: Sequence[Weighted]) -> bool:
+    """Whether offsets alone have better evidence, by 13, than any solution without them."""
+    most = min((_evidence(each) for each in found), default=math.inf) - verdicts.COMPETING
+    return _evidence(robust.constant(problem)) < most
 
 
 def _shifts(curve: LightCurve) -> tuple[float, ...]:
@@ -220,13 +318,10 @@ def _shifts(curve: LightCurve) -> tuple[float, ...]:
     return (curve.span / _DAY,) if one_site else ()
 
 
-def _offsets(found):
-    """Fitted zero points of the sessions of the best solution."""
-    if not found.solutions:
-        return np.zeros(0)
-    best = found.solutions[0]
-    coefficients = best.problem.coefficients(best.refined.magnitude)
-    return coefficients[best.problem.prior == CALIBRATED]
+def _offsets_of(found: Weighted) -> FloatArray:
+    """Fitted zero points of the calibrated sessions of a solution, mag."""
+    coefficients = found.problem.coefficients(found.refined.magnitude)
+    return coefficients[found.problem.prior == CALIBRATED]
 
 
 def _results(curve, found):

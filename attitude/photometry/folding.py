@@ -99,6 +99,7 @@ def fold(
     epoch: Epoch | Real | None = None,
     refine: bool = False,
     curve: ArrayLike | None = None,
+    zero_points: str = "auto",
 ) -> Folded:
     """A light curve folded with one period, or with two.
 
@@ -115,13 +116,16 @@ def fold(
         Of phase zero; by default the first point.
     refine : bool
         Whether the periods are those of least squares near the given ones.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
 
     Raises
     ------
     AttitudeError
         For more than two periods, and fewer values than unknowns.
     """
-    data = samples.of(t, values, errors, curve)
+    data = samples.of(t, values, errors, curve, zero_points)
     periods = np.atleast_1d(validation.real(period, "period", unit="s"))
     if periods.shape not in ((1,), (2,)) or not np.all(periods > 0.0):
         validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
@@ -133,6 +137,16 @@ def fold(
     else:
         # (i of the second, j of the first), as spectrum.lines has them
         numbers = np.array(line_numbers((number, number)))[:, ::-1]
+
+    def folded(own: Samples) -> Folded:
+        return _folded(own, periods, numbers, epoch, refine)
+
+    return samples.settled(data, folded, lambda each: each.series)
+
+
+def _folded(
+    data: Samples, periods: FloatArray, numbers: Any, epoch: Epoch | Real | None, refine: bool
+) -> Folded:
     if refine:
         series = refinement.refined(data, 1.0 / periods, numbers)
         periods = 1.0 / series.frequencies

@@ -65,7 +65,7 @@ class Periodogram(Immutable):
         The best first.
     false_alarm : float
         Power that 1 of 100 light curves reaches whose values are exchanged at random among the
-        epochs.
+        epochs, on the grid.
     window : Window
         The spectral window of the epochs.
     samples : Samples
@@ -156,14 +156,14 @@ def periodogram(
     engine: str = "auto",
     count: int = 10,
     seed: int = 0,
+    zero_points: str = "auto",
 ) -> Periodogram:
     """The periods of a light curve with one frequency.
 
     Parameters
     ----------
     t : Photometry, LightCurve, or (N,) epochs
-        Photometry has its values, errors, and a zero point for each session and filter
-        (`Photometry.shared` joins the sessions).
+        Photometry has its values, errors, sessions and filters, which have their own zero points.
     values, errors, curve
         As of `spectrum.fit`.
     min_period, max_period : float, Quantity or text, optional
@@ -180,6 +180,9 @@ def periodogram(
         Of peaks.
     seed : int
         Of the permutations.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
 
     Returns
     -------
@@ -194,31 +197,58 @@ def periodogram(
     -----
     The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
     (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
-    scan the mean of each session is taken off, which weakens periods longer than a session.
+    scan the mean of each curve with a zero point of its own is taken off, which hides most of a
+    period longer than a session: so one zero point for all sessions is tried first.
 
     >>> t = np.sort(np.random.default_rng(1).uniform(0.0, 40.0, 200))      # days
     >>> found = periodogram(t * 86400.0, np.sin(2 * np.pi * t / 0.31), min_period="2 h", order=1)
     >>> round(found.period / 86400.0, 6)
     0.31
     """
-    data = samples.tempered(samples.of(t, values, errors, curve))
+    data = samples.tempered(samples.of(t, values, errors, curve, zero_points))
     number = validation.count(order, "order")
     validation.one_of(method, "method", ("fourier", "pdm"))
+
+    def found(own: Samples) -> Periodogram:
+        bounds = min_period, max_period
+        return _periodogram(own, bounds, number, method, bins, engine, count, seed)
+
+    return samples.settled(data, found, _significant)
+
+
+def _significant(found: Periodogram) -> refinement.RefinedSeries | None:
+    """The series of the best peak; None if chance reaches the power of the grid."""
+    if found.power.max() < found.false_alarm:
+        return None
+    return _refined(found.samples, 1.0 / found.period, found.order)
+
+
+def _periodogram(
+    data: Samples,
+    bounds: tuple[Real | None, Real | None],
+    number: int,
+    method: str,
+    bins: int,
+    engine: str,
+    count: int,
+    seed: int,
+) -> Periodogram:
     if len(data.t) < data.curves + 2 * number + 2:
         raise AttitudeError(
             f"{len(data.t)} values are given for {data.curves} zero points and {number} harmonics; "
             "give more values, or a lower order."
         )
-    frequency = _grid(data, min_period, max_period, number)
+    frequency = _grid(data, *bounds, number)
     if method == "fourier":
         power = _fourier(data, frequency, number, data.detrended, engine)
         chance = _chance(data, frequency, number, engine, seed)
     else:
         power = _dispersion(data, frequency, validation.count(bins, "bins", 3), data.detrended)
         chance = _chance_of_dispersion(data, frequency, bins, seed)
+    # zero points that are fitted with the series leave fewer values to it
+    chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.curves))
     window = windows.window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
     peaks = _peaks(data, frequency, power, number, window, validation.count(count, "count"))
-    peaks = _with_power(peaks, frequency, power)
     return Periodogram(
         frozen(frequency), frozen(power), peaks, chance, window, data, number, method
     )
@@ -240,13 +270,14 @@ def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> F
             f"min_period is {low:.6g} s and max_period {high:.6g} s; give a shorter min_period."
         )
     step = 1.0 / (_OVERSAMPLING * span * order)
-    count = int((1.0 / low - 1.0 / high) / step) + 2
+    count = int(np.ceil((1.0 / low - 1.0 / high) / step)) + 1
     if count > _MOST:
         raise AttitudeError(
             f"between the periods lie {count} frequencies, and at most {_MOST} are searched; give "
             "a longer min_period, or a shorter span."
         )
-    return 1.0 / high + step * np.arange(count, dtype=np.float64)
+    # from one bound to the other, a little denser than the step
+    return np.linspace(1.0 / high, 1.0 / low, count)
 
 
 def _fourier(
@@ -344,7 +375,7 @@ def _peaks(
     window: Window,
     count: int,
 ) -> tuple[Peak, ...]:
-    """The best peaks, refined, in the order of the share of variance that they explain."""
+    """The best peaks, refined within the range of frequencies, in the order of their power."""
     near = 0.7 / (data.span * order)
     found: list[tuple[float, float, float]] = []
     taken: list[float] = []
@@ -356,8 +387,16 @@ def _peaks(
             taken.append(float(frequency[k]))
             best = _refined(data, float(frequency[k]), order)
             f = abs(float(best.frequencies[0]))
-            if all(abs(f - other[0]) > 0.5 * near for other in found) and f > 0.0:
+            if not frequency[0] <= f <= frequency[-1]:
+                continue
+            if all(abs(f - other[0]) > 0.5 * near for other in found):
                 found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
+    if not found:
+        # no maximum within the range: the power rises towards an end
+        f = float(frequency[np.argmax(power)])
+        numbers = np.arange(1, order + 1)[:, None]
+        best = refinement.fixed(data, np.array([f]), numbers)
+        found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
     found.sort(key=lambda each: -each[2])
     peaks: list[Peak] = []
     for f, error, share in found[:count]:
@@ -366,14 +405,3 @@ def _peaks(
         )
         peaks.append(Peak(1.0 / f, error / f**2, share, words))
     return tuple(peaks)
-
-
-def _with_power(
-    peaks: tuple[Peak, ...], frequency: FloatArray, power: FloatArray
-) -> tuple[Peak, ...]:
-    """The peaks with the power of the grid, to which `false_alarm` belongs."""
-    at = [int(np.argmin(np.abs(frequency - 1.0 / each.period))) for each in peaks]
-    return tuple(
-        each._replace(power=float(power[max(k - 2, 0) : k + 3].max()))
-        for each, k in zip(peaks, at, strict=True)
-    )

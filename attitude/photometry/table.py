@@ -246,7 +246,7 @@ class Photometry(Immutable, HasSamples):
     # What it becomes ------------------------------------------------------------------------------
 
     def samples(self) -> Samples:
-        """The `Samples` for periods: a zero point for each session and filter."""
+        """The `Samples` for periods: a zero point for each session and filter, or each filter."""
         keys = self.session * len(self.filters) + self.filter
         _, first, curve = np.unique(keys, return_index=True, return_inverse=True)
         names = tuple(
@@ -269,6 +269,7 @@ class Photometry(Immutable, HasSamples):
             self.epoch,
             is_flux=self.is_flux,
             names=names,
+            joined=np.unique(self.filter, return_inverse=True)[1].reshape(-1).astype(np.int64),
         )
 
     def shared(self) -> Photometry:

@@ -203,6 +203,7 @@ def two_periods(
     count: int = 20,
     curve: ArrayLike | None = None,
     seed: int = 0,
+    zero_points: str = "auto",
     progress: Callable[[int, int], None] | None = None,
 ) -> TwoPeriods:
     """The pairs of periods whose Fourier series in two frequencies fits a light curve best.
@@ -221,6 +222,9 @@ def two_periods(
         Of pairs.
     seed : int
         Of the permutations.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
     progress : function, optional
         Called with the number of pairs done and of all; by default a bar on a terminal.
 
@@ -242,17 +246,37 @@ def two_periods(
     free.  A light curve of 1000 points over 60 days, both periods from 2 h to 40 h at order 2:
     see docs/photometry.md for the time.
     """
-    data = samples.tempered(samples.of(t, values, errors, curve))
+    data = samples.tempered(samples.of(t, values, errors, curve, zero_points))
     number = validation.count(order, "order")
     if number > 4:
         raise AttitudeError(f"order is {number}; give 1 to 4.")
-    numbers, kept = _numbers(number), validation.count(count, "count")
+    kept = validation.count(count, "count")
+
+    def found(own: Samples) -> TwoPeriods:
+        low, high = _bounds(own, min_period, max_period, first, second)
+        return _two_periods(own, low, high, number, kept, seed, progress)
+
+    def significant(each: TwoPeriods) -> refinement.RefinedSeries | None:
+        return each._series(0) if each[0].left < each.false_alarm else None
+
+    return samples.settled(data, found, significant)
+
+
+def _two_periods(
+    data: Samples,
+    low: tuple[int, int],
+    high: tuple[int, int],
+    number: int,
+    kept: int,
+    seed: int,
+    progress: Callable[[int, int], None] | None,
+) -> TwoPeriods:
+    numbers = _numbers(number)
     if len(data.t) <= data.curves + 2 * len(numbers) + 2:
         raise AttitudeError(
             f"{len(data.t)} values are given for {data.curves} zero points and {len(numbers)} "
             "lines; give more values, or a lower order."
         )
-    low, high = _bounds(data, min_period, max_period, first, second)
     _refuse_many(low, high)
     end = max(low[1], high[1])
     y = data.detrended

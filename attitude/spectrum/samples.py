@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,14 @@ from attitude.epochs.instants import Instant
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
     from attitude.annotations import Epochs, FloatArray, IntArray, Reals
+    from attitude.spectrum.refinement import RefinedSeries
+
+Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
@@ -48,6 +53,9 @@ class Samples:
         Whether greater values are brighter.
     names : tuple of str
         Of the curves; empty without names.
+    joined : (N,) array of int or None
+        Zero points in place of `curve` if all sessions share one, where it is not known whether
+        they do; `settled` decides.
     """
 
     t: FloatArray
@@ -57,6 +65,7 @@ class Samples:
     epoch: Instant | None = None
     is_flux: bool = False
     names: tuple[str, ...] = ()
+    joined: IntArray | None = None
 
     @property
     def span(self) -> float:
@@ -106,11 +115,48 @@ def tempered(found: Samples) -> Samples:
     return replace(found, errors=np.hypot(found.errors, floor))
 
 
+def settled(
+    data: Samples,
+    find: Callable[[Samples], Found],
+    fitted: Callable[[Found], RefinedSeries | None],
+) -> Found:
+    """What is found with one zero point for all sessions, or with their own if the data ask.
+
+    Zero points of short sessions take up most of a rotation of days.  Of both results the one
+    whose series has the lower N ln(chi-squared) + parameters ln N is returned (Schwarz 1978).
+
+    Parameters
+    ----------
+    data : Samples
+    find : callable
+        What is sought in samples.
+    fitted : callable
+        The series of its best result; None if it is not significant.
+    """
+    own = replace(data, joined=None)
+    if data.joined is None or data.joined.max() == data.curve.max():
+        return find(own)
+
+    def cost(found: Found) -> float:
+        series = fitted(found)
+        if series is None:
+            return np.inf
+        chi_squared = max(series.chi_squared, 1e-300)
+        return float(np.log(chi_squared) + series.parameters * np.log(len(data.t)) / len(data.t))
+
+    one = find(replace(own, curve=data.joined, names=()))
+    try:
+        return min((one, find(own)), key=cost)
+    except AttitudeError:  # fewer values than unknowns with a zero point for each session
+        return one
+
+
 def of(
     t: Epochs | HasSamples,
     values: Reals | None = None,
     errors: Reals | None = None,
     curve: ArrayLike | None = None,
+    zero_points: str = "auto",
 ) -> Samples:
     """The `Samples` of what a caller gives.
 
@@ -124,6 +170,8 @@ def of(
     errors : (N,) array_like or float, optional
         In the unit of the values.
     curve : (N,) array_like of int, optional
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" leaves it to `settled`.
 
     Raises
     ------
@@ -136,13 +184,19 @@ def of(
     AttitudeWarning
         If plain numbers are Julian dates, which count as seconds.
     """
+    validation.one_of(zero_points, "zero_points", ("auto", "free", "shared"))
     if isinstance(t, HasSamples):
         if values is not None or errors is not None or curve is not None:
             raise AttitudeError(
                 f"t is a {type(t).__name__}, which has its values, errors and curves; leave those "
                 "arguments out."
             )
-        return t.samples()
+        made = t.samples()
+        if zero_points == "free" or made.joined is None:
+            return replace(made, joined=None)
+        if zero_points == "shared":
+            return replace(made, curve=made.joined, names=(), joined=None)
+        return made
     if values is None:
         raise AttitudeError("values is missing; give a value for each epoch, or a Photometry as t.")
     epoch, seconds = _seconds(t)
