@@ -3,15 +3,16 @@
     python benchmarks/runtime_vs_error.py            # about 25 minutes
     python benchmarks/runtime_vs_error.py --quick    # below 2 minutes
 
-Every method propagates the same states to the same epochs, set-up included; errors are relative to
-the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of the epochs.  The script
-writes runtime_vs_error.png, .md (all rows) and .json (with machine and versions) to --output
-(docs/figures).  Methods that are not installed are named and omitted.
+Every method propagates the same states to the same epochs, set-up included, in processor time;
+errors are relative to the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of
+the epochs.  The script writes runtime_vs_error.png, .md (all rows) and .json (with machine,
+versions and day) to --output (docs/figures).  Methods that are not installed are named and omitted.
 """
 
 import argparse
 import json
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -170,11 +171,16 @@ def _compile(method):
 
 
 def _timed(method, moments, wxyz0, omega0, t):
+    """Attitudes, and the least processor time of up to seven runs, in s.
+
+    What else the machine does lengthens the time on the clock of a run of seconds, which is not
+    repeated.
+    """
     least, spent = np.inf, 0.0
     for _ in range(7):
-        start = time.perf_counter()
+        start = time.process_time()
         wxyz = method.solve(moments, wxyz0, omega0, t)
-        seconds = time.perf_counter() - start
+        seconds = time.process_time() - start
         least, spent = min(least, seconds), spent + seconds
         if spent > 0.5:
             break
@@ -196,10 +202,7 @@ def _table(rows, machine):
     lines = [
         "# Run time against error, all rows",
         "",
-        f"Made by benchmarks/runtime_vs_error.py on {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}; "
-        + ", ".join(f"{k} {v}" for k, v in machine["packages"].items() if v)
-        + ".",
+        f"Made by benchmarks/runtime_vs_error.py on {record.described(machine)}",
         "",
         "| case | method | setting | revolutions | epochs | ns an epoch | error, rad |",
         "| --- | --- | --- | ---: | ---: | ---: | ---: |",
@@ -218,7 +221,9 @@ def _table(rows, machine):
 
 
 def _summary(rows):
-    """Median cost at 1e5 epochs and worst error, by method and span."""
+    """Versions and day; median cost at 1e5 epochs and worst error, by method and span."""
+    print(textwrap.fill(record.described(record.machine()), 100))
+    print()
     spans = sorted({row["span"] for row in rows})
     print(f"{'':34}" + "".join(f"{f'{span:.0e} revolutions':>26}" for span in spans))
     print(f"{'method':34}" + f"{'ns an epoch   worst error':>26}" * len(spans))

@@ -2,11 +2,13 @@
 
 import gc
 import importlib
+import json
 import os
 import signal
 import socket
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -123,8 +125,17 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 def pytest_addoption(parser):
-    """`--short`: the files named in tests/short.txt alone."""
+    """`--short`: the files named in tests/short.txt alone; what skips: see `Skips`."""
     parser.addoption("--short", action="store_true", help="a selection that ends in 90 s")
+    parser.addoption("--skipped-to", metavar="FILE", help="write which tests skip, and why")
+    parser.addoption("--skipped-in", metavar="FILE", help="only tests that such a file names")
+
+
+def pytest_configure(config):
+    """Ask for the skipped tests of this run, and of a run before it."""
+    before = config.getoption("--skipped-in")
+    if before or config.getoption("--skipped-to"):
+        config.pluginmanager.register(Skips(config, before), "skips of tests")
 
 
 def pytest_ignore_collect(collection_path, config):
@@ -133,3 +144,61 @@ def pytest_ignore_collect(collection_path, config):
         return None
     named = (Path(__file__).parent / "short.txt").read_text().split()
     return None if collection_path.name in named else True
+
+
+class Skips:
+    """Which tests skip and why, as a file and a table; and the tests that another run skipped.
+
+    A file is an object in JSON: a test, or a module that skips as a whole, by its node id, and the
+    reason.  `.ci/run` writes one where only the extra `test` is installed, and runs what it names
+    where the optional packages are: each test runs once.
+    """
+
+    def __init__(self, config, before):
+        self.root = config.rootpath
+        self.before = json.loads(Path(before).read_text(encoding="utf-8")) if before else None
+        self.now = {}
+
+    def pytest_ignore_collect(self, collection_path):
+        """Import no file of which nothing is wanted."""
+        if self.before is None or collection_path.is_dir():
+            return None
+        name = collection_path.relative_to(self.root).as_posix()
+        return None if any(node.split("::")[0] == name for node in self.before) else True
+
+    def pytest_collection_modifyitems(self, config, items):
+        """Keep what is named; what is named and is not here is an error, not a silent gap."""
+        if self.before is None:
+            return
+        nodes = [{node.nodeid for node in item.listchain()} for item in items]
+        kept = [item for item, names in zip(items, nodes, strict=True) if names & set(self.before)]
+        absent = set(self.before).difference(self.now, *nodes)
+        if absent:
+            raise pytest.UsageError(f"--skipped-in names tests that do not exist: {sorted(absent)}")
+        config.hook.pytest_deselected(items=[item for item in items if item not in set(kept)])
+        items[:] = kept
+
+    def pytest_collectreport(self, report):
+        self._keep(report)
+
+    def pytest_runtest_logreport(self, report):
+        self._keep(report)
+
+    def _keep(self, report):
+        if report.skipped and not hasattr(report, "wasxfail"):
+            self.now[report.nodeid] = report.longrepr[2].removeprefix("Skipped: ")
+
+    def pytest_terminal_summary(self, terminalreporter, config):
+        """One table of the reasons, with the number of tests or modules: before, and now."""
+        to = config.getoption("--skipped-to")
+        if to:
+            Path(to).write_text(json.dumps(self.now, indent=1), encoding="utf-8")
+        terminalreporter.section("what was skipped, and why")
+        before = self.before if self.before is not None else self.now
+        first, last = (Counter(skipped.values()) for skipped in (before, self.now))
+        terminalreporter.line("  first   left   reason" if self.before else "  tests   reason")
+        for reason, count in (first | last).most_common():
+            left = f"{last[reason]:7}" if self.before else ""
+            terminalreporter.line(f"{first[reason] if self.before else count:7}{left}   {reason}")
+        sums = f"{first.total():7}" + (f"{last.total():7}" if self.before else "")
+        terminalreporter.line(f"{sums}   in all (a module that skips as a whole counts as one)")
