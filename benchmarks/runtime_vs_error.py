@@ -35,8 +35,8 @@ NEEDS = ("heyoka", "orekit_jpype")
 def tables(quick):
     """The table of docs/accuracy.md, with the files of docs/figures; 25 minutes."""
     if not quick:
-        rows = made(cases(), SPANS, COUNTS, 20.0, record.FIGURES)
-        yield Table("run time against error", printed(_summary, rows))
+        found = made(cases(), SPANS, COUNTS, 20.0, record.FIGURES)
+        yield Table("run time against error", printed(_summary, found))
 
 
 def cases():
@@ -72,18 +72,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer cases, spans and epochs")
     parser.add_argument("--output", default=str(record.FIGURES), help="folder (docs/figures)")
+    parser.add_argument("--only", nargs="+", metavar="METHOD", help='such as attitude "heyoka"')
     arguments = parser.parse_args()
     folder = record.writable_folder(arguments.output)
     chosen, spans, counts, limit = cases(), SPANS, COUNTS, 20.0
     if arguments.quick:
         chosen = {name: chosen[name] for name in list(chosen)[::5]}
         spans, counts, limit = SPANS[:3], COUNTS[1:3], 0.7
-    _summary(made(chosen, spans, counts, limit, folder))
+    _summary(made(chosen, spans, counts, limit, folder, arguments.only))
 
 
-def made(chosen, spans, counts, limit, folder):
-    """Measure and write the files; the rows."""
+def made(chosen, spans, counts, limit, folder, only=None):
+    """Measure all methods, or those of some names, and write the files; what the JSON has."""
     methods, missing = peers.every()
+    methods = [method for method in methods if only is None or method.name in only]
     for module, reason in missing:
         print(f"left out: {module}: {reason}")
     start = time.perf_counter()
@@ -111,7 +113,7 @@ def made(chosen, spans, counts, limit, folder):
     print(
         f"written: {folder}/runtime_vs_error.png, .md, .json; {time.perf_counter() - start:.0f} s"
     )
-    return rows
+    return result
 
 
 def measure(method, case, state, exact, span, counts, limit):
@@ -220,9 +222,10 @@ def _table(rows, machine):
     return "\n".join(lines) + "\n"
 
 
-def _summary(rows):
+def _summary(result):
     """Versions and day; median cost at 1e5 epochs and worst error, by method and span."""
-    print(textwrap.fill(record.described(record.machine()), 100))
+    rows = result["rows"]
+    print(textwrap.fill(record.described(result["machine"]), 100))
     print()
     spans = sorted({row["span"] for row in rows})
     print(f"{'':34}" + "".join(f"{f'{span:.0e} revolutions':>26}" for span in spans))

@@ -10,8 +10,8 @@ same versions from 3.13 (3.13t). They are looked for on PATH, in pyenv and among
 is not found has a row that says so. Each gets an environment of the newest versions that
 pyproject.toml allows, and the lowest interpreter a second one of the lowest versions, every
 `name>=version` taken as `name==version`. Only wheels are installed: a package without one for an
-interpreter is a row too. The table is in Markdown, as CONTRIBUTING.md has it; its last column says what
-happened. The exit code is 1 if anything failed or nothing ran.
+interpreter is a row too. The table is in Markdown, as CONTRIBUTING.md has it; its last column
+says what happened. The exit code is 1 if anything failed or nothing ran.
 """
 
 import argparse

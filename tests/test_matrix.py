@@ -87,7 +87,8 @@ def test_a_failed_test_is_the_exit_code(body, code, counts, tmp_path, monkeypatc
     assert matrix.main(given) == code
     last = capsys.readouterr().out.splitlines()[-1]
     assert "9.8.7" in last
-    assert [cell.strip() for cell in last.split("|")][9:12] == [str(number) for number in counts.values()]
+    cells = [cell.strip() for cell in last.split("|")]
+    assert cells[9:12] == [str(number) for number in counts.values()]
 
 
 def test_an_error_of_collection_counts_as_failed():
