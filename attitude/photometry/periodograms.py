@@ -262,8 +262,8 @@ def _fourier(
 def _has_nifty(engine: str) -> bool:
     """Whether nifty-ls computes; AttitudeError if it is wanted and cannot.
 
-    nifty-ls loads without finufft too, with which it computes: where other packages have filled the
-    memory that libraries share for their threads, finufft does not load, depending on their order.
+    nifty-ls is imported also where finufft, with which it computes, cannot be: that was seen in
+    a process that had imported many other libraries before.
     """
     validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
     if engine == "astropy":
@@ -275,7 +275,7 @@ def _has_nifty(engine: str) -> bool:
         reason = "nifty-ls is not installed; install it"
     else:
         if not {"finufft_chi2", "cufinufft_chi2"} & set(AVAILABLE_BACKENDS):
-            reason = "finufft, with which nifty-ls computes, cannot be loaded; import it first"
+            reason = "finufft, with which nifty-ls computes, cannot be imported here"
     if reason and engine == "nifty-ls":
         raise AttitudeError(f'{reason}, or give engine="astropy".')
     return not reason
