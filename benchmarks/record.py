@@ -1,5 +1,6 @@
 """Shared by benchmarks that write files: the output folder, the machine and the versions."""
 
+import datetime
 import os
 import platform
 import sys
@@ -17,6 +18,7 @@ _PACKAGES = (
     "mpmath",
     "heyoka",
     "orekit-jpype",
+    "astrojax",
     "matplotlib",
 )
 
@@ -34,7 +36,7 @@ def writable_folder(text):
 
 
 def machine():
-    """Processor, cores and versions, to be stored with the numbers."""
+    """Processor, cores, versions and day, to be stored with the numbers."""
     found = {}
     for name in _PACKAGES:
         try:
@@ -47,7 +49,17 @@ def machine():
         "system": platform.platform(),
         "python": platform.python_version(),
         "packages": found,
+        "date": datetime.date.today().isoformat(),
     }
+
+
+def described(machine):
+    """The machine, the versions of what was installed and the day of the run, as one sentence."""
+    packages = (f"{name} {number}" for name, number in machine["packages"].items() if number)
+    return (
+        f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}; "
+        f"{', '.join(packages)}; {machine['date']}."
+    )
 
 
 def processor():

@@ -3,15 +3,16 @@
     python benchmarks/runtime_vs_error.py            # about 25 minutes
     python benchmarks/runtime_vs_error.py --quick    # below 2 minutes
 
-Every method propagates the same states to the same epochs, set-up included; errors are relative to
-the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of the epochs.  The script
-writes runtime_vs_error.png, .md (all rows) and .json (with machine and versions) to --output
-(docs/figures).  Methods that are not installed are named and omitted.
+Every method propagates the same states to the same epochs, set-up included, in processor time;
+errors are relative to the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of
+the epochs.  The script writes runtime_vs_error.png, .md (all rows) and .json (with machine,
+versions and day) to --output (docs/figures).  Methods that are not installed are named and omitted.
 """
 
 import argparse
 import json
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -34,8 +35,8 @@ NEEDS = ("heyoka", "orekit_jpype")
 def tables(quick):
     """The table of docs/accuracy.md, with the files of docs/figures; 25 minutes."""
     if not quick:
-        rows = made(cases(), SPANS, COUNTS, 20.0, record.FIGURES)
-        yield Table("run time against error", printed(_summary, rows))
+        found = made(cases(), SPANS, COUNTS, 20.0, record.FIGURES)
+        yield Table("run time against error", printed(_summary, found))
 
 
 def cases():
@@ -71,18 +72,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer cases, spans and epochs")
     parser.add_argument("--output", default=str(record.FIGURES), help="folder (docs/figures)")
+    parser.add_argument("--only", nargs="+", metavar="METHOD", help='such as attitude "heyoka"')
     arguments = parser.parse_args()
     folder = record.writable_folder(arguments.output)
     chosen, spans, counts, limit = cases(), SPANS, COUNTS, 20.0
     if arguments.quick:
         chosen = {name: chosen[name] for name in list(chosen)[::5]}
         spans, counts, limit = SPANS[:3], COUNTS[1:3], 0.7
-    _summary(made(chosen, spans, counts, limit, folder))
+    _summary(made(chosen, spans, counts, limit, folder, arguments.only))
 
 
-def made(chosen, spans, counts, limit, folder):
-    """Measure and write the files; the rows."""
+def made(chosen, spans, counts, limit, folder, only=None):
+    """Measure all methods, or those of some names, and write the files; what the JSON has."""
     methods, missing = peers.every()
+    methods = [method for method in methods if only is None or method.name in only]
     for module, reason in missing:
         print(f"left out: {module}: {reason}")
     start = time.perf_counter()
@@ -110,7 +113,7 @@ def made(chosen, spans, counts, limit, folder):
     print(
         f"written: {folder}/runtime_vs_error.png, .md, .json; {time.perf_counter() - start:.0f} s"
     )
-    return rows
+    return result
 
 
 def measure(method, case, state, exact, span, counts, limit):
@@ -170,11 +173,16 @@ def _compile(method):
 
 
 def _timed(method, moments, wxyz0, omega0, t):
+    """Attitudes, and the least processor time of up to seven runs, in s.
+
+    What else the machine does lengthens the time on the clock of a run of seconds, which is not
+    repeated.
+    """
     least, spent = np.inf, 0.0
     for _ in range(7):
-        start = time.perf_counter()
+        start = time.process_time()
         wxyz = method.solve(moments, wxyz0, omega0, t)
-        seconds = time.perf_counter() - start
+        seconds = time.process_time() - start
         least, spent = min(least, seconds), spent + seconds
         if spent > 0.5:
             break
@@ -196,10 +204,7 @@ def _table(rows, machine):
     lines = [
         "# Run time against error, all rows",
         "",
-        f"Made by benchmarks/runtime_vs_error.py on {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}; "
-        + ", ".join(f"{k} {v}" for k, v in machine["packages"].items() if v)
-        + ".",
+        f"Made by benchmarks/runtime_vs_error.py on {record.described(machine)}",
         "",
         "| case | method | setting | revolutions | epochs | ns an epoch | error, rad |",
         "| --- | --- | --- | ---: | ---: | ---: | ---: |",
@@ -217,8 +222,11 @@ def _table(rows, machine):
     return "\n".join(lines) + "\n"
 
 
-def _summary(rows):
-    """Median cost at 1e5 epochs and worst error, by method and span."""
+def _summary(result):
+    """Versions and day; median cost at 1e5 epochs and worst error, by method and span."""
+    rows = result["rows"]
+    print(textwrap.fill(record.described(result["machine"]), 100))
+    print()
     spans = sorted({row["span"] for row in rows})
     print(f"{'':34}" + "".join(f"{f'{span:.0e} revolutions':>26}" for span in spans))
     print(f"{'method':34}" + f"{'ns an epoch   worst error':>26}" * len(spans))

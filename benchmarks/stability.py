@@ -154,7 +154,7 @@ def _table(maps, broke, labels, machine):
     total = maps["conditioning"].size
     limit = np.maximum(4e-15, 10.0 * maps["conditioning"])
     lines = [
-        f"{total} states; {machine['processor']}, Python {machine['python']}.",
+        f"{total} states; {record.described(machine)}",
         "",
         "| method | worst, rad | median, rad | NaN | exceptions | above 1e-3 rad | "
         "above 4e-15 rad and 10 x the conditioning |",

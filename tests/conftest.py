@@ -1,12 +1,14 @@
 """Before anything is imported: where machine code is kept, how hypothesis works, no network."""
 
 import gc
-import importlib
+import importlib.util
+import json
 import os
 import signal
 import socket
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -123,8 +125,15 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 def pytest_addoption(parser):
-    """`--short`: the files named in tests/short.txt alone."""
+    """`--short`: the files named in tests/short.txt alone; what skips: see `Skips`."""
     parser.addoption("--short", action="store_true", help="a selection that ends in 90 s")
+    parser.addoption("--skipped-to", metavar="FILE", help="write which tests skip, and why")
+    parser.addoption("--skipped-in", metavar="FILE", help="only tests that such a file names")
+
+
+def pytest_configure(config):
+    """Not as hooks of this file, which are asked about the files below its folder only."""
+    config.pluginmanager.register(Skips(config), "skips of tests")
 
 
 def pytest_ignore_collect(collection_path, config):
@@ -133,3 +142,106 @@ def pytest_ignore_collect(collection_path, config):
         return None
     named = (Path(__file__).parent / "short.txt").read_text().split()
     return None if collection_path.name in named else True
+
+
+# Modules of the package whose import needs a package.  An error in the import of any other fails
+# the run: with --doctest-ignore-import-errors pytest leaves out a module of tests without a word.
+_NEED = {
+    "attitude/jax.py": "jax",
+    "attitude/torch.py": "torch",
+    "attitude/survey/light_curve.py": "sorcha",
+}
+
+
+class Absent(pytest.File):
+    """A module that cannot be imported here, because a package is not installed."""
+
+    def collect(self):
+        name = _NEED[self.path.relative_to(self.config.rootpath).as_posix()]
+        pytest.skip(f"{name} is not installed")
+
+
+class Skips:
+    """Which tests skip and why, as a file and a table; and the tests that another run skipped.
+
+    A file is an object in JSON: a test, or a module that skips as a whole, by its node id, and the
+    reason.  `.ci/run` writes one where only the extra `test` is installed, and runs what it names
+    where the optional packages are: each test runs once.
+    """
+
+    def __init__(self, config):
+        self.root = config.rootpath
+        before = config.getoption("--skipped-in")
+        self.before = json.loads(Path(before).read_text(encoding="utf-8")) if before else None
+        self.now, self.run, self.absent = {}, set(), []
+
+    def _name(self, path):
+        """The path from the root, as node ids begin; a path outside stays as it is."""
+        return (path.relative_to(self.root) if self.root in path.parents else path).as_posix()
+
+    def pytest_ignore_collect(self, collection_path):
+        """Import no file of which nothing is wanted."""
+        if self.before is None or collection_path.is_dir():
+            return None
+        name = self._name(collection_path)
+        return None if any(node.split("::")[0] == name for node in self.before) else True
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_collect_file(self, file_path, parent):
+        found = yield
+        name = _NEED.get(self._name(file_path))
+        if name is None or importlib.util.find_spec(name):
+            return found
+        return [Absent.from_parent(parent, path=file_path)]
+
+    def pytest_collection_modifyitems(self, config, items):
+        """Keep what is named, and what is within it."""
+        if self.before is None:
+            return
+        named = [any(node.nodeid in self.before for node in item.listchain()) for item in items]
+        left = [item for item, kept in zip(items, named, strict=True) if not kept]
+        config.hook.pytest_deselected(items=left)
+        items[:] = [item for item, kept in zip(items, named, strict=True) if kept]
+
+    def pytest_collectreport(self, report):
+        self._keep(report)
+
+    def pytest_runtest_logreport(self, report):
+        self.run.add(report.nodeid)
+        self._keep(report)
+
+    def _keep(self, report):
+        if report.skipped and not hasattr(report, "wasxfail"):
+            self.now[report.nodeid] = report.longrepr[2].removeprefix("Skipped: ")
+
+    def pytest_sessionfinish(self, session):
+        """A test that is named and does not exist is an error, not a silent gap."""
+        if self.before is None or hasattr(session.config, "workerinput"):
+            return
+        here = self.run | self.now.keys()
+        self.absent = [
+            node
+            for node in self.before
+            if (node not in here if "::" in node else not (self.root / node).exists())
+        ]
+        if self.absent:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter, config):
+        """One table of the reasons, with the number of tests or modules: before, and now."""
+        to = config.getoption("--skipped-to")
+        if not to and self.before is None:
+            return
+        if to:
+            Path(to).write_text(json.dumps(self.now, indent=1), encoding="utf-8")
+        terminalreporter.section("what was skipped, and why")
+        before = self.before if self.before is not None else self.now
+        first, last = (Counter(skipped.values()) for skipped in (before, self.now))
+        terminalreporter.line("  first   left   reason" if self.before else "  tests   reason")
+        for reason, count in (first | last).most_common():
+            left = f"{last[reason]:7}" if self.before else ""
+            terminalreporter.line(f"{first[reason] if self.before else count:7}{left}   {reason}")
+        sums = f"{first.total():7}" + (f"{last.total():7}" if self.before else "")
+        terminalreporter.line(f"{sums}   in all (a module that skips as a whole counts as one)")
+        for node in self.absent:
+            terminalreporter.line(f"ERROR {node} was skipped, and does not exist now")

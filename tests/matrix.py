@@ -10,8 +10,8 @@ same versions from 3.13 (3.13t). They are looked for on PATH, in pyenv and among
 is not found has a row that says so. Each gets an environment of the newest versions that
 pyproject.toml allows, and the lowest interpreter a second one of the lowest versions, every
 `name>=version` taken as `name==version`. Only wheels are installed: a package without one for an
-interpreter is a row too. The last column says what happened; the exit code is 1 if anything failed
-or nothing ran.
+interpreter is a row too. The table is in Markdown, as CONTRIBUTING.md has it; its last column
+says what happened. The exit code is 1 if anything failed or nothing ran.
 """
 
 import argparse
@@ -185,15 +185,15 @@ def tested(interpreter, lowest, folder, arguments):
 
 
 def table(rows):
-    """The rows as text, each column as wide as its longest cell."""
+    """The rows as a table in Markdown, each column as wide as its longest cell."""
     cells = [("Python", "versions", *SHOWN, *COUNTS, "outcome")]
     for row in rows:
         versions = (row.versions.get(name, "-") for name in SHOWN)
         counts = (str(row.counts.get(name, "-")) for name in COUNTS)
         cells.append((row.interpreter, row.kind, *versions, *counts, row.outcome))
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = ("  ".join(map(str.ljust, line, widths)).rstrip() for line in cells)
-    return "\n".join(lines)
+    cells.insert(1, tuple("-" * width for width in widths))
+    return "\n".join(f"| {' | '.join(map(str.ljust, line, widths))} |" for line in cells)
 
 
 def _arguments(given):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from attitude import Mode, propagate
-from attitude.propagation import constants_of
+from attitude.evaluation import constants_of
 from attitude.solution import codes
 from tests import states
 from tests.measure import error_of, errors, worst

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import time
 from importlib.util import find_spec
 from itertools import pairwise
@@ -156,7 +157,7 @@ def test_what_is_refused():
         PartitionedEnsemble.of_arrays(**bad, epoch="2026-01-01").at(T).compute()
 
 
-@pytest.mark.skipif(find_spec("dask") is not None, reason="dask is installed")
-def test_without_dask_there_is_a_sentence():
+def test_without_dask_there_is_a_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "dask", None)  # an import of it fails
     with pytest.raises(AttitudeError, match="dask is not installed"):
         PartitionedEnsemble.of_arrays(wxyz=None)

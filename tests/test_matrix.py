@@ -1,7 +1,9 @@
-"""The range of versions in pyproject.toml, and the script that tests it."""
+"""The range of versions in pyproject.toml, the script that tests it, and what CI runs twice."""
 
+import json
 import platform
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -87,9 +89,61 @@ def test_a_failed_test_is_the_exit_code(body, code, counts, tmp_path, monkeypatc
     assert matrix.main(given) == code
     last = capsys.readouterr().out.splitlines()[-1]
     assert "9.8.7" in last
-    assert last.split()[8:11] == [str(number) for number in counts.values()]
+    cells = [cell.strip() for cell in last.split("|")]
+    assert cells[9:12] == [str(number) for number in counts.values()]
 
 
 def test_an_error_of_collection_counts_as_failed():
     assert matrix.counts_of("...\n1 passed, 2 errors in 0.10s\n")["failed"] == 2
     assert matrix.counts_of("")["passed"] == 0
+
+
+NEEDED = "FIRST", "SECOND"
+PROJECT_THAT_SKIPS = {
+    "test_one.py": """
+import os, pytest
+
+def test_runs(): open("runs.txt", "a").write("x")
+
+@pytest.mark.parametrize("name", ["FIRST", "SECOND"])
+def test_needs(name):
+    if name not in os.environ: pytest.skip(f"{name} is not here")
+
+@pytest.mark.xfail
+def test_is_known(): assert False
+""",
+    "test_two.py": "import os, pytest\n"
+    "if 'FIRST' not in os.environ: pytest.skip('FIRST is not here', allow_module_level=True)\n"
+    "def test_two(): pass\n",
+}
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_what_one_run_skips_the_next_one_runs(workers, tmp_path, monkeypatch):
+    """`--skipped-to` and `--skipped-in`: each test once, and a table of what is left."""
+    for name, text in PROJECT_THAT_SKIPS.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
+    monkeypatch.setenv("PYTHONPATH", str(matrix.ROOT))
+    file = tmp_path / "skipped.json"
+
+    def run(*given):
+        command = [sys.executable, "-m", "pytest", "-p", "tests.conftest", "-p", "no:cacheprovider"]
+        command += ["-n", str(workers), *given]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    code, shown = run(f"--skipped-to={file}")
+    assert code == 0, shown
+    ids = {"test_two.py": "FIRST", **{f"test_one.py::test_needs[{x}]": x for x in NEEDED}}
+    assert json.loads(file.read_text()) == {node: f"{x} is not here" for node, x in ids.items()}
+    assert re.search(r"^ +2   FIRST is not here$", shown, re.MULTILINE), shown
+    monkeypatch.setenv("FIRST", "1")
+    code, shown = run(f"--skipped-in={file}")
+    assert code == 0, shown
+    assert re.search(r"^ +2 +0   FIRST is not here$", shown, re.MULTILINE), shown
+    assert re.search(r"^ +1 +1   SECOND is not here$", shown, re.MULTILINE), shown
+    assert "2 passed, 1 skipped" in shown and (tmp_path / "runs.txt").read_text() == "x"
+    file.write_text('{"test_one.py::test_gone": "it was here"}')
+    code, shown = run(f"--skipped-in={file}")
+    assert code == 1 and "test_one.py::test_gone was skipped, and does not exist now" in shown

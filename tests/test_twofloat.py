@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from attitude.compilation.instructions import fma, rint
-from attitude.propagation import constants_of
+from attitude.evaluation import constants_of
 from attitude.solution import codes, twofloat
 
 U = Fraction(1, 2**53)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from attitude import propagate
-from attitude.propagation import constants_of
+from attitude.evaluation import constants_of
 from attitude.solution import codes
 from tests.measure import errors, worst
 from tests.states import State

@@ -44,11 +44,17 @@ class PartitionedEnsemble(Immutable):
     lengths : tuple of K int or nan
         Numbers of members; nan where the partitions of a dataframe were not counted.
 
-    >>> import dask.array as da                                     # doctest: +SKIP
-    >>> many = PartitionedEnsemble.of_arrays(                       # doctest: +SKIP
-    ...     moments=da.from_array(moments, chunks=(10**5, 3)), wxyz=..., angular_velocity=...,
-    ...     epoch="2026-01-01")
-    >>> many.at(np.linspace(0.0, 3600.0, 61)).max().compute()       # doctest: +SKIP
+    From arrays that no memory holds::
+
+        import dask.array as da
+
+        many = PartitionedEnsemble.of_arrays(
+            moments=da.from_array(moments, chunks=(10**5, 3)),
+            wxyz=...,
+            angular_velocity=...,
+            epoch="2026-01-01",
+        )
+        many.at(np.linspace(0.0, 3600.0, 61)).max().compute()
     """
 
     parts: tuple[Any, ...]

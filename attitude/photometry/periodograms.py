@@ -307,19 +307,25 @@ def _fourier(
 
 
 def _has_nifty(engine: str) -> bool:
-    """Whether nifty-ls computes; AttitudeError if it is wanted and not installed."""
+    """Whether nifty-ls computes; AttitudeError if it is wanted and cannot.
+
+    nifty-ls is imported also where finufft, with which it computes, cannot be: that was seen in
+    a process that had imported many other libraries before.
+    """
     validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
     if engine == "astropy":
         return False
+    reason = ""
     try:
-        import nifty_ls  # noqa: F401  it registers itself with astropy
+        from nifty_ls.core import AVAILABLE_BACKENDS  # it registers itself with astropy
     except ImportError:
-        if engine == "nifty-ls":
-            raise AttitudeError(
-                'nifty-ls is not installed; install it, or give engine="astropy".'
-            ) from None
-        return False
-    return True
+        reason = "nifty-ls is not installed; install it"
+    else:
+        if not {"finufft_chi2", "cufinufft_chi2"} & set(AVAILABLE_BACKENDS):
+            reason = "finufft, with which nifty-ls computes, cannot be imported here"
+    if reason and engine == "nifty-ls":
+        raise AttitudeError(f'{reason}, or give engine="astropy".')
+    return not reason
 
 
 def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from importlib import import_module
 
 import numpy as np
 
-MODULES = ("ours", "paper", "scipy_ivp", "heyoka_taylor", "dlm", "orekit")
+MODULES = ("ours", "paper", "scipy_ivp", "heyoka_taylor", "astrojax_dp54", "dlm", "orekit")
 
 
 class Missing(Exception):
