@@ -158,7 +158,12 @@ def _changes(state, one):
         change = mc * ratio - (b2 * d13 + a2 * g13) / (a1 * d23)
     else:
         change = (b3 * d12 + a3 * g12) / (a1 * d23) - m * ratio
-    rate = 0.5 * (ratio - y1 / i1 - y2 / i2 - y3 / i3)
+    # wp^2 = (p w3^2 + r w2^2) d23 / I2
+    p, r = d13 / i1, i2 * d12 / (i1 * i3)
+    by_p, by_r = side * (i3 * y1 / i1 - y3) / i1, y2 / i2 - y1 / i1 - y3 / i3
+    by_r = r * by_r + i2 * g12 / (i1 * i3)
+    rate = p * w3 * x3 + r * w2 * x2 + 0.5 * (by_p * w3 * w3 + by_r * w2 * w2)
+    rate = rate / (p * w3 * w3 + r * w2 * w2) + 0.5 * side * (i3 * y2 / i2 - y3) / d23
     size = 1.0 / math.sqrt(a3)
     cosine, sine = w1 * math.sqrt(i1 * d13) * size, -w2 * math.sqrt(i2 * d23) * size
     turn = -cosine * x2 * math.sqrt(i2 * d23) * size - sine * x1 * math.sqrt(i1 * d13) * size
