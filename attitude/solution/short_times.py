@@ -2,7 +2,7 @@
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
 strongly with the moments, and the columns of solution.columns are small differences of large
-numbers.  Within a fifth of the radius of convergence, K'/wp, or less, the changes are polynomials
+numbers.  Within a quarter of the radius of convergence, K'/wp, or less, the changes are polynomials
 in t:
 
     w' = c w w,    (dw)' = c (dw w + w dw) + dc w w,    zeta' = n dw,    n = L/|L|
@@ -29,11 +29,11 @@ from attitude.solution.series import four
 from attitude.solution.tangent_record import BLOCK, COLUMNS, SECONDS, WXYZ
 from attitude.solution.uniform_tangents import couplings_of, forced
 
-# Beyond, the terms are below 0.2^24 = 2e-17 of the first.
-TERMS = 24
-_SHARE = 0.2
+# Beyond, the terms are below 0.25^28 = 1e-17 of the first.
+TERMS = 28
+_SHARE = 0.25
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
-# have twice the frequency, and a term of this order below 1e-16 of the largest within 0.72 rad.
+# have twice the frequency, and a term of this order below 1e-17 of the largest within 0.9 rad.
 _FARTHEST = 3.6
 
 # Rows of a series: M x dM (3) and change of the angular velocity (3) over the body axes, zeta, and
