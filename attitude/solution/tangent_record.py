@@ -25,10 +25,11 @@ import numpy as np
 # known when the loops are compiled, LLVM needs no test of overlap and vectorises the loops.  Rows
 # 4096 bytes apart would share the lines of the cache.
 BLOCK = 248
+# Loops that read some rows and write others are vectorised where they write those further back.
 SECONDS, BASIS, PASSED = (BLOCK * row for row in (0, 1, 10))
-WXYZ, OMEGA, ARGUMENTS, FOUND = (BLOCK * row for row in (11, 15, 18, 22))
-TURNED, SUMS, ZEROS, ONES, NEAR_SUMS = (BLOCK * row for row in (25, 28, 49, 50, 51))
-SCALED, DECAYED, BY_PHASE, BY_NOME = (BLOCK * row for row in (57, 58, 59, 62))
+WXYZ, OMEGA, SCALED, DECAYED = (BLOCK * row for row in (11, 15, 18, 19))
+BY_PHASE, BY_NOME, ARGUMENTS, FOUND = (BLOCK * row for row in (20, 23, 26, 30))
+TURNED, SUMS, ZEROS, ONES, NEAR_SUMS = (BLOCK * row for row in (33, 36, 57, 58, 59))
 ROWS = 65
 
 # Parameters: initial attitude (3), angular velocity (3), principal moments (3).  A change of the
