@@ -32,9 +32,9 @@ import math
 
 from attitude.compilation.decorators import subroutine
 from attitude.solution import codes
+from attitude.solution.phases import exp2_of_minus
 from attitude.solution.second_kind import by_parameter, integrals
 from attitude.solution.series import four
-from attitude.solution.phases import exp2_of_minus
 from attitude.solution.twofloat import ONE, TWO_PI, ZERO, add, mul, pair, scale, sqrt, square, sub
 
 # 2 / ln 2, a pair.
@@ -82,7 +82,9 @@ def derive(inertia, c, out):
             out[row, k] = 0.0
     for k in range(6):
         one = _unit(k)
-        found = _hyperbolic(state, one, action, c) if near else _trigonometric(state, one, action, c)
+        found = (
+            _hyperbolic(state, one, action, c) if near else _trigonometric(state, one, action, c)
+        )
         sizes = _amplitudes(state, one)
         size = by_speed if k < 3 else by_moment
         for row in range(11):
@@ -240,7 +242,7 @@ def _near_action(state):
 
     The integrand has no singularity within 15 times the interval: six points suffice.
     """
-    (i1, i2, i3), _w, (d12, d23, _d13), (a1, a2, a3), side, size, _speed, (m, mc) = state
+    (i1, i2, i3), _w, (d12, d23, _d13), (a1, a2, a3), side, _, _speed, (m, mc) = state
     here = math.sqrt(a1) / integrals(mc, m)[0]
     total = 0.0
     for k in range(len(_NODES)):

@@ -145,21 +145,25 @@ def fill_rates(c, d):
     The factors of the series of cn, sn and dn depend on their nome as the amplitudes do: their
     changes are added to those of the amplitudes.
     """
-    (i1, i2, i3), _w, (d12, d23, d13), _a, side, _size, speed, (m, mc) = state_of(c)
+    (i1, i2, i3), _w, (d12, d23, d13), _a, _side, _size, speed, (m, mc) = state_of(c)
     near = c.form == codes.HYPERBOLIC
-    # the phase by time, v' or y', is this over the sense
-    by_time = speed * (0.25 * math.pi / integrals(mc, m)[0] if near else 0.5 * math.pi / integrals(m, mc)[0])
+    # v' or y', the phase by time, without its sense
+    if near:
+        by_time = speed * 0.25 * math.pi / integrals(mc, m)[0]
+    else:
+        by_time = speed * 0.5 * math.pi / integrals(m, mc)[0]
     over = math.ldexp(1.0 / by_time, -c.tempo)
-    d.by_phase[0], d.by_phase[1], d.by_phase[2] = over * d23 / i1, -over * d13 / i2, over * d12 / i3
+    d.by_phase[0], d.by_phase[1] = over * d23 / i1, -over * d13 / i2
+    d.by_phase[2] = over * d12 / i3
     q = d.nome * d.nome if near else math.sqrt(c.nome)
     # theta2 / (2 q^(1/4)), theta3, theta4 and their derivatives
     two = 1.0 + q**2 + q**6 + q**12 + q**20
     two_slope = q * (2.0 + 6.0 * q**4 + 12.0 * q**10 + 20.0 * q**18)
     odd, even = q * (1.0 + q**8), q**4 * (1.0 + q**12)
     odd_slope, even_slope = 1.0 + 9.0 * q**8, q**3 * (4.0 + 16.0 * q**12)
-    three, four_ = 1.0 + 2.0 * (even + odd), 1.0 + 2.0 * (even - odd)
+    three, fourth = 1.0 + 2.0 * (even + odd), 1.0 + 2.0 * (even - odd)
     low2, low3 = two_slope / two, 2.0 * (even_slope + odd_slope) / three
-    low4 = 2.0 * (even_slope - odd_slope) / four_
+    low4 = 2.0 * (even_slope - odd_slope) / fourth
     for j in range(COLUMNS):
         change = d.weights[NOME, j]
         d.amplitudes[0, j] += (low4 - low2 if not near else low2 - low4) * change
@@ -168,9 +172,9 @@ def fill_rates(c, d):
     if near:
         return
     factors = (
-        c.amplitudes[0] * four_ / two,
+        c.amplitudes[0] * fourth / two,
         -c.amplitudes[1] * three / two,
-        c.amplitudes[2] * four_ / three,
+        c.amplitudes[2] * fourth / three,
     )
     sign = -1.0
     for n in range(1, 5):
