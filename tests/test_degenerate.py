@@ -156,7 +156,7 @@ def test_the_separatrix_ends_at_the_middle_axis():
 
 
 def test_rates_too_small_to_follow_are_refused_where_they_turn_the_body_over():
-    """Below 2^-400 of the spin about the middle axis; elsewhere they are 0, above they are exact."""
+    """Below 2^-400 of the spin about the middle axis; elsewhere they are 0, above they count."""
     for omega in ((1e-125, 1.0, 0.0), (0.0, -1.0, 1e-200), (1e-100, 1.0, 1e-130)):
         with pytest.raises(AttitudeError, match="turn the body over"):
             propagate((1, 2, 2.6), WXYZ, omega, [2000.0])
