@@ -102,6 +102,14 @@ def _store_attitude(frame, pair, block, i):
 
 
 @subroutine
+def _store(block, place, v):
+    """A vector into three rows of a block, from a place of the first on."""
+    block[place] = v[0]
+    block[place + BLOCK] = v[1]
+    block[place + 2 * BLOCK] = v[2]
+
+
+@subroutine
 def _precessed(invariant, sine, cosine):
     """The columns of a matrix, turned about its z by twice the angle of this sine and cosine."""
     c, s = fma(-2.0 * sine, sine, 1.0), 2.0 * sine * cosine
@@ -233,14 +241,9 @@ def hyperbolic_block(c, d, t, t_low, block):
             upright,
         )
         first = _applied(to, turn)
-        block[BASIS + i] = first[0]
-        block[BASIS + 1 * BLOCK + i] = first[1]
-        block[BASIS + 2 * BLOCK + i] = first[2]
+        _store(block, BASIS + i, first)
         # the series are analytic in y + i d: i times the change
-        x, y, z = _applied(to, (-turn[1], turn[0], along))
-        block[BASIS + 3 * BLOCK + i] = x
-        block[BASIS + 4 * BLOCK + i] = y
-        block[BASIS + 5 * BLOCK + i] = z
+        _store(block, BASIS + 3 * BLOCK + i, _applied(to, (-turn[1], turn[0], along)))
         # The number of the passage: whole turns of 2 x, which parity alone does not tell.
         passed = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
         block[PASSED + i] = fma(4.0, passed, 2.0 * side) - passed_first
@@ -349,15 +352,7 @@ def hyperbolic_rates_block(c, d, n, block):
 @force_inlined
 def _store_changes(axes, by_phase, w, change, block, i):
     """Store angular velocity (internal axes), and its derivatives by the phase and the nome."""
-    block[OMEGA + i] = w[0]
-    block[OMEGA + BLOCK + i] = w[1]
-    block[OMEGA + 2 * BLOCK + i] = w[2]
     turn = by_phase[0] * w[1] * w[2], by_phase[1] * w[2] * w[0], by_phase[2] * w[0] * w[1]
-    x, y, z = _applied(axes, turn)
-    block[BY_PHASE + i] = x
-    block[BY_PHASE + BLOCK + i] = y
-    block[BY_PHASE + 2 * BLOCK + i] = z
-    x, y, z = _applied(axes, change)
-    block[BY_NOME + i] = x
-    block[BY_NOME + BLOCK + i] = y
-    block[BY_NOME + 2 * BLOCK + i] = z
+    _store(block, OMEGA + i, w)
+    _store(block, BY_PHASE + i, _applied(axes, turn))
+    _store(block, BY_NOME + i, _applied(axes, change))
