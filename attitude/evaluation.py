@@ -47,6 +47,11 @@ _FAULTS = {
         "moments are equal. Give two equal moments, or three above zero."
     ),
     codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
+    codes.LOST_RATE: (
+        "the angular velocity is {omega} rad/s, about the middle axis but for rates below 2^-400 "
+        "(4e-121) of it. They turn the body over in the end, and doubles do not follow them until "
+        "then: give 0 for them, or larger ones."
+    ),
     codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
 }
 

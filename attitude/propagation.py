@@ -139,7 +139,7 @@ def propagate(
         The rotation vector (rad, inertial axes) of the change of attitude for a unit change of the
         first attitude (3, rotation vector, inertial axes), of the angular velocity (3, rad/s, body
         axes) and of the principal moments (3).  Its error is 4e-15 of the largest entry of a
-        column, near the separatrix 1e-15/mc (benchmarks/sensitivity.py).
+        column (benchmarks/sensitivity.py; docs/sensitivities.md).
     omega_sensitivity : (..., T, 3, 9) array, only with both
         That of the angular velocity, over the body axes.
 
@@ -152,7 +152,8 @@ def propagate(
     Notes
     -----
     The error is at most 4e-15 rad for the exact doubles given, within 1e15 turns in every regime;
-    benchmarks/accuracy.py measures it.  Rates below 2^-400 (4e-121) of the largest count as 0.
+    benchmarks/accuracy.py measures it.  Rates below 2^-400 (4e-121) of the largest count as 0,
+    and are refused beside rotation about the middle axis, which they turn over in the end.
     Solution: van Zon & Schofield (2006), J. Comput. Phys.
     225, 145, in the form of docs/derivation.md.
 

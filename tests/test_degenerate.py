@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from attitude import Mode, propagate
+from attitude import AttitudeError, Mode, propagate
 from tests import states
 from tests.measure import by_motion, by_propagate, error_of, errors, motion_of, worst
 from tests.oracle import Oracle
@@ -153,6 +153,19 @@ def test_the_separatrix_ends_at_the_middle_axis():
     assert sorted(signs) == [-1.0, 1.0]
     assert np.all(np.abs(omega[:, 1]) == pytest.approx(size, rel=4e-15))
     assert np.all(np.abs(omega[:, [0, 2]]) < 1e-100)  # rad/s: sech of 1e9
+
+
+def test_rates_too_small_to_follow_are_refused_where_they_turn_the_body_over():
+    """Below 2^-400 of the spin about the middle axis; elsewhere they are 0, above they count."""
+    for omega in ((1e-125, 1.0, 0.0), (0.0, -1.0, 1e-200), (1e-100, 1.0, 1e-130)):
+        with pytest.raises(AttitudeError, match="turn the body over"):
+            propagate((1, 2, 2.6), WXYZ, omega, [2000.0])
+    for moments, omega in (((1, 2, 2.6), (1e-125, 1e-130, 1.0)), ((1, 2, 2), (1e-125, 1.0, 0.0))):
+        zeros = [w if w == 1.0 else 0.0 for w in omega]
+        assert np.array_equal(*(propagate(moments, WXYZ, w, [2e3]) for w in (omega, zeros)))
+    for omega in ((3e-120, 1.0, 0.0), (4e-119, 1.0, 3e-119)):
+        state = State("flip", (1.0, 2.0, 2.6), WXYZ, omega)
+        assert worst(errors(state, [500.0, 580.0, 2000.0]))[0].attitude <= PROMISE
 
 
 def test_rest_is_rest():

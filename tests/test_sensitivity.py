@@ -1,21 +1,22 @@
 """Sensitivities against central differences of the 60-digit oracle, in every regime."""
 
+import math
+
 import numpy as np
 import pytest
+from mpmath import mp
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
 from attitude import representations as forms
 from attitude.quaternion import conjugate, matrix, multiply
-from tests.differences import sensitivity
+from tests.differences import exact_sensitivity, sensitivity
 
 WXYZ = (1.0, 0.3, 0.2, -0.1)
-# Moments, angular velocity, tolerance relative to the largest entry of a column.  Near the
-# separatrix the derivatives of the period are of size 1/mc, and so is their error; the rates of a
-# needle are its angular momentum over a small moment.
+# Moments, angular velocity, tolerance relative to the largest entry of a column.
 STATES = {
     "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
     "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
-    "hyperbolic form": ((10, 20, 26), (1, 15, 1), 2e-14),
+    "hyperbolic form": ((10, 20, 26), (1, 15, 1), 4e-15),
     "symmetric": ((2, 2, 3), (0.3, 0.4, 0.9), 4e-15),
     "symmetric, long axis": ((2, 3, 3), (1.3, 0.4, 0.9), 4e-15),
     "symmetric but for 1e-7": ((2, 2.0000001, 3), (0.3, 0.4, 0.9), 4e-15),
@@ -33,9 +34,20 @@ STATES = {
     "sphere but for 1e-8": ((2, 2.00000002, 2.00000003), (0.3, 0.5, 1), 4e-15),
     "beside the equator": ((2, 2, 3), (0.3, 0.5, 1e-9), 4e-15),
     "series of the largest nome": ((0.4931512, 0.56326773, 1), (0.03754, -0.17851, 0.00588), 4e-15),
-    "needle, end over end": ((0.0189, 0.9946, 1), (-0.0974, -0.987, 0.0055), 4e-14),
+    "needle, end over end": ((0.0189, 0.9946, 1), (-0.0974, -0.987, 0.0055), 4e-15),
     "1e-2 from the separatrix": ((1, 2, 2.7), (1.3888, 0.4, 1.0), 4e-15),
-    "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 1e-11),
+    "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 4e-15),
+    "1e-15 from the separatrix": ((1, 2, 2.7), (1.3747727084867534, 0.4, 1.0), 4e-15),
+    "middle axis, 1e-2, short": ((1, 2, 2.6), (3e-3, 1.0, 1e-2), 4e-15),
+    "middle axis, 1e-4, long": ((2, 1, 2.6), (1.0, -1e-4, 2e-5), 4e-15),
+    "middle axis, 1e-6": ((2.6, 2, 1), (0, 1.0, 1e-6), 4e-15),
+    "middle axis, 1e-8": ((1, 2, 2.6), (1e-8, -1.0, -2e-8), 4e-15),
+    "middle axis, 1e-12": ((1, 2, 2.6), (1e-12, 0.3, 0), 4e-15),
+    "middle axis, sin pi": ((1, 2, 2.6), (1.2246467991473532e-16, 1.0, 0), 4e-15),
+    "needle of 1e-2": ((1.005, 1, 1e-2), (0.3, 0.5, 0.2), 4e-15),
+    "needle of 1e-5": ((1e-5, 1, 1.000004), (0.3, 0.5, -0.9), 4e-15),
+    "needle of 1e-8": ((1, 1e-8, 1.000000003), (0.3, 0.5, 0.2), 4e-15),
+    "needle beside the separatrix": ((1e-3, 1, 1.0005), (1e-7, 1.0, 2e-6), 4e-15),
 }
 
 
@@ -43,10 +55,10 @@ def _epochs(omega, revolutions):
     return [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in revolutions]
 
 
-def _compare(found, expected, tolerance):
+def _compare(found, expected, tolerance, least=1e-20):
     for j in range(9):
         size = np.abs(expected[:, :, j]).max(axis=1)
-        size[size < 1e-20] = 1.0  # zero in exact arithmetic
+        size[size < least] = 1.0  # zero in exact arithmetic
         error = np.abs(found[:, :, j] - expected[:, :, j]).max(axis=1)
         assert np.all(error <= tolerance * size), (j, error / size)
 
@@ -58,13 +70,53 @@ def test_against_differences_of_the_oracle(name):
     found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
     attitude, rates = sensitivity(moments, WXYZ, omega, times)
     _compare(found[2], attitude, tolerance)
-    # The change of the angular velocity with the moments vanishes at a principal axis, where that
-    # of the rates does not: it is compared with the rates over the moments.
-    speed = max(map(abs, omega)) or 1.0
-    for part, size in ((slice(3, 6), 1.0), (slice(6, 9), speed / max(moments))):
-        scale = np.maximum(np.abs(rates[:, :, part]).max(axis=(1, 2)), size)
-        error = np.abs(found[3] - rates)[:, :, part].max(axis=(1, 2))
-        assert np.all(error <= 2.0 * tolerance * scale), (part, error / scale)
+    _compare(found[3], rates, 2.0 * tolerance)
+
+
+@pytest.mark.parametrize("name", ["middle axis, 1e-8", "short-axis mode", "needle of 1e-5"])
+def test_beside_the_epoch(name):
+    """Columns of the moments begin with t^2, and are right where they are small."""
+    moments, omega, tolerance = STATES[name]
+    times = [1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0]
+    found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    attitude, rates = sensitivity(moments, WXYZ, omega, times)
+    _compare(found[2], attitude, tolerance, 1e-50)
+    _compare(found[3], rates, 2.0 * tolerance, 1e-50)
+
+
+def test_errors_of_a_flip():
+    """Errors of the middle moment alone: right from the first second to the first turning over."""
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (math.sin(math.pi), 1, 0),
+                covariance={"moments": (0, 0.01, 0)})  # fmt: skip
+    times = [1.0, 10.0, 20.0, 70.0, 80.0]
+    found = FreeRotation(Body(moments=(1, 2, 2.6)), spin).at(times).sigma
+    by_moment = sensitivity((1, 2, 2.6), (1, 0, 0, 0), (math.sin(math.pi), 1, 0), times)[0][..., 7]
+    expected = np.degrees(0.01 * np.abs(by_moment))
+    size = expected.max(axis=1)
+    assert np.all(np.abs(found - expected).max(axis=1) <= 4e-15 * size)
+    assert size[2] < 1.6e-12 and size[4] > 1e-3  # deg
+
+
+def test_a_tensor_spun_about_its_middle_axis():
+    """Its axes and moments are irrational: rounding moves the spin by 1e-17 from the axis."""
+    axes = matrix(forms.from_rotation_vector(np.array([0.3, -0.5, 0.8])))
+    tensor = axes @ np.diag([1.0, 2.0, 2.6]) @ axes.T
+    tensor = 0.5 * (tensor + tensor.T)
+    omega, times = axes[:, 1], [0.5, 3.0, 20.0, 90.0]
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=omega)
+    found = FreeRotation(Body(tensor=tensor), spin).sensitivity_at(times)
+    with mp.workdps(90):
+        values, vectors = mp.eigsy(mp.matrix(tensor.tolist()))
+        if mp.det(vectors) < 0:
+            vectors = -vectors
+        rates = [sum(vectors[i, k] * mp.mpf(omega[i]) for i in range(3)) for k in range(3)]
+        exact = exact_sensitivity(list(values), (1, 0, 0, 0), rates, times)[0]
+        turn = np.array(vectors.tolist()).astype(object)
+        # attitudes of the principal axes begin with 1: their inertial axes are turned
+        exact = np.einsum("ij,tjk->tik", turn, exact)
+        exact[:, :, :3] = np.einsum("tij,kj->tik", exact[:, :, :3], turn)
+        exact[:, :, 3:6] = np.einsum("tij,kj->tik", exact[:, :, 3:6], turn)
+    _compare(found, exact.astype(float), 4e-15)
 
 
 def test_series_of_short_times_of_nearly_symmetric_bodies():

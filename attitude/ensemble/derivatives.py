@@ -126,7 +126,7 @@ class MemberDerivatives:
         try:
             tangents = columns.tangents_of(*states, constants)
             if not self._raises:
-                for name in ("weights", "offset", "impulse", "uniform", "uniform_rates"):
+                for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
                     tangents[name][unknown] = np.nan
                 t, low = _near(constants, tangents, t, low, edges)
             columns.evaluate(constants, tangents, t, low, attitude, omega, edges=edges)

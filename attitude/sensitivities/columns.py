@@ -101,7 +101,7 @@ def evaluate(
         For epochs so far away that two doubles of time do not resolve the phases, or that a
         rotation about an unstable axis amplifies errors beyond the range of doubles.
     """
-    short = _short_of(constants, tangents, t, edges)
+    short = _short_of(constants, tangents, t, edges, omega is not None)
     _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
 
 
@@ -150,14 +150,17 @@ def covariances(
     AttitudeError
         As `evaluate`.
     """
-    short = _short_of(constants, tangents, t, None)
+    short = _short_of(constants, tangents, t, None, out.shape[1] == 6)
     if len(short):
         short["series"] = np.moveaxis(of.factors, 1, 2)[:, None] @ short["series"]
     _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
 
 
-def _short_of(constants, tangents, t, edges):
-    """The series of the motions for epochs near that of the state, or none if none is near."""
+def _short_of(constants, tangents, t, edges, rates):
+    """The series of the motions for epochs near that of the state, or none if none is near.
+
+    At the epoch itself only the derivatives of the angular velocity need them.
+    """
     if np.all(constants["form"] == codes.UNIFORM):
         return np.empty(0, _short().SHORT)
     reach = np.empty(len(constants))
@@ -165,7 +168,7 @@ def _short_of(constants, tangents, t, edges):
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
     rows = t if edges is None else t[:, edges[0] : edges[-1]]
     with np.errstate(invalid="ignore"):
-        near = (np.abs(rows) <= far) & (rows != 0.0)
+        near = (np.abs(rows) <= far) & (rates | (rows != 0.0))
     if not np.any(near):
         return np.empty(0, _short().SHORT)
     short = np.zeros(len(constants), _short().SHORT)
@@ -192,7 +195,7 @@ def _triangular(constants, tangents, factors):
 def _mixed(tangents, factors):
     """The records for parameters of which the given ones are linear combinations."""
     mixed = evaluation.copy_of(tangents)
-    for name in ("weights", "offset", "impulse", "of_moment"):
+    for name in ("weights", "offset", "amplitudes"):
         mixed[name] = tangents[name] @ factors
     for name in ("uniform", "uniform_rates"):
         mixed[name] = tangents[name] @ factors[:, None]

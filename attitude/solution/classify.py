@@ -30,8 +30,10 @@ from attitude.solution.twofloat import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# The square of a rate below this fraction of the largest component would underflow.
+# The square of a rate below this fraction of the largest component would underflow: it is 0.
 _NO_RATE = 2.0**-400
+# Beside a larger one it changes D2 by less than 2^-200.
+_RATE_TO_SPARE = 2.0**-300
 _LARGEST_RATIO = 1e45
 # Rounded moments may violate the triangle inequality by this fraction.
 _ROUNDING = 1e-14
@@ -63,7 +65,10 @@ def classify_all(moments, wxyz, omega, constants):
             faults += 1
             continue
         _scale(moments[b], omega[b], c)
-        if _rotates_uniformly(c):
+        if _loses_a_rate(omega[b], c):
+            c.fault = codes.LOST_RATE
+            faults += 1
+        elif _rotates_uniformly(c):
             uniform += 1
         elif _order(c):
             cancelled += 1
@@ -133,6 +138,22 @@ def _scale(moments, omega, c):
         for part in range(2):
             scaled_moments[k, part] = math.ldexp(moments[k, part], -inertia)
             scaled_omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
+
+
+@subroutine
+def _loses_a_rate(omega, c):
+    """Whether a rate that counts as 0 decides how rotation about the middle axis turns over."""
+    moments, scaled = c.moments, c.omega
+    lost = False
+    for k in range(3):
+        lost = lost or (scaled[k, 0] == 0.0 and omega[k, 0] != 0.0)
+    if lost:
+        for k in range(3):
+            i, j = k - 1, k - 2  # the other two
+            here, one, two = pair(moments[k]), pair(moments[i]), pair(moments[j])
+            if (less(one, here) and less(here, two)) or (less(two, here) and less(here, one)):
+                return larger(abs(scaled[i, 0]), abs(scaled[j, 0])) < _RATE_TO_SPARE
+    return False
 
 
 @subroutine

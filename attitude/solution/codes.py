@@ -25,3 +25,4 @@ SPIN_ABOUT_ROD: Final = 4  # angular velocity along an axis without inertia
 UNEQUAL_ROD: Final = 5  # one moment is zero and the other two differ
 BAD_RATE: Final = 6  # an angular velocity that is not finite
 BAD_ATTITUDE: Final = 7  # a quaternion that is zero or not finite
+LOST_RATE: Final = 8  # rates beside that about the middle axis that are too small to be kept

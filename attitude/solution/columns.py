@@ -1,7 +1,7 @@
 """Columns of the sensitivity from the tangents of a block of epochs.
 
 Given
-    d          record of solution.tangent_record
+    c, d       records of solution.record and solution.tangent_record
     j          number of the column
     block      rows that solution.tangents filled
 Filled
@@ -15,21 +15,23 @@ from attitude.compilation.streaming import LINE, copy_line, past_line
 from attitude.solution.tangent_record import (
     BASIS,
     BLOCK,
+    BY_NOME,
+    BY_PHASE,
     FOUND,
     NEAR_SUMS,
+    NOME,
     OMEGA,
     ONES,
     PASSED,
     PHASE,
     RATE,
+    SCALED,
     SECOND,
     SECONDS,
     SUMS,
     THIRD,
     TIME,
     TURNED,
-    WIND,
-    WXYZ,
     ZEROS,
 )
 
@@ -77,12 +79,12 @@ def attitude_column(d, j, block, x, y, z):
     """Fill the change of attitude of a motion that tumbles."""
     weights = d.weights
     time, rate, start = weights[TIME, j], weights[RATE, j], weights[PHASE, j]
-    second, third, wind = weights[SECOND, j], weights[THIRD, j], weights[WIND, j]
+    second, third = weights[SECOND, j], weights[THIRD, j]
     lx, ly, lz = d.invariant[0, 2], d.invariant[1, 2], d.invariant[2, 2]
     ox, oy, oz = d.offset[0, j], d.offset[1, j], d.offset[2, j]
     for i in range(len(x)):
         seconds = block[SECONDS + i]
-        a, along = fma(rate, seconds, start), fma(time, seconds, wind * block[PASSED + i])
+        a, along = fma(rate, seconds, start), fma(time, seconds, second * block[PASSED + i])
         u = fma(block[BASIS + 6 * BLOCK + i], third, lx * along)
         v = fma(block[BASIS + 7 * BLOCK + i], third, ly * along)
         w = fma(block[BASIS + 8 * BLOCK + i], third, lz * along)
@@ -95,52 +97,24 @@ def attitude_column(d, j, block, x, y, z):
 
 
 @force_inlined
-def rate_column(d, j, block, x, y, z):
-    """Fill the change of the angular velocity of a motion that tumbles.
-
-    The body's momentum changes by R^T (dL - eta x L) = I dw + dI w; what turns about L alone is
-    left out of eta, so that its growth with time costs no digits.
-    """
-    weights = d.weights
+def rate_column(c, d, j, block, x, y, z):
+    """Fill the change of the angular velocity of a motion that tumbles."""
+    weights, axes = d.weights, c.axes
     rate, start = weights[RATE, j], weights[PHASE, j]
-    second, third = weights[SECOND, j], weights[THIRD, j]
-    lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
-    ox, oy, oz = d.offset[0, j], d.offset[1, j], d.offset[2, j]
-    ix, iy, iz = d.impulse[0, j], d.impulse[1, j], d.impulse[2, j]
-    p, inverse = d.principal, d.inverse
-    p00, p01, p02 = p[0, 0], p[0, 1], p[0, 2]
-    p10, p11, p12 = p[1, 0], p[1, 1], p[1, 2]
-    p20, p21, p22 = p[2, 0], p[2, 1], p[2, 2]
-    one, two, three = inverse[0], inverse[1], inverse[2]
-    m0, m1, m2 = d.of_moment[0, j], d.of_moment[1, j], d.of_moment[2, j]
+    third, nome = weights[THIRD, j], weights[NOME, j]
+    one, two, three = d.amplitudes[0, j], d.amplitudes[1, j], d.amplitudes[2, j]
+    m00, m01, m02 = axes[0, 0] * one, axes[0, 1] * two, axes[0, 2] * three
+    m10, m11, m12 = axes[1, 0] * one, axes[1, 1] * two, axes[1, 2] * three
+    m20, m21, m22 = axes[2, 0] * one, axes[2, 1] * two, axes[2, 2] * three
     for i in range(len(x)):
-        a = fma(rate, block[SECONDS + i], start)
-        u = fma(block[BASIS + 3 * BLOCK + i], second, block[BASIS + 6 * BLOCK + i] * third)
-        v = fma(block[BASIS + 4 * BLOCK + i], second, block[BASIS + 7 * BLOCK + i] * third)
-        w = fma(block[BASIS + 5 * BLOCK + i], second, block[BASIS + 8 * BLOCK + i] * third)
-        u = fma(block[BASIS + i], a, u) + ox
-        v = fma(block[BASIS + BLOCK + i], a, v) + oy
-        w = fma(block[BASIS + 2 * BLOCK + i], a, w) + oz
-        ux = ix - fma(v, lz, -w * ly)
-        uy = iy - fma(w, lx, -u * lz)
-        uz = iz - fma(u, ly, -v * lx)
-        # to body axes: the vector part of q* u q
-        qw, qx = block[WXYZ + i], -block[WXYZ + BLOCK + i]
-        qy, qz = -block[WXYZ + 2 * BLOCK + i], -block[WXYZ + 3 * BLOCK + i]
-        tx = 2.0 * fma(qy, uz, -qz * uy)
-        ty = 2.0 * fma(qz, ux, -qx * uz)
-        tz = 2.0 * fma(qx, uy, -qy * ux)
-        bx = fma(qw, tx, ux) + fma(qy, tz, -qz * ty)
-        by = fma(qw, ty, uy) + fma(qz, tx, -qx * tz)
-        bz = fma(qw, tz, uz) + fma(qx, ty, -qy * tx)
-        wx, wy, wz = block[OMEGA + i], block[OMEGA + BLOCK + i], block[OMEGA + 2 * BLOCK + i]
-        ax = fma(p00, bx, fma(p10, by, p20 * bz)) - m0 * fma(p00, wx, fma(p10, wy, p20 * wz))
-        ay = fma(p01, bx, fma(p11, by, p21 * bz)) - m1 * fma(p01, wx, fma(p11, wy, p21 * wz))
-        az = fma(p02, bx, fma(p12, by, p22 * bz)) - m2 * fma(p02, wx, fma(p12, wy, p22 * wz))
-        bx, by, bz = one * ax, two * ay, three * az
-        x[i] = fma(p00, bx, fma(p01, by, p02 * bz))
-        y[i] = fma(p10, bx, fma(p11, by, p12 * bz))
-        z[i] = fma(p20, bx, fma(p21, by, p22 * bz))
+        a = fma(third, block[SCALED + i], fma(rate, block[SECONDS + i], start))
+        p, q, r = block[OMEGA + i], block[OMEGA + BLOCK + i], block[OMEGA + 2 * BLOCK + i]
+        u = fma(a, block[BY_PHASE + i], nome * block[BY_NOME + i])
+        v = fma(a, block[BY_PHASE + BLOCK + i], nome * block[BY_NOME + BLOCK + i])
+        w = fma(a, block[BY_PHASE + 2 * BLOCK + i], nome * block[BY_NOME + 2 * BLOCK + i])
+        x[i] = fma(m00, p, fma(m01, q, fma(m02, r, u)))
+        y[i] = fma(m10, p, fma(m11, q, fma(m12, r, v)))
+        z[i] = fma(m20, p, fma(m21, q, fma(m22, r, w)))
 
 
 @force_inlined
@@ -275,7 +249,7 @@ def keep_near_sums(n, block):
 def use_near_sums(n, reach, block):
     """Replace the sums of solution.triangular at the epochs within reach of the series."""
     for i in range(n):
-        if 0.0 < abs(block[SECONDS + i]) <= reach:
+        if abs(block[SECONDS + i]) <= reach:
             for k in range(6):
                 block[SUMS + k * BLOCK + i] = block[NEAR_SUMS + k * BLOCK + i]
 

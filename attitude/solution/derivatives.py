@@ -16,8 +16,15 @@ L, the nutation 2 pi f t to an action J; the energy is homogeneous in both, so 2
 
 with means of sn^2, cn^2 and dn^2 from integrals of the second kind.  The same identity on the other
 period of the integrals, with K' for K and E(mc)/(m K') for the mean of sn^2, gives d(2 lambda').
+The tilts follow from nu = K' - eta = F(arcsin l | mc), which neither a symmetric body nor a needle
+makes infinite or a small difference:
+
+    rho = exp(-(pi/2) nu/K),      X = q / rho^2,      d = (pi/4) (1 - nu/K')
 
 Every difference of moments is one of the inputs' own, the invariants are sums of terms of one sign.
+About the middle axis all columns of the moments vanish with the other two rates, p, and their terms
+do so one by one: the change of mc is that of D2 itself, of order p^2, not the rounding of that of
+m; w^2 less its mean is a sum; and 2 E - 2 lambda' L, of order D2, an integral over D2.
 Symbols as in `solution.constants`; d12 = |I1 - I2| and so on.
 """
 
@@ -25,15 +32,39 @@ import math
 
 from attitude.compilation.decorators import subroutine
 from attitude.solution import codes
+from attitude.solution.phases import exp2_of_minus
 from attitude.solution.second_kind import by_parameter, integrals
 from attitude.solution.series import four
-from attitude.solution.twofloat import TWO_PI, ZERO, add, mul, pair, scale, sqrt, square, sub
+from attitude.solution.twofloat import ONE, TWO_PI, ZERO, add, mul, pair, scale, sqrt, square, sub
+
+# 2 / ln 2, a pair.
+TWO_OVER_LOG_2 = (2.8853900817779268, 4.0710547481862066e-17)
+# Nodes and weights of Gauss's rule of six points on [0, 1].
+_NODES = (
+    0.033765242898423986,
+    0.16939530676686775,
+    0.38069040695840156,
+    0.6193095930415985,
+    0.8306046932331322,
+    0.966234757101576,
+)
+_WEIGHTS = (
+    0.08566224618958517,
+    0.1803807865240693,
+    0.23395696728634552,
+    0.23395696728634552,
+    0.1803807865240693,
+    0.08566224618958517,
+)
+# q = e + 2 e^5 + 15 e^9 + ..., e = (1 - sqrt k') / (2 (1 + sqrt k')); DLMF 22.2.5, OEIS A002103.
+_NOME = (1.0, 2.0, 15.0, 150.0, 1707.0, 20910.0, 268616.0, 3567400.0, 48555069.0, 673458874.0)
 
 
 @subroutine
 def derive(inertia, c, out):
-    """Fill the Jacobian (7, 6) of the elements of a motion that tumbles.
+    """Fill the Jacobian (11, 6) of the elements of a motion that tumbles.
 
+    Rows: those of `_trigonometric` or `_hyperbolic`, and the logarithms of the three amplitudes.
     Each input in turn: one of the internal angular velocity or of the internal moments is 1.
 
     Given
@@ -43,22 +74,23 @@ def derive(inertia, c, out):
     third = 3 - first - second
     axes = c.axes
     state = state_of(c)
-    action = _action(c)
+    near = c.form == codes.HYPERBOLIC
+    action = _near_action(state) if near else _action(c)
     by_speed, by_moment = math.ldexp(1.0, -c.tempo), math.ldexp(1.0, -inertia)
-    for row in range(7):
+    for row in range(11):
         for k in range(6):
             out[row, k] = 0.0
     for k in range(6):
         one = _unit(k)
         found = (
-            _hyperbolic(state, one, action, c)
-            if c.form == codes.HYPERBOLIC
-            else _trigonometric(state, one, action, c)
+            _hyperbolic(state, one, action, c) if near else _trigonometric(state, one, action, c)
         )
+        sizes = _amplitudes(state, one)
         size = by_speed if k < 3 else by_moment
-        for row in range(7):
-            # rates are the first two rows, in the scaled unit of time
-            value = math.ldexp(found[row], c.tempo) if row < 2 else found[row]
+        for row in range(11):
+            value = found[row] if row < 8 else sizes[row - 8]
+            if row < 2:  # rates, in the scaled unit of time
+                value = math.ldexp(value, c.tempo)
             if k < 3:
                 for j in range(3):
                     out[row, j] += axes[j, k] * value * size
@@ -112,41 +144,77 @@ def state_of(c):
 
 @subroutine
 def _changes(state, one):
-    """What the elements share: changes of m, ln wp, ln(1 - n), amplitudes and phase."""
-    (i1, i2, i3), (w1, w2, w3), (d12, d23, d13), (a1, _a2, a3), side, _, _speed, (m, _mc) = state
+    """What the elements share: changes of m, mc, ln wp, nu, and of the phase."""
+    (i1, i2, i3), (w1, w2, w3), (d12, d23, d13), (a1, a2, a3), side, _, _speed, (m, mc) = state
     x1, x2, x3, y1, y2, y3 = one
     g12, g23, g13 = side * (y1 - y2), side * (y2 - y3), side * (y1 - y3)
     b1 = 2.0 * (i2 * d12 * w2 * x2 + i3 * d13 * w3 * x3)
     b1 += (y2 * d12 + i2 * g12) * w2 * w2 + (y3 * d13 + i3 * g13) * w3 * w3
+    b2 = 2.0 * (i3 * d23 * w3 * x3 - i1 * d12 * w1 * x1)
+    b2 += (y3 * d23 + i3 * g23) * w3 * w3 - (y1 * d12 + i1 * g12) * w1 * w1
     b3 = 2.0 * (i1 * d13 * w1 * x1 + i2 * d23 * w2 * x2)
     b3 += (y1 * d13 + i1 * g13) * w1 * w1 + (y2 * d23 + i2 * g23) * w2 * w2
     ratio = b1 / a1 + g23 / d23
-    change = (b3 * d12 + a3 * g12) / (a1 * d23) - m * ratio
-    rate = 0.5 * (ratio - y1 / i1 - y2 / i2 - y3 / i3)
-    p = y2 / i2 - y1 / i1 + g13 / d13 - g23 / d23
+    # dm = -dmc, each by the formula whose terms vanish with it
+    if mc < m:
+        change = mc * ratio - (b2 * d13 + a2 * g13) / (a1 * d23)
+    else:
+        change = (b3 * d12 + a3 * g12) / (a1 * d23) - m * ratio
+    # wp^2 = (p w3^2 + r w2^2) d23 / I2
+    p, r = d13 / i1, i2 * d12 / (i1 * i3)
+    by_p, by_r = side * (i3 * y1 / i1 - y3) / i1, y2 / i2 - y1 / i1 - y3 / i3
+    by_r = r * by_r + i2 * g12 / (i1 * i3)
+    rate = p * w3 * x3 + r * w2 * x2 + 0.5 * (by_p * w3 * w3 + by_r * w2 * w2)
+    rate = rate / (p * w3 * w3 + r * w2 * w2) + 0.5 * side * (i3 * y2 / i2 - y3) / d23
     size = 1.0 / math.sqrt(a3)
     cosine, sine = w1 * math.sqrt(i1 * d13) * size, -w2 * math.sqrt(i2 * d23) * size
     turn = -cosine * x2 * math.sqrt(i2 * d23) * size - sine * x1 * math.sqrt(i1 * d13) * size
     turn += 0.5 * cosine * sine * (y2 / i2 + g23 / d23 - y1 / i1 - g13 / d13)
-    return change, rate, p, (b1, b3), (cosine, sine, turn), (g12, g23, g13)
+    # nu = F(psi | mc), sin psi = l
+    across, along = i1 * a3, i3 * a1
+    whole = 1.0 / (across + along)  # d13 L^2
+    across, along = across * whole, along * whole
+    tilt = 0.5 * math.sqrt(across * along) * (y3 / i3 + b1 / a1 - y1 / i1 - b3 / a3)
+    delta = across + m * along
+    nu = tilt / math.sqrt(delta)
+    nu -= by_parameter(math.sqrt(across), math.sqrt(along), delta) * change
+    return change, rate, nu, (cosine, sine, turn)
 
 
 @subroutine
-def _precession(state, one, mean, action, rate, sine):
+def _amplitudes(state, one):
+    """d ln of the amplitudes of the angular velocity, each a sum that vanishes with the motion."""
+    (i1, i2, i3), (w1, w2, w3), (d12, d23, d13), _, side, _, _speed, _m = state
+    x1, x2, x3, y1, y2, y3 = one
+    g12, g23, g13 = side * (y1 - y2), side * (y2 - y3), side * (y1 - y3)
+    # a1^2 = w1^2 + r w2^2, a2^2 = a1^2 / r, a3^2 = w3^2 + s w2^2
+    r, s = i2 * d23 / (i1 * d13), i2 * d12 / (i3 * d13)
+    by_r = y2 / i2 + g23 / d23 - y1 / i1 - g13 / d13
+    by_s = i2 / (i3 * d13) * (g12 + d12 * (y2 / i2 - y3 / i3 - g13 / d13))
+    first, third = w1 * w1 + r * w2 * w2, w3 * w3 + s * w2 * w2
+    shared = w1 * x1 + r * w2 * x2
+    return (
+        (shared + 0.5 * r * w2 * w2 * by_r) / first,
+        (shared - 0.5 * w1 * w1 * by_r) / first,
+        (w3 * x3 + s * w2 * x2 + 0.5 * by_s * w2 * w2) / third,
+    )
+
+
+@subroutine
+def _precession(state, one, less, action, rate):
     """d of twice the precession rate (rad per scaled second), of one of the two periods.
 
     Given
-        mean    the mean of sn^2 over the period
+        less    the mean of sn^2 over the period less that at the epoch
         action  J 2 pi f = 2 E - 2 lambda L
         rate    d ln f
-        sine    sn at the epoch
     """
     (i1, i2, i3), (w1, w2, w3), (_d12, d23, d13), (a1, _a2, a3), _, size, _, (m, _) = state
     x1, x2, x3, y1, y2, y3 = one
     work = i1 * w1 * x1 + i2 * w2 * x2 + i3 * w3 * x3
     # w^2 at the epoch less its mean, of each axis
     by_moments = a3 / (i1 * d13) * y1 - a3 / (i2 * d23) * y2 + m * a1 / (i3 * d13) * y3
-    work += 0.5 * (mean - sine * sine) * by_moments
+    work += 0.5 * less * by_moments
     return (work - action * rate) / size[0]
 
 
@@ -164,70 +232,70 @@ def _action(c):
 
 
 @subroutine
+def _near_action(state):
+    """2 E - 2 lambda' L, scaled: of the order of D2, by which it is integrated.
+
+    At constant L the action grows with E by 1/rate and vanishes on the separatrix, E = L^2/(2 I2),
+    where the two agree:
+
+        2 E - 2 lambda' L = -+ 1/(2 I2) int_0^D2 (rate at D2 / rate at D) dD,    rate ~ wp/K'.
+
+    The integrand has no singularity within 15 times the interval: six points suffice.
+    """
+    (i1, i2, i3), _w, (d12, d23, _d13), (a1, a2, a3), side, _, _speed, (m, mc) = state
+    here = math.sqrt(a1) / integrals(mc, m)[0]
+    total = 0.0
+    for k in range(len(_NODES)):
+        node = _NODES[k]
+        # D1 and D3 at the part `node` of D2
+        left = (1.0 - node) * a2 / i2
+        first, third = a1 - i1 * left, a3 + i3 * left
+        m_there = third * d12 / (first * d23)
+        mc_there = node * mc * (a1 / first)
+        total += _WEIGHTS[k] * integrals(mc_there, m_there)[0] / math.sqrt(first)
+    return 0.5 * side * a2 / i2 * here * total
+
+
+@subroutine
 def _trigonometric(state, one, action, c):
-    """d of 2 lambda and 2 pi f (rad/s), 2 pi x0, ln rho and X."""
+    """d of 2 lambda and 2 pi f (rad/s), 2 pi x0, ln rho, X, 0, 0, and q."""
     _moments, _w, _differences, _, side, _size, speed, (m, mc) = state
-    change, rate, p, amplitudes, (cosine, sine, turn), gaps = _changes(state, one)
+    change, rate, nu, (cosine, sine, turn) = _changes(state, one)
     k, d = integrals(m, mc)
     b = k - d
-    rate_f = rate - 0.5 * b / (mc * k) * change
+    by_k = 0.5 * b / (mc * k) * change
     f = side * speed / (4.0 * k)
-    precession = _precession(state, one, d / k, action, rate_f, sine)
+    precession = _precession(state, one, d / k - sine * sine, action, rate - by_k)
     # x0 = F/(4K)
     delta = math.sqrt(cosine * cosine + mc * sine * sine)
     by_m = by_parameter(cosine, sine, delta * delta)
     turns = c.nutation0[0]
     phase = (turn / delta + (by_m - 2.0 * turns * b / mc) * change) / (4.0 * k)
-    nutation, apart = _half_nutations(state, one, (change, p), amplitudes, gaps[2])
-    g00, g01, g10, g11 = _half_angles(c)
-    over = 1.0 / (g00 * g11 - g01 * g10)
+    x, _, rho, _ = ellipticity(c)
+    amplitude = -0.5 * math.pi / k * nu - math.log(rho) * by_k
+    nome = _nome_over(m, mc) * math.pi * math.pi / (4.0 * mc * k * k) * change
     return (
         precession,
-        2.0 * math.pi * f * rate_f,
+        2.0 * math.pi * f * (rate - by_k),
         2.0 * math.pi * phase,
-        (nutation * g11 - g01 * apart) * over,
-        (g00 * apart - g10 * nutation) * over,
+        amplitude,
+        nome / (rho * rho) - 2.0 * x * amplitude,
         0.0,
         0.0,
+        nome,
     )
 
 
 @subroutine
-def _half_nutations(state, one, shared, amplitudes, g13):
-    """d ln tau0 and d ln (tau1 / tau0), the tangents of half the nutation at v = 0 and v = pi/2.
-
-    By the sines of the nutation where it is small, and by its cosines, l and l sqrt(mc), where the
-    third axis is nearly across the momentum: a sine has no first-order change there.
-    """
-    (i1, i2, i3), w, (_d12, _d23, d13), (a1, _a2, a3), _, (_, square, _), _, (m, mc) = state
-    (x1, x2, x3, y1, y2, y3), (change, p), (b1, b3) = one, shared, amplitudes
-    lift = i1 * w[0] * (i1 * x1 + y1 * w[0]) + i2 * w[1] * (i2 * x2 + y2 * w[1])
-    lift = 2.0 * (lift + i3 * w[2] * (i3 * x3 + y3 * w[2]))
-    root, across = math.sqrt(mc), i1 * a3 / (d13 * square)
-    l = math.sqrt(i3 * a1 / (d13 * square))
-    if across < 0.5:
-        first = 0.5 * (y1 / i1 + b3 / a3 - g13 / d13 - lift / square) / l
-        return first, (first * l * m / (1.0 + root) + 0.5 * p) / (l * root)
-    cosine = 0.5 * l * (y3 / i3 + b1 / a1 - g13 / d13 - lift / square)
-    other = 1.0 - mc * l * l
-    apart = m * (1.0 + root * l * l) / ((1.0 + root) * across) * cosine
-    return -cosine / across, (apart + 0.5 * l * change / root) / other
-
-
-@subroutine
-def powers(x, s):
-    """What the terms n = 1, 2, 3 of the pair are made of, each at most s.
-
-    s^(n^2) X^(2n^2-n-1), s^(n^2+n) X^(2n^2+n-1) and X^(2n); s X^2 is the nome Q.
-    """
-    x2, s2 = x * x, s * s
-    x4, s4 = x2 * x2, s2 * s2
-    x5, x8, s8 = x4 * x, x4 * x4, s4 * s4
-    return (
-        (s, s4 * x5, s8 * s * x8 * x5 * x),
-        (s2 * x2, s4 * s2 * x8 * x, s8 * s4 * x8 * x8 * x4),
-        (x2, x4, x4 * x2),
-    )
+def _nome_over(m, mc):
+    """q / m of a parameter 0 <= m < 0.98."""
+    root = math.sqrt(mc)
+    half = 0.5 / ((1.0 + root) * (1.0 + math.sqrt(root)) ** 2)
+    fourth = (m * half) ** 4
+    total = 0.0
+    for k in range(len(_NOME)):
+        total = total * fourth + _NOME[len(_NOME) - 1 - k]
+    return half * total
 
 
 @subroutine
@@ -253,78 +321,54 @@ def ellipticity(c):
 
 
 @subroutine
-def _half_angles(c):
-    """Derivatives of ln tau0 and of ln (tau1/tau0), each by ln rho and by X.
+def passage(c):
+    """A pair a with exp(-2|y|) = 2^(-a |dx|), and Q' = 2^(-a/2), of the hyperbolic form.
 
-    tau0 and tau1 are the tangents of half the nutation at v = 0 and v = pi/2:
-
-        tau = rho sum (+-1)^n s^(n^2+n) (X^(2n^2+n) +- X^(2n^2+3n+1))
-                  / (1 + sum (+-1)^n s^(n^2) (X^(2n^2-n) + X^(2n^2+n))),     s = rho^4.
+    As a pair: about the middle axis the motion is as small as exp(-2|y|), with all its digits.
     """
-    x, one_minus_x, _, s = ellipticity(c)
-    r, y, even = powers(x, s)
-    first = _logarithms(x, one_minus_x, r, y, even, -1.0)
-    second = _logarithms(x, 1.0 + x, r, y, even, 1.0)
-    return 1.0 + first[0], first[1], second[0] - first[0], second[1] - first[1]
-
-
-@subroutine
-def _logarithms(x, top, r, y, even, sign):
-    """Derivatives of ln (tau / rho) by ln rho and by X; top is its first term, 1 +- X."""
-    low, low_r, low_x = 1.0, 0.0, 0.0
-    top_r, top_x = 0.0, sign
-    factor = sign
-    for n in range(1, 4):
-        a, b, e = r[n - 1], y[n - 1], even[n - 1]
-        square = 2.0 * n * n
-        low += factor * a * x * (1.0 + e)
-        low_r += factor * 4.0 * n * n * a * x * (1.0 + e)
-        low_x += factor * a * ((square - n) + (square + n) * e)
-        top += factor * b * x * (1.0 + sign * e * x)
-        top_r += factor * 4.0 * n * (n + 1.0) * b * x * (1.0 + sign * e * x)
-        top_x += factor * b * ((square + n) + sign * (square + 3.0 * n + 1.0) * e * x)
-        factor *= sign
-    return top_r / top - low_r / low, top_x / top - low_x / low
+    if c.winds == 0.0:
+        return TWO_OVER_LOG_2, 0.0
+    # K' = pi/2 over the mean of 1 and sqrt(m)
+    a, b = ONE, sqrt(sub(ONE, pair(c.mc)))
+    for _ in range(4):
+        a, b = scale(add(a, b), 0.5), sqrt(mul(a, b))
+    decay = mul(mul(pair(c.quarter), a), TWO_OVER_LOG_2)
+    low = math.log(2.0) * 0.5 * decay[1]
+    return decay, exp2_of_minus(0.5 * decay[0]) * (1.0 - low)
 
 
 @subroutine
 def _hyperbolic(state, one, action, c):
-    """d of 2 lambda' and wp pi/(4K') (rad/s), eps pi/(4K'), ln K', d, Q', and K pi/(2K')."""
-    (i1, _i2, i3), _w, (d12, d23, d13), (a1, _a2, _a3), side, size, speed, (m, mc) = state
-    momentum, square, _ = size
-    change, rate, _p, _, (cosine, sine, turn), (g12, g23, _g13) = _changes(state, one)
-    _x1, _x2, _x3, y1, _y2, y3 = one
+    """d of 2 lambda' and wp pi/(4K') (rad/s), eps pi/(4K'), ln K', d, Q', K pi/(2K'), and Q'^2."""
+    _moments, _w, _differences, _, side, _size, speed, (m, mc) = state
+    change, rate, nu, (cosine, sine, turn) = _changes(state, one)
     k, d = integrals(mc, m)
     b = k - d
     rate_k = -0.5 * b / (m * k) * change
-    rate_f = rate - rate_k
-    angle = 0.25 * math.pi * c.fraction
-    if c.winds != 0.0:
-        # lambda' = lambda - 4 d f; the record holds the rate of 2 x = 2 f t + ...
-        action += 4.0 * angle * momentum * math.ldexp(c.nutation[0], -c.tempo)
-    precession = _precession(state, one, (m * d + b) / (m * k), action, rate_f, sine)
+    less = cosine * cosine + mc * b / (m * k)
+    precession = _precession(state, one, less, action, rate - rate_k)
     size_of_y = 0.25 * math.pi / k
     delta = cosine * cosine + mc * sine * sine
     phase = turn / math.sqrt(delta) + by_parameter(cosine, sine, delta) * change
-    # d = pi eta / (4K'), eta = F of the amplitude with sine^2 1/(1 - n), of mc
-    minus_n = i3 / i1 * (d12 / d23)
-    top = 1.0 / (1.0 + minus_n)
-    rest = square * d12 * d13 / (i1 * a1 * d23)  # m - n
-    turned = -0.5 * math.sqrt(minus_n * top / rest)
-    turned *= y3 / i3 - y1 / i1 + g12 / d12 - g23 / d23
-    turned -= by_parameter(math.sqrt(minus_n * top), math.sqrt(top), rest * top) * change
-    by_k = -math.inf if mc == 0.0 else 0.0
-    # on the exact separatrix Q'^2 = mc/16 is the element: Q' has no derivative there
-    nome = 0.125 if mc == 0.0 else c.nome / mc
-    if mc > 0.0:
-        quarter, other = integrals(m, mc)
-        by_k = (quarter - other) / (2.0 * mc)
+    by_nome = -math.pi * math.pi / (8.0 * m * k * k) * change
+    if mc == 0.0:
+        # on the exact separatrix Q'^2 = mc/16 is the element: Q' has no derivative there
+        nome = squared = 0.125 * by_nome
+        by_k = -math.inf
+    else:
+        value = passage(c)[1]
+        nome = value / mc * by_nome
+        squared = 2.0 * value * nome
+        # dK/dm = B/(2 mc), B by Legendre's relation
+        quarter = c.quarter[0]
+        by_k = (0.5 * math.pi - mc * quarter * b) / (2.0 * m * mc * k)
     return (
         precession,
         size_of_y * side * speed * rate,
         size_of_y * phase,
         rate_k,
-        size_of_y * turned - angle * rate_k,
-        -nome * math.pi * math.pi / (8.0 * m * k * k) * change,
+        -size_of_y * nu + 0.25 * math.pi * (1.0 - c.fraction) * rate_k,
+        nome,
         2.0 * size_of_y * by_k * change,
+        squared,
     )

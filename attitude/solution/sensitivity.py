@@ -102,15 +102,15 @@ def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, 
             if near or omega is not None:
                 trigonometric_attitudes_block(c, stop - head, block)
             if omega is not None:
-                trigonometric_rates_block(c, stop - head, block)
+                trigonometric_rates_block(c, d, stop - head, block)
             if again and not near and not any_missing(stop - head, block):
                 _stream(d, b, block, (first, start, stop, end), attitude)
                 if omega is not None:
-                    _stream_rates(d, b, block, (first, start, stop, end), omega)
+                    _stream_rates(c, d, b, block, (first, start, stop, end), omega)
             else:
                 _store(d, short, b, near, block, (head, stop), attitude)
                 if omega is not None:
-                    _store_rates(d, short, b, near, block, (head, stop), omega)
+                    _store_rates(c, d, short, b, near, block, (head, stop), omega)
     finish_stores()
     return -1
 
@@ -137,15 +137,15 @@ def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edg
             if near or omega is not None:
                 hyperbolic_attitudes_block(c, stop - head, block)
             if omega is not None:
-                hyperbolic_rates_block(c, stop - head, block)
+                hyperbolic_rates_block(c, d, stop - head, block)
             if again and not near and not any_missing(stop - head, block):
                 _stream(d, b, block, (first, start, stop, end), attitude)
                 if omega is not None:
-                    _stream_rates(d, b, block, (first, start, stop, end), omega)
+                    _stream_rates(c, d, b, block, (first, start, stop, end), omega)
             else:
                 _store(d, short, b, near, block, (head, stop), attitude)
                 if omega is not None:
-                    _store_rates(d, short, b, near, block, (head, stop), omega)
+                    _store_rates(c, d, short, b, near, block, (head, stop), omega)
     finish_stores()
     return -1
 
@@ -179,7 +179,7 @@ def _stream(d, b, block, spans, attitude):
 
 
 @force_inlined
-def _stream_rates(d, b, block, spans, omega):
+def _stream_rates(c, d, b, block, spans, omega):
     """As `_store_rates`, past the caches."""
     row, (first, start, stop, _) = b if len(omega) > 1 else 0, spans
     head = max(start - LINE, first)
@@ -188,12 +188,12 @@ def _stream_rates(d, b, block, spans, omega):
         stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
     x, y, z = found_rows(block, stop - head)
     for j in range(TURNS, omega.shape[2]):
-        rate_column(d, j, block, x, y, z)
+        rate_column(c, d, j, block, x, y, z)
         stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
 
 
 @force_inlined
-def _store_rates(d, short, b, near, block, span, omega):
+def _store_rates(c, d, short, b, near, block, span, omega):
     """Store the changes of the angular velocity, as `_store`."""
     row = b if len(omega) > 1 else 0
     for j in range(omega.shape[2]):
@@ -201,7 +201,7 @@ def _store_rates(d, short, b, near, block, span, omega):
         if j < TURNS:
             still_column(-1, block, x, y, z)
             continue
-        rate_column(d, j, block, x, y, z)
+        rate_column(c, d, j, block, x, y, z)
         if near:
             near_rate_column(short[b], j, block, x, y, z)
 
@@ -253,7 +253,7 @@ def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, e
             if near or rates:
                 trigonometric_attitudes_block(c, n, block)
             if rates:
-                trigonometric_rates_block(c, n, block)
+                trigonometric_rates_block(c, d, n, block)
             _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
     finish_stores()
     return -1
@@ -281,7 +281,7 @@ def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edge
             if near or rates:
                 hyperbolic_attitudes_block(c, n, block)
             if rates:
-                hyperbolic_rates_block(c, n, block)
+                hyperbolic_rates_block(c, d, n, block)
             _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
     finish_stores()
     return -1
@@ -302,7 +302,7 @@ def _store_covariances(c, d, short, b, near, block, spans, again, out):
             copy_sums(block, o, whole, start + whole, stop, out)
         return
     n = stop - max(start - again, first)
-    _sum(d, short, b, near, block, n, out.shape[1] == 6)
+    _sum(c, d, short, b, near, block, n, out.shape[1] == 6)
     keep_near_sums(n, block)
     sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
     if near:
@@ -314,7 +314,7 @@ def _store_covariances(c, d, short, b, near, block, spans, again, out):
 
 
 @force_inlined
-def _sum(d, short, b, near, block, n, rates):
+def _sum(c, d, short, b, near, block, n, rates):
     """Sum the products of the columns of a block of a motion that tumbles, for n epochs."""
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
@@ -325,7 +325,7 @@ def _sum(d, short, b, near, block, n, rates):
         add_products(n, block)
         if rates:
             keep_turn(n, block)
-            rate_column(d, j, block, x, y, z)
+            rate_column(c, d, j, block, x, y, z)
             if near:
                 near_rate_column(short[b], j, block, x, y, z)
             add_products_of_rates(n, block)

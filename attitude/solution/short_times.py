@@ -2,12 +2,17 @@
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
 strongly with the moments, and the columns of solution.columns are small differences of large
-numbers.  Within a fifth of the radius of convergence, K'/wp, or less, the changes are polynomials
+numbers.  Within a quarter of the radius of convergence, K'/wp, or less, the changes are polynomials
 in t:
 
     w' = c w w,    (dw)' = c (dw w + w dw) + dc w w,    zeta' = n dw,    n = L/|L|
 
-and eta = L x (dL - R (I dw + dI w)) / L^2 + zeta n.
+With M = I w and dM = I dw + dI w over the body axes, whose product vanishes term by term where the
+column does, and R the attitude,
+
+    eta = eta(0) + (R0 (M x dM)(0) - R M x dM) / L^2 + zeta n.
+
+Within a radian of the rotation the difference is small itself, and eta a polynomial: eta' = R dw.
 """
 
 import math
@@ -18,24 +23,31 @@ from attitude.compilation.decorators import force_inlined, slowly_compiled, subr
 from attitude.compilation.instructions import fma
 from attitude.solution import codes
 from attitude.solution.derivatives import state_of
+from attitude.solution.given_axes import turned_by, unit
 from attitude.solution.second_kind import integrals
+from attitude.solution.series import four
 from attitude.solution.tangent_record import BLOCK, COLUMNS, SECONDS, WXYZ
 from attitude.solution.uniform_tangents import couplings_of, forced
 
-# Beyond, the terms are below 0.2^24 = 2e-17 of the first.
-TERMS = 24
-_SHARE = 0.2
+# Beyond, the terms are below 0.25^28 = 1e-17 of the first.
+TERMS = 28
+_SHARE = 0.25
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
-# have twice the frequency, and a term of this order below 1e-16 of the largest within 0.72 rad.
+# have twice the frequency, and a term of this order below 1e-17 of the largest within 0.9 rad.
 _FARTHEST = 3.6
 
-# Rows of a series: change of the momentum (3) and of the angular velocity (3) over the body axes,
-# and zeta.
-ROWS_OF_SERIES = 7
-_ZETA = 6
+# Rows of a series: M x dM (3) and change of the angular velocity (3) over the body axes, zeta, and
+# eta (3) over the inertial axes.
+ROWS_OF_SERIES = 10
+_ZETA, _ETA = 6, 7
 
 SHORT: np.dtype[np.void] = np.dtype(
-    [("reach", "f8"), ("series", "f8", (ROWS_OF_SERIES, COLUMNS, TERMS))]
+    [
+        ("reach", "f8"),
+        ("soon", "f8"),  # within so many seconds by the series of eta, in units of them
+        ("wxyz", "f8", 4),  # attitude at the epoch
+        ("series", "f8", (ROWS_OF_SERIES, COLUMNS, TERMS)),
+    ]
 )
 
 
@@ -63,18 +75,32 @@ def short_setup(constants, tangents, reach, out):
     Filled
         out      (B,) of SHORT
     """
-    w = np.zeros((3, TERMS))
-    dw = np.zeros((3, TERMS))
+    w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
+    momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))
     for b in range(len(constants)):
         c, d, s = constants[b], tangents[b], out[b]
         s.reach = reach[b]
         if reach[b] > 0.0:
             moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
-            _fill(c, d, moments, w, dw, s)
+            _start(c, s)
+            _fill(c, d, moments, w, dw, momentum, turn, s)
 
 
 @subroutine
-def _fill(c, d, moments, w, dw, s):
+def _start(c, s):
+    """Fill the attitude at the epoch, and within which time it turns by a radian."""
+    internal, speed = unit(four(c.internal)), 0.0
+    for k in range(4):
+        row = four(c.frame[k])
+        s.wxyz[k] = row[0] * internal[0] + row[1] * internal[1]
+        s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
+    for k in range(3):
+        speed += c.omega[k, 0] * c.omega[k, 0]
+    s.soon = min(s.reach, math.ldexp(1.0 / math.sqrt(speed), -c.tempo))
+
+
+@subroutine
+def _fill(c, d, moments, w, dw, momentum, turn, s):
     pairs = couplings_of(c)
     k = pairs[0][0], pairs[1][0], pairs[2][0]
     span = s.reach
@@ -84,10 +110,11 @@ def _fill(c, d, moments, w, dw, s):
         over = span / (n + 1.0)
         for i in range(3):
             w[i, n + 1] = over * k[i] * _product(w, w, (i + 1) % 3, (i + 2) % 3, n)
+    _turn(d, w, turn, s)
     size = math.sqrt(d.momentum[0] ** 2 + d.momentum[1] ** 2 + d.momentum[2] ** 2)
     for j in range(COLUMNS):
         if j < 3:
-            s.series[_ZETA, j, 0] = d.momentum[j] / size
+            s.series[_ETA + j, j, 0] = 1.0
             continue
         for i in range(3):
             dw[i, 0] = d.principal[j - 3, i] if j < 6 else 0.0
@@ -101,7 +128,44 @@ def _fill(c, d, moments, w, dw, s):
                     change = forced(k, (1.0, 1.0, 1.0), moments, j - 6)
                     more += change[i] * _product(w, w, one, two, n)
                 dw[i, n + 1] = over * more
-        _store(d, moments, w, dw, j, size, s)
+        _store(d, moments, w, dw, momentum, j, size, s)
+        _store_eta(dw, turn, j, s)
+
+
+@subroutine
+def _turn(d, w, turn, s):
+    """The rotation from principal to inertial axes, in t / s.soon: R' = R w x."""
+    start = four(s.wxyz)
+    for j in range(3):
+        column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
+        for i in range(3):
+            turn[i, j, 0] = column[i]
+    share = s.soon / s.reach
+    for n in range(TERMS - 1):
+        over = s.soon / (n + 1.0)
+        for i in range(3):
+            for j in range(3):
+                one, two = (j + 1) % 3, (j + 2) % 3
+                total, power = 0.0, 1.0
+                for k in range(n + 1):
+                    more = turn[i, one, n - k] * w[two, k] - turn[i, two, n - k] * w[one, k]
+                    total += power * more
+                    power *= share
+                turn[i, j, n + 1] = over * total
+
+
+@subroutine
+def _store_eta(dw, turn, j, s):
+    """Fill the series of eta in t / s.soon: eta' = R dw."""
+    share = s.soon / s.reach
+    for n in range(TERMS - 1):
+        for i in range(3):
+            total, power = 0.0, 1.0
+            for k in range(n + 1):
+                for m in range(3):
+                    total += power * dw[m, k] * turn[i, m, n - k]
+                power *= share
+            s.series[_ETA + i, j, n + 1] = s.soon / (n + 1.0) * total
 
 
 @subroutine
@@ -114,15 +178,18 @@ def _product(a, b, i, j, n):
 
 
 @subroutine
-def _store(d, moments, w, dw, j, size, s):
+def _store(d, moments, w, dw, momentum, j, size, s):
     """Fill the series of one column from those over the principal axes."""
     for n in range(TERMS):
         for i in range(3):
-            momentum = moments[i] * dw[i, n]
-            if j - 6 == i:
-                momentum += w[i, n]
+            momentum[i, n] = moments[i] * dw[i, n] + (w[i, n] if j - 6 == i else 0.0)
+    for n in range(TERMS):
+        for i in range(3):
+            one, two = (i + 1) % 3, (i + 2) % 3
+            across = moments[one] * _product(w, momentum, one, two, n)
+            across -= moments[two] * _product(w, momentum, two, one, n)
             for k in range(3):
-                s.series[k, j, n] += d.principal[k, i] * momentum
+                s.series[k, j, n] += d.principal[k, i] * across
                 s.series[3 + k, j, n] += d.principal[k, i] * dw[i, n]
     # n dw by the energy, whose change is constant: I w dw + w^2 dI / 2 is that of the epoch
     if j < 6:
@@ -136,10 +203,10 @@ def _store(d, moments, w, dw, j, size, s):
 
 @subroutine
 def any_near(t, reach):
-    """Whether any epoch of a block, but that of the state, is within reach."""
+    """Whether any epoch of a block is within reach."""
     found = 0
     for i in range(len(t)):
-        found |= 0.0 < abs(t[i]) <= reach
+        found |= abs(t[i]) <= reach
     return found != 0
 
 
@@ -157,27 +224,25 @@ def near_column(d, s, j, block, x, y, z):
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)
-    ix, iy, iz = d.impulse[0, j], d.impulse[1, j], d.impulse[2, j]
+    first = s.series[0, j, 0], s.series[1, j, 0], s.series[2, j, 0]
+    first = turned_by(four(s.wxyz), first)
     for i in range(len(x)):
         t = block[SECONDS + i]
-        if 0.0 < abs(t) <= s.reach:
+        if abs(t) <= s.soon:
+            at = t / s.soon
+            x[i] = _sum(s.series, _ETA, j, at)
+            y[i] = _sum(s.series, _ETA + 1, j, at)
+            z[i] = _sum(s.series, _ETA + 2, j, at)
+        elif abs(t) <= s.reach:
             at = t / s.reach
-            vx, vy = _sum(s.series, 0, j, at), _sum(s.series, 1, j, at)
-            vz = _sum(s.series, 2, j, at)
+            now = _sum(s.series, 0, j, at), _sum(s.series, 1, j, at), _sum(s.series, 2, j, at)
             qw, qx = block[WXYZ + i], block[WXYZ + BLOCK + i]
             qy, qz = block[WXYZ + 2 * BLOCK + i], block[WXYZ + 3 * BLOCK + i]
-            tx, ty, tz = (
-                2.0 * (qy * vz - qz * vy),
-                2.0 * (qz * vx - qx * vz),
-                2.0 * (qx * vy - qy * vx),
-            )
-            ux = ix - (vx + qw * tx + (qy * tz - qz * ty))
-            uy = iy - (vy + qw * ty + (qz * tx - qx * tz))
-            uz = iz - (vz + qw * tz + (qx * ty - qy * tx))
+            now = turned_by((qw, qx, qy, qz), now)
             zeta = length * _sum(s.series, _ZETA, j, at)
-            x[i] = over * (ly * uz - lz * uy) + zeta * lx
-            y[i] = over * (lz * ux - lx * uz) + zeta * ly
-            z[i] = over * (lx * uy - ly * ux) + zeta * lz
+            x[i] = fma(over, first[0] - now[0], fma(zeta, lx, s.series[_ETA, j, 0]))
+            y[i] = fma(over, first[1] - now[1], fma(zeta, ly, s.series[_ETA + 1, j, 0]))
+            z[i] = fma(over, first[2] - now[2], fma(zeta, lz, s.series[_ETA + 2, j, 0]))
 
 
 @force_inlined
@@ -185,7 +250,7 @@ def near_rate_column(s, j, block, x, y, z):
     """Replace the change of the angular velocity at the epochs within reach."""
     for i in range(len(x)):
         t = block[SECONDS + i]
-        if 0.0 < abs(t) <= s.reach:
+        if abs(t) <= s.reach:
             at = t / s.reach
             x[i] = _sum(s.series, 3, j, at)
             y[i] = _sum(s.series, 4, j, at)

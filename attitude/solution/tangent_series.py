@@ -35,8 +35,11 @@ R the quotient of sum (2n+1) Q'^(2n^2+2n) sinh (4n+2) y and the sum in N.
 import math
 
 from attitude.compilation.decorators import subroutine
+from attitude.solution import codes
 from attitude.solution.coefficients import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
-from attitude.solution.derivatives import ellipticity
+from attitude.solution.derivatives import ellipticity, state_of
+from attitude.solution.second_kind import integrals
+from attitude.solution.tangent_record import COLUMNS, NOME
 
 
 @subroutine
@@ -101,17 +104,19 @@ def fill_trigonometric(c, series, upright):
 
 
 @subroutine
-def fill_hyperbolic(c, series, upright):
-    """Fill six series in F^2 and G^2 and two factors along the momentum.
+def fill_hyperbolic(c, d, series, upright):
+    """Fill seven series in F^2 and G^2 and two factors along the momentum.
 
     Filled
-        series   the sum in N and that over it in 2 R; real and imaginary parts of V by N E, and of
-                 V' / 4 by N and by F/E or G E^3.  F and G as in `solution.series`
+        series   the sum in N and, first and last, that over it in 2 R -+ 2; real and imaginary
+                 parts of V by N E, and of V' / 4 by N and by F/E or G E^3.  F and G as in
+                 `solution.series`
         upright  z of the first vector, and what 2 R is multiplied by in the third
     """
-    nome, square = c.nome, c.nome * c.nome
+    nome, square = d.nome, d.nome * d.nome
     series[0, 0], series[0, 1], series[0, 2] = 1.0, square, square**4
-    series[1, 0], series[1, 1], series[1, 2] = 2.0, 6.0 * square, 10.0 * square**4
+    series[1, 1], series[1, 2] = 4.0 * square, 8.0 * square**4
+    series[6, 0], series[6, 1], series[6, 2] = 4.0, 8.0 * square, 12.0 * square**4
     # theta3(2 d | Q'^2), and the sum of its derivative over Q'^2
     angle = math.pi * c.fraction
     norm, slope, power = 1.0, 0.0, 1.0
@@ -131,3 +136,53 @@ def fill_hyperbolic(c, series, upright):
         series[2, k], series[3, k - 1] = cosine, sine
         share = k if winds else 0.5 * k
         series[4, k - 1], series[5, k - 1] = share * cosine, share * sine
+
+
+@subroutine
+def fill_rates(c, d):
+    """Fill what the derivatives of the angular velocity need (solution.tangent_record).
+
+    The factors of the series of cn, sn and dn depend on their nome as the amplitudes do: their
+    changes are added to those of the amplitudes.
+    """
+    (i1, i2, i3), _w, (d12, d23, d13), _a, _side, _size, speed, (m, mc) = state_of(c)
+    near = c.form == codes.HYPERBOLIC
+    # v' or y', the phase by time, without its sense
+    if near:
+        by_time = speed * 0.25 * math.pi / integrals(mc, m)[0]
+    else:
+        by_time = speed * 0.5 * math.pi / integrals(m, mc)[0]
+    over = math.ldexp(1.0 / by_time, -c.tempo)
+    d.by_phase[0], d.by_phase[1] = over * d23 / i1, -over * d13 / i2
+    d.by_phase[2] = over * d12 / i3
+    q = d.nome * d.nome if near else math.sqrt(c.nome)
+    # theta2 / (2 q^(1/4)), theta3, theta4 and their derivatives
+    two = 1.0 + q**2 + q**6 + q**12 + q**20
+    two_slope = q * (2.0 + 6.0 * q**4 + 12.0 * q**10 + 20.0 * q**18)
+    odd, even = q * (1.0 + q**8), q**4 * (1.0 + q**12)
+    odd_slope, even_slope = 1.0 + 9.0 * q**8, q**3 * (4.0 + 16.0 * q**12)
+    three, fourth = 1.0 + 2.0 * (even + odd), 1.0 + 2.0 * (even - odd)
+    low2, low3 = two_slope / two, 2.0 * (even_slope + odd_slope) / three
+    low4 = 2.0 * (even_slope - odd_slope) / fourth
+    for j in range(COLUMNS):
+        change = d.weights[NOME, j]
+        d.amplitudes[0, j] += (low4 - low2 if not near else low2 - low4) * change
+        d.amplitudes[1, j] += (low3 - low2 if not near else low3 - low4) * change
+        d.amplitudes[2, j] += (low4 - low3 if not near else low2 - low3) * change
+    if near:
+        return
+    factors = (
+        c.amplitudes[0] * fourth / two,
+        -c.amplitudes[1] * three / two,
+        c.amplitudes[2] * fourth / three,
+    )
+    sign = -1.0
+    for n in range(1, 5):
+        # 2 n^2 q^(n^2-1) and n (n+1) q^(n^2+n-1)
+        even, odd = 2.0 * n * n * q ** (n * n - 1), n * (n + 1.0) * q ** (n * n + n - 1)
+        for k in range(5):
+            d.by_nome[0, k] += factors[0] * odd * COS_ODD[n, k]
+            d.by_nome[1, k] += factors[1] * sign * odd * SIN_ODD[n, k]
+            d.by_nome[2, k] += factors[2] * even * COS_EVEN[n, k]
+            d.by_nome[3, k] += sign * even * COS_EVEN[n, k]
+        sign = -sign

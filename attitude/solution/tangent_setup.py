@@ -5,21 +5,22 @@ import math
 from attitude.compilation.decorators import slowly_compiled, subroutine
 from attitude.solution import codes
 from attitude.solution.columns import attitude_column, found_rows
-from attitude.solution.derivatives import derive
+from attitude.solution.derivatives import derive, passage
 from attitude.solution.given_axes import product, turned_by, unit
 from attitude.solution.series import four
 from attitude.solution.tangent_record import (
     BLOCK,
     COLUMNS,
     FOUND,
+    NOME,
+    PASSED,
     PHASE,
     RATE,
     SECOND,
     THIRD,
     TIME,
-    WIND,
 )
-from attitude.solution.tangent_series import fill_hyperbolic, fill_trigonometric
+from attitude.solution.tangent_series import fill_hyperbolic, fill_rates, fill_trigonometric
 from attitude.solution.tangents import hyperbolic_block, trigonometric_block
 from attitude.solution.uniform_tangents import fill_uniform, unit_vector
 
@@ -55,17 +56,20 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             to_body = four(principal[b if len(principal) > 1 else 0])
             of_moments = moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0]
             _state(c, d, of_moments, four(wxyz[b]), to_body)
+            _passage(c, d)
             derive(math.frexp(max(of_moments[0], of_moments[1], of_moments[2]))[1], c, d.by_input)
             _invariant(c.frame, d.invariant)
             _weights(c, d)
+            fill_rates(c, d)
             epoch = block[FOUND : FOUND + 1]
             epoch[0] = 0.0
             if c.form == codes.TRIGONOMETRIC:
                 fill_trigonometric(c, d.series, d.upright)
                 trigonometric_block(c, d, epoch, None, block)
             else:
-                fill_hyperbolic(c, d.series, d.upright)
+                fill_hyperbolic(c, d, d.series, d.upright)
                 hyperbolic_block(c, d, epoch, None, block)
+                d.passed, block[PASSED] = block[PASSED], 0.0
             x, y, z = found_rows(block, 1)
             for j in range(COLUMNS):
                 attitude_column(d, j, block, x, y, z)
@@ -75,7 +79,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
 
 @subroutine
 def _state(c, d, moments, wxyz, to_body):
-    """Fill momentum and its changes, inverse inertia and principal axes."""
+    """Fill momentum, inverse inertia and principal axes."""
     start = unit(wxyz)
     omega = (
         math.ldexp(c.omega[0, 0], c.tempo),
@@ -86,28 +90,17 @@ def _state(c, d, moments, wxyz, to_body):
     found = turned_by(
         to_inertial, (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
     )
-    back = to_body[0], -to_body[1], -to_body[2], -to_body[3]
     for k in range(3):
         d.momentum[k] = found[k]
         d.inverse[k] = 1.0 / moments[k]
-        d.of_moment[k, 6 + k] = 1.0
-        unit_k = unit_vector(k)
-        # initial attitude: e x L
-        _put(
-            d.impulse,
-            k,
-            (
-                unit_k[1] * found[2] - unit_k[2] * found[1],
-                unit_k[2] * found[0] - unit_k[0] * found[2],
-                unit_k[0] * found[1] - unit_k[1] * found[0],
-            ),
-        )
-        rate = turned_by(back, unit_k)
-        rate = moments[0] * rate[0], moments[1] * rate[1], moments[2] * rate[2]
-        _put(d.impulse, 3 + k, turned_by(to_inertial, rate))
-        moment = unit_k[0] * omega[0], unit_k[1] * omega[1], unit_k[2] * omega[2]
-        _put(d.impulse, 6 + k, turned_by(to_inertial, moment))
-        _put(d.principal, k, turned_by(to_body, unit_k))
+        _put(d.principal, k, turned_by(to_body, unit_vector(k)))
+
+
+@subroutine
+def _passage(c, d):
+    """Fill decay and nome of the hyperbolic form."""
+    if c.form == codes.HYPERBOLIC:
+        (d.decay[0], d.decay[1]), d.nome = passage(c)
 
 
 @subroutine
@@ -136,6 +129,9 @@ def _weights(c, d):
         weights[TIME, j] = by_input[0, k]
         weights[RATE, j] = by_input[1, k]
         weights[PHASE, j] = by_input[2, k]
+        weights[NOME, j] = by_input[7, k]
+        for row in range(3):
+            d.amplitudes[row, j] = by_input[8 + row, k]
         if c.form == codes.TRIGONOMETRIC:
             weights[SECOND, j] = by_input[3, k]
             weights[THIRD, j] = by_input[4, k]
@@ -143,7 +139,6 @@ def _weights(c, d):
         weights[SECOND, j] = by_input[4, k]
         third = weights[THIRD, j] = by_input[5, k]
         winds = c.winds != 0.0  # on the exact separatrix nothing passes
-        weights[WIND, j] = 4.0 * by_input[4, k] if winds else 0.0
         if abs(third) > largest:
             # ln K' and K pi/(2K') depend on Q' alone: the ratio is that of all columns
             largest = abs(third)

@@ -20,7 +20,7 @@ import math
 from attitude.compilation.decorators import force_inlined, subroutine
 from attitude.compilation.instructions import fma, rint
 from attitude.solution.kernel import axes_of, epoch_pair, frame_of, rate_series_of
-from attitude.solution.phases import negated_if_odd, phase, sincos
+from attitude.solution.phases import exp2_of_minus, negated_if_odd, phase, sincos
 from attitude.solution.series import (
     cubic,
     four,
@@ -37,12 +37,19 @@ from attitude.solution.tangent_record import (
     ARGUMENTS,
     BASIS,
     BLOCK,
+    BY_NOME,
+    BY_PHASE,
+    DECAYED,
     OMEGA,
     PASSED,
+    SCALED,
     SECONDS,
     WXYZ,
 )
-from attitude.solution.twofloat import two_sum
+from attitude.solution.twofloat import quick_two_sum, two_sum
+
+LOG_2 = math.log(2.0)
+_TINY = 1e-300
 
 
 @subroutine
@@ -52,6 +59,11 @@ def _matrix(a):
         (a[1, 0], a[1, 1], a[1, 2]),
         (a[2, 0], a[2, 1], a[2, 2]),
     )
+
+
+@subroutine
+def _three(row):
+    return row[0], row[1], row[2]
 
 
 @subroutine
@@ -90,10 +102,11 @@ def _store_attitude(frame, pair, block, i):
 
 
 @subroutine
-def _store_rates(axes, w, block, i):
-    block[OMEGA + i] = _along(axes[0], w)
-    block[OMEGA + BLOCK + i] = _along(axes[1], w)
-    block[OMEGA + 2 * BLOCK + i] = _along(axes[2], w)
+def _store(block, place, v):
+    """A vector into three rows of a block, from a place of the first on."""
+    block[place] = v[0]
+    block[place + BLOCK] = v[1]
+    block[place + 2 * BLOCK] = v[2]
 
 
 @subroutine
@@ -177,6 +190,16 @@ def trigonometric_block(c, d, t, t_low, block):
         block[ARGUMENTS + 2 * BLOCK + i] = sine
         block[ARGUMENTS + 3 * BLOCK + i] = cosine
         block[PASSED + i] = 0.0
+        block[SCALED + i] = 0.0
+
+
+@force_inlined
+def decayed(size, rest, decay, low):
+    """E = 2^-((decay + low) (size + rest)) with all its digits, and 1/E but where it overflows."""
+    a = decay * size
+    b = fma(decay, size, -a) + fma(low, size, decay * rest)
+    e = exp2_of_minus(a) * fma(-LOG_2, b if a < 1000.0 else 0.0, 1.0)
+    return e, 1.0 / (e if e > _TINY else _TINY)
 
 
 @force_inlined
@@ -185,24 +208,26 @@ def hyperbolic_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    winds, decay, nome, tilt = c.winds, c.decay, c.nome, c.tilt
-    norm, rise = four(d.series[0]), four(d.series[1])
+    winds, nome, tilt = c.winds, d.nome, c.tilt
+    decay, decay_low, passed_first = d.decay[0], d.decay[1], d.passed
+    norm, less, more_than = four(d.series[0]), four(d.series[1]), four(d.series[6])
     real, imaginary = four(d.series[2]), four(d.series[3])
     real_slope, imaginary_slope = four(d.series[4]), four(d.series[5])
     upright, upright_nome = d.upright[0], d.upright[2]
     invariant = _matrix(d.invariant)
     unit = nome if winds != 0.0 else 1.0
-    by_y, by_passed = -0.5 * math.log(2.0) * decay * d.by_third[0], -d.by_third[1]
+    by_y, by_passed = -0.5 * LOG_2 * decay * d.by_third[0], -d.by_third[1]
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
-        dx = s + lo
-        e, over, _ = hyperbolic_arguments(dx, decay, 1.0)
+        dx, rest = quick_two_sum(s, lo)
+        side = -1.0 if dx < 0.0 else 1.0
+        e, over = decayed(side * dx, side * rest, decay, decay_low)
         f, g, ee = nome * over, nome * e, e * e
         ff, gg = f * f, g * g
-        side = -1.0 if dx < 0.0 else 1.0
         inverse = 1.0 / fma(ee, quadratic(norm, gg), quadratic(norm, ff))
-        along = side * inverse * fma(-ee, quadratic(rise, gg), quadratic(rise, ff))
+        # the turn about z by the second element, less 2 side
+        along = side * inverse * fma(-ee, quadratic(more_than, gg), quadratic(less, ff))
         inverse = negated_if_odd(inverse, half_turns)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
         s, more = two_sum(s, -tilt * dx)
@@ -216,29 +241,26 @@ def hyperbolic_block(c, d, t, t_low, block):
             upright,
         )
         first = _applied(to, turn)
-        block[BASIS + i] = first[0]
-        block[BASIS + 1 * BLOCK + i] = first[1]
-        block[BASIS + 2 * BLOCK + i] = first[2]
+        _store(block, BASIS + i, first)
         # the series are analytic in y + i d: i times the change
-        x, y, z = _applied(to, (-turn[1], turn[0], along))
-        block[BASIS + 3 * BLOCK + i] = x
-        block[BASIS + 4 * BLOCK + i] = y
-        block[BASIS + 5 * BLOCK + i] = z
+        _store(block, BASIS + 3 * BLOCK + i, _applied(to, (-turn[1], turn[0], along)))
         # The number of the passage: whole turns of 2 x, which parity alone does not tell.
         passed = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
-        block[PASSED + i] = passed
+        block[PASSED + i] = fma(4.0, passed, 2.0 * side) - passed_first
         by_first = fma(by_passed, passed, by_y * dx)
+        block[SCALED + i] = by_first
         near, far = unit * over * inverse, unit * e * ee * inverse
         turn = (
             side * fma(near, quadratic(real_slope, ff), -far * quadratic(real_slope, gg)),
             fma(near, quadratic(imaginary_slope, ff), far * quadratic(imaginary_slope, gg)),
-            upright_nome * along,
+            upright_nome * fma(2.0, side, along),
         )
         x, y, z = _applied(to, turn)
         block[BASIS + 6 * BLOCK + i] = fma(by_first, first[0], x)
         block[BASIS + 7 * BLOCK + i] = fma(by_first, first[1], y)
         block[BASIS + 8 * BLOCK + i] = fma(by_first, first[2], z)
         block[ARGUMENTS + i] = dx
+        block[DECAYED + i] = e
         block[ARGUMENTS + BLOCK + i] = half_turns
         block[ARGUMENTS + 2 * BLOCK + i] = sine
         block[ARGUMENTS + 3 * BLOCK + i] = cosine
@@ -276,19 +298,61 @@ def hyperbolic_attitudes_block(c, n, block):
 
 
 @force_inlined
-def trigonometric_rates_block(c, n, block):
-    """Fill the angular velocities of a block after `trigonometric_block`."""
-    series, axes = rate_series_of(c), axes_of(c)
+def trigonometric_rates_block(c, d, n, block):
+    """Fill the angular velocities of a block after `trigonometric_block`, and their derivatives."""
+    series, axes, by_phase = rate_series_of(c), axes_of(c), _three(d.by_phase)
+    one, two = _five(d.by_nome[0]), _five(d.by_nome[1])
+    three, low = _five(d.by_nome[2]), _five(d.by_nome[3])
     for i in range(n):
         sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
-        _store_rates(axes, trigonometric_rates(series, sn, cn), block, i)
+        w = trigonometric_rates(series, sn, cn)
+        double_cosine = fma(-2.0 * sn, sn, 1.0)
+        over, slope = 1.0 / quartic(series[3], double_cosine), -quartic(low, double_cosine)
+        change = (
+            over * fma(w[0], slope, cn * quartic(one, double_cosine)),
+            over * fma(w[1], slope, sn * quartic(two, double_cosine)),
+            over * fma(w[2], slope, quartic(three, double_cosine)),
+        )
+        _store_changes(axes, by_phase, w, change, block, i)
 
 
 @force_inlined
-def hyperbolic_rates_block(c, n, block):
-    """Fill the angular velocities of a block after `hyperbolic_block`."""
-    series, axes, decay, nome = rate_series_of(c), axes_of(c), c.decay, c.nome
+def hyperbolic_rates_block(c, d, n, block):
+    """Fill the angular velocities of a block after `hyperbolic_block`, and their derivatives.
+
+    Term n of the series has Q'^(2 n^2) exp(+-4 n y), in those of sn and of the denominator times
+    Q'^(2 n): each is differentiated by Q'^2.
+    """
+    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), _three(d.by_phase), d.nome
+    cn, sn, dn, low = series
+    sixth = 6.0 * nome**6
     for i in range(n):
         dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
-        arguments = hyperbolic_arguments(dx, decay, nome)
-        _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), block, i)
+        e = block[DECAYED + i]
+        over = 1.0 / (e if e > _TINY else _TINY)
+        arguments = e, nome * over, nome * e
+        w = hyperbolic_rates(series, dx, half_turns, arguments)
+        ee, ff, gg = e * e, arguments[1] * arguments[1], arguments[2] * arguments[2]
+        inverse = 1.0 / fma(ee, quadratic(low, gg), quadratic(low, ff))
+        near, far = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
+        slope = -(near + far)
+        cube = e * ee
+        sign = -1.0 if dx < 0.0 else 1.0
+        one = fma(over, fma(4.0 * cn[2], ff, cn[1]), cube * fma(4.0 * cn[2], gg, cn[1]))
+        three = fma(over, fma(4.0 * dn[2], ff, dn[1]), cube * fma(4.0 * dn[2], gg, dn[1]))
+        two = sn[0] * (fma(sixth, ff, -2.0) * ff - ee * (fma(sixth, gg, -2.0) * gg))
+        change = (
+            inverse * fma(w[0], slope, negated_if_odd(one, half_turns)),
+            inverse * fma(w[1], slope, negated_if_odd(sign * two, half_turns)),
+            inverse * fma(w[2], slope, three),
+        )
+        _store_changes(axes, by_phase, w, change, block, i)
+
+
+@force_inlined
+def _store_changes(axes, by_phase, w, change, block, i):
+    """Store angular velocity (internal axes), and its derivatives by the phase and the nome."""
+    turn = by_phase[0] * w[1] * w[2], by_phase[1] * w[2] * w[0], by_phase[2] * w[0] * w[1]
+    _store(block, OMEGA + i, w)
+    _store(block, BY_PHASE + i, _applied(axes, turn))
+    _store(block, BY_NOME + i, _applied(axes, change))

@@ -128,7 +128,7 @@ def _stream(sums, places, out, i):
 @subroutine
 def sums_of_columns(c, d, block, first, n, places, out, streams):
     """Fill the sums of epochs of a block; see the module docstring."""
-    w, still, passes = d.weights, _still_sums(d), c.form == codes.HYPERBOLIC and c.winds != 0.0
+    w, still, passes = d.weights, _still_sums(d), c.form == codes.HYPERBOLIC
     axis = d.invariant[0, 2], d.invariant[1, 2], d.invariant[2, 2]
     time, rate, rate_1 = w[TIME, 0], w[RATE, 0], w[RATE, 1]
     phase, phase_1, phase_2 = w[PHASE, 0], w[PHASE, 1], w[PHASE, 2]
@@ -140,8 +140,8 @@ def sums_of_columns(c, d, block, first, n, places, out, streams):
     for i in range(first, n, 8):
         seconds = eight(block, SECONDS + i)
         one, two, three = _basis(block, 0, i), _basis(block, 1, i), _basis(block, 2, i)
-        if passes:  # WIND is four times SECOND
-            two = _added(4.0 * eight(block, PASSED + i), axis, two)
+        if passes:
+            two = _added(eight(block, PASSED + i), axis, two)
         v = _added(time * seconds, axis, offset)
         v = _added(second, two, _added(third, three, v))
         sums = _with_products(_added(fma(rate, seconds, phase), one, v), still)

@@ -114,7 +114,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
     squared = _dot(momentum, momentum)
     back = principal[0], -principal[1], -principal[2], -principal[3]
     for j in range(COLUMNS):
-        u0, moment = (0.0, 0.0, 0.0), _three(d.of_moment[:, j])
+        u0, moment = (0.0, 0.0, 0.0), unit_vector(j - 6)
         u3 = u0
         if 3 <= j < 6:
             u0 = turned_by(back, unit_vector(j - 3))
