@@ -57,7 +57,11 @@ def coefficients(values: ArrayLike) -> FloatArray:
     order = np.arange(count)
     waves = np.cos(np.pi * order[:, None] * (order + 0.5) / count)
     waves *= np.where(order == 0, 1.0, 2.0)[:, None] / count
-    return np.tensordot(waves, values, axes=1)
+    # Node by node: a product of matrices rounds otherwise where more columns are given with one.
+    table = np.zeros_like(values)
+    for k in range(count):
+        table += waves[:, k].reshape(count, *(1,) * (values.ndim - 1)) * values[k]
+    return table
 
 
 def evaluate(table: FloatArray, piece: NDArray[np.integer[Any]], x: FloatArray) -> FloatArray:

@@ -228,6 +228,7 @@ def test_what_is_refused(given, words):
         spin_of((1, 2, 3), given)
 
 
+@pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")
 def test_moments_of_a_relative_body_have_errors_in_its_unit():
     """The common scale of the moments and of their errors changes nothing."""
     errors = {"attitude": 1e-3, "angular_velocity": 1e-4, "moments": [0.01, 0.02, 0.03]}

@@ -599,7 +599,7 @@ def test_masked_entries_give_nan_in_their_place():
         (1j, "t is 1j"),
         (b"2026-01-01", "t is b'2026-01-01'"),
         ({}, "t is {}"),
-        (10**400, "t is 1000"),
+        (10**400, r"t is array\(1000"),
         (datetime.date(2026, 1, 1), "t is datetime.date"),
         (["2026-01-01", 5.0], r"mixes entries of several kinds \(number, text\)"),
         ([5.0, "2026-01-01"], r"mixes entries of several kinds \(number, text\)"),

@@ -189,11 +189,14 @@ def test_every_option_runs(command, files, monkeypatch, capsys):
 
 
 def test_options_of_kernels_run(files, monkeypatch, capsys):
-    pytest.importorskip("spiceypy", reason="spiceypy is not installed")
+    spice = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
     monkeypatch.chdir(files)
-    assert cli.main(["convert", "state.toml", "kernel.bc", "--stop", "1 h"]) == 0
-    for command, cases in KERNELS.items():
-        _run(command, cases, capsys, files)
+    try:
+        assert cli.main(["convert", "state.toml", "kernel.bc", "--stop", "1 h"]) == 0
+        for command, cases in KERNELS.items():
+            _run(command, cases, capsys, files)
+    finally:
+        spice.kclear()  # a command ends with its process, and leaves kernels loaded
 
 
 def test_the_geometry_of_a_light_curve_by_keyword(files):

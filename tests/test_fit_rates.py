@@ -44,6 +44,7 @@ def test_exact_rates_give_body_and_state_back(name, axes):
     assert "rad/s" in repr(found)
 
 
+@pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")
 def test_the_attitude_is_undetermined():
     given = motion(*STATES["short axis"])
     noise = np.random.default_rng(2).normal(scale=1e-4, size=(len(T), 3))

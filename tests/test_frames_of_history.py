@@ -165,6 +165,7 @@ def test_a_satellite_of_skyfield_is_an_orbit():
 # The same motion at another epoch -----------------------------------------------------------------
 
 
+@pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")
 @pytest.mark.parametrize("frame", ["icrf", "ecliptic"])
 @pytest.mark.parametrize("at", [1234.5, "2014-02-01T00:00:00"])
 def test_the_spin_at_another_epoch_is_the_same_motion(frame, at):

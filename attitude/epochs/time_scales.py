@@ -355,8 +355,7 @@ _one_of_series = lru_cache(maxsize=4096)(lambda days: float(_series(days)))
 def _fitted(numbers):
     """The coefficients (17, pieces) of the pieces with these numbers.
 
-    Threads that fit the same piece all use what the first one stores: the last bits depend on how
-    many are fitted together.  No lock is needed, and a forked process cannot inherit one.
+    Threads that fit the same piece find the same bits: no lock is needed.
     """
     keys = numbers.astype(np.int64).tolist()
     have = {key: _pieces.get(key) for key in keys}

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from attitude.formats.sources import AttitudeSource
     from attitude.paths.path import Path
 
+__all__ = ["read", "write"]
+
 # Keywords of an AEM that written files leave out, as those of VTS and its tools do.
 _LEFT_OUT = (
     *("START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),

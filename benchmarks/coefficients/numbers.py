@@ -42,6 +42,13 @@ def _circle():
             pairs=True,
         ),
         _exact("solution/step.py", ("_OVER_4_PI",), "1/(4 pi)", lambda: [1 / (4 * mp.pi)]),
+        _exact(
+            "solution/derivatives.py",
+            ("TWO_OVER_LOG_2",),
+            "2 / ln 2",
+            lambda: [2 / mp.log(2)],
+            pairs=True,
+        ),
         _inside(_ELLIPTIC, "_turns", "2 pi", lambda: [2 * mp.pi]),
         _inside(_ELLIPTIC, "quarter_and_fraction", "pi/2, twice", lambda: [mp.pi / 2] * 2),
     ]
@@ -49,6 +56,12 @@ def _circle():
 
 def _of_doubles():
     return [
+        _exact(
+            "solution/derivatives.py",
+            ("_NODES", "_WEIGHTS"),
+            "Gauss-Legendre on (0, 1), six points: nodes, weights",
+            lambda: [x for numbers in rules.gauss(6) for x in numbers],
+        ),
         _exact(
             "solution/phases.py",
             ("_TO_LOW_BITS",),

@@ -54,7 +54,8 @@ class LoadedKernels:
         self._own: set[str] = set()
         self._names: list[str] = []
         for given in names:
-            name = os.fspath(given)
+            # whole, since the folder of the process may be another one when it is unloaded
+            name = os.path.abspath(os.fspath(given))
             self._refuse_broken(name)
             try:
                 self._spice.furnsh(name)
