@@ -8,15 +8,13 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from attitude import moved
 from attitude.errors import AttitudeError as AttitudeError
 
 if TYPE_CHECKING:
     # The names of _MODULES and _WHERE, for editors and type checkers.
+    import attitude._solver.regime
+    import attitude._solver.sensitivities
     import attitude.arcs
-    import attitude.attitude_table
-    import attitude.axes
-    import attitude.body
     import attitude.catalog
     import attitude.conditions
     import attitude.ensemble
@@ -26,76 +24,75 @@ if TYPE_CHECKING:
     import attitude.fitting
     import attitude.formats
     import attitude.frames
-    import attitude.free_rotation
-    import attitude.history
+    import attitude.frames.quaternion
+    import attitude.frames.representations
     import attitude.inversion
     import attitude.jacobi
     import attitude.jax
     import attitude.light_curve
-    import attitude.motion
+    import attitude.motions
+    import attitude.motions._axes
+    import attitude.motions._body
+    import attitude.motions._history
+    import attitude.motions._motion
+    import attitude.motions._propagation
+    import attitude.motions._spin
     import attitude.paths
     import attitude.photometry
     import attitude.plots
-    import attitude.propagation
     import attitude.published
-    import attitude.quaternion
     import attitude.referee
-    import attitude.regime
-    import attitude.representations
     import attitude.scattering
     import attitude.scene
-    import attitude.sensitivities
     import attitude.shape
     import attitude.spectrum
-    import attitude.spin
     import attitude.splitting
     import attitude.survey
     import attitude.torch
     import attitude.torques
     import attitude.viewer  # noqa: F401
-    from attitude.arcs.arcs import Arcs as Arcs
-    from attitude.arcs.arcs import Impulse as Impulse
-    from attitude.arcs.arcs import InertiaChange as InertiaChange
-    from attitude.attitude_table.table import AttitudeTable as AttitudeTable
-    from attitude.body import Body as Body
-    from attitude.compilation.status import compilation_status as compilation_status
-    from attitude.ensemble.ensemble import Ensemble as Ensemble
-    from attitude.fitting import fit as fit
-    from attitude.fitting import fit_directions as fit_directions
-    from attitude.fitting import fit_rates as fit_rates
-    from attitude.free_rotation.free_rotation import FreeRotation as FreeRotation
-    from attitude.history import AttitudeHistory as AttitudeHistory
-    from attitude.propagation import propagate as propagate
-    from attitude.referee.referee import compare as compare
-    from attitude.regime import Mode as Mode
-    from attitude.scene.scene import Scene as Scene
-    from attitude.spin import Spin as Spin
-    from attitude.splitting.torqued_rotation import TorquedRotation as TorquedRotation
+    from attitude._compilation.status import compilation_status as compilation_status
+    from attitude._solver.regime import Mode as Mode
+    from attitude.ensemble._ensemble import Ensemble as Ensemble
+    from attitude.fitting._attitudes import fit as fit
+    from attitude.fitting._attitudes import fit_directions as fit_directions
+    from attitude.fitting._attitudes import fit_rates as fit_rates
+    from attitude.motions._body import Body as Body
+    from attitude.motions._free_rotation import FreeRotation as FreeRotation
+    from attitude.motions._history import AttitudeHistory as AttitudeHistory
+    from attitude.motions._propagation import propagate as propagate
+    from attitude.motions._spin import Spin as Spin
+    from attitude.motions._table import AttitudeTable as AttitudeTable
+    from attitude.referee._referee import compare as compare
+    from attitude.scene._scene import Scene as Scene
+    from attitude.torques._arcs import Arcs as Arcs
+    from attitude.torques._arcs import Impulse as Impulse
+    from attitude.torques._arcs import InertiaChange as InertiaChange
+    from attitude.torques._torqued import TorquedRotation as TorquedRotation
 
 __version__ = "0.1.0"
 
-moved.install()
 
 # The module that defines each name, imported when the name is first used.
 _WHERE = {
-    "Arcs": "attitude.arcs.arcs",
-    "AttitudeHistory": "attitude.history",
-    "AttitudeTable": "attitude.attitude_table.table",
-    "Body": "attitude.body",
-    "Ensemble": "attitude.ensemble.ensemble",
-    "FreeRotation": "attitude.free_rotation.free_rotation",
-    "Impulse": "attitude.arcs.arcs",
-    "InertiaChange": "attitude.arcs.arcs",
-    "Mode": "attitude.regime",
-    "Scene": "attitude.scene.scene",
-    "Spin": "attitude.spin",
-    "TorquedRotation": "attitude.splitting.torqued_rotation",
-    "compilation_status": "attitude.compilation.status",
-    "compare": "attitude.referee.referee",
+    "Arcs": "attitude.torques._arcs",
+    "AttitudeHistory": "attitude.motions._history",
+    "AttitudeTable": "attitude.motions._table",
+    "Body": "attitude.motions._body",
+    "Ensemble": "attitude.ensemble._ensemble",
+    "FreeRotation": "attitude.motions._free_rotation",
+    "Impulse": "attitude.torques._arcs",
+    "InertiaChange": "attitude.torques._arcs",
+    "Mode": "attitude._solver.regime",
+    "Scene": "attitude.scene._scene",
+    "Spin": "attitude.motions._spin",
+    "TorquedRotation": "attitude.torques._torqued",
+    "compilation_status": "attitude._compilation.status",
+    "compare": "attitude.referee._referee",
     "fit": "attitude.fitting",
     "fit_directions": "attitude.fitting",
     "fit_rates": "attitude.fitting",
-    "propagate": "attitude.propagation",
+    "propagate": "attitude.motions._propagation",
 }
 
 __all__ = ["AttitudeError", *sorted(_WHERE)]
@@ -106,27 +103,20 @@ PUBLIC_MODULES: tuple[str, ...] = (
     *(
         f"attitude.{name}"
         for name in (
-            *("arcs", "arcs.triggers", "attitude_table", "axes.axes", "body", "catalog"),
-            *("conditions.condition", "conditions.observable", "ensemble"),
-            *("ensemble.partitioned", "epochs", "errors", "events", "fitting", "formats"),
-            *("formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
-            *("formats.damit",),
-            *("formats.detect", "formats.mission", "formats.photometry", "formats.spin_file"),
-            *("formats.stk", "formats.tables", "frames", "free_rotation", "history", "inversion"),
+            *("arcs", "catalog", "conditions", "ensemble", "epochs", "errors", "events", "fitting"),
+            *("formats", "formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
+            *("formats.damit", "formats.damit_light_curve", "formats.detect", "formats.mission"),
+            *("formats.spin_file", "formats.stk", "formats.tables"),
             *(
+                "frames",
+                "frames.quaternion",
+                "frames.representations",
+                "inversion",
                 "jacobi",
                 "jax",
-                "light_curve",
-                "motion",
-                "paths",
-                "paths.two_body",
-                "photometry",
-                "plots",
             ),
-            *("propagation", "published", "published.dynamic_inertia"),
-            *("published.regular_precession", "published.uncertainty", "quaternion", "referee"),
-            *("regime", "representations", "scattering", "scene", "sensitivities.columns"),
-            *("sensitivities.covariance", "sensitivities.elements", "shape", "spectrum", "spin"),
+            *("light_curve", "motions", "paths", "photometry", "plots", "published", "quaternion"),
+            *("referee", "representations", "scattering", "scene", "shape", "spectrum"),
             *("splitting", "survey", "torch", "torques", "viewer"),
         )
     ),

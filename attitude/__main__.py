@@ -1,5 +1,7 @@
 """``python -m attitude`` runs the command ``attitude``."""
 
+from __future__ import annotations
+
 import sys
 
 from attitude.cli import main

@@ -19,29 +19,138 @@ Values that an entry does not have are given as keywords:
 from __future__ import annotations
 
 import difflib
+import re
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from attitude import markup
-from attitude import motion as motions
-from attitude.body import Body
-from attitude.errors import AttitudeError, quoted
-from attitude.free_rotation.free_rotation import FreeRotation
-from attitude.published import body_names
-from attitude.published.dynamic_inertia import moments_from_ratios
-from attitude.published.values import Value
-from attitude.spin import Spin
-from attitude.textfiles import toml
-from attitude.textfiles.lines import packaged
+from attitude._support import markup, validation
+from attitude._support.quoting import quoted
+from attitude._textfiles import toml
+from attitude._textfiles.lines import packaged
+from attitude.errors import AttitudeError
+from attitude.motions import _motion as motions
+from attitude.motions._body import Body
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._published import moments_from_ratios
+from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from attitude.annotations import Reals
-    from attitude.motion import HasAttitudes, Motion
+    from attitude._support.annotations import Reals
+    from attitude.motions._motion import HasAttitudes, Motion
+
+
+# --------------------------------------------------------------------------------------------------
+# One published number with its unit, error and source.
+
+# SI units and radians in the units of the catalogue, as astropy converts them.
+_DEGREE = np.pi / 180.0
+_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": 86400.0}
+_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / 86400.0}
+
+
+@dataclass(frozen=True)
+class Value:
+    """One published number.
+
+    Attributes
+    ----------
+    name : str
+    value : float, list or str
+        In `unit`.
+    unit : str or None
+        As astropy spells it; None for text and pure numbers.
+    error : float or list or None
+        As printed, in `unit`; [minus, plus] where they differ.
+    source : str
+        Publication.
+    """
+
+    name: str
+    value: Any
+    unit: str | None
+    error: Any
+    source: str
+
+    @property
+    def si(self) -> Any:
+        """The value as a float or array in SI units and radians; text as it is."""
+        if isinstance(self.value, str):
+            return self.value
+        return validation.real(self.value, self.name)[()] * _SI[self.unit]
+
+    def __str__(self) -> str:
+        error = f" ({self.spelled_error})" if self.spelled_error else ""
+        unit = "" if self.unit is None else f" {self.unit}"
+        return f"{self.name}: {self.spelled}{error}{unit} [{self.source}]"
+
+    @property
+    def spelled(self) -> str:
+        """The value as text."""
+        return self.value if isinstance(self.value, str) else _spelled(self.value)
+
+    @property
+    def spelled_error(self) -> str:
+        """The error as text, "" if there is none."""
+        if self.error is None:
+            return ""
+        both = isinstance(self.error, list)
+        return f"-{self.error[0]} +{self.error[1]}" if both else f"+-{self.error}"
+
+
+def _spelled(value: Any) -> str:
+    if isinstance(value, list):
+        return "(" + ", ".join(_spelled(each) for each in value) + ")"
+    return repr(value)
+
+
+# --------------------------------------------------------------------------------------------------
+# Which body a name means: the whole name, its number, or the beginning of a word of it.
+#
+# A number means a body only as its whole number, and a year none: "41" is not 4179 Toutatis, and
+# "2008" not 2008 TC3, so that no body gets the numbers of another.
+#
+# >>> matching("touta", {"4179 Toutatis": 1, "2008 TC3": 2})
+# [1]
+# >>> matching("41", {"4179 Toutatis": 1, "2008 TC3": 2})
+# []
+
+Item = TypeVar("Item")
+
+# Letters of the beginning of a word by which a body is found.
+_BEGUN = 3
+
+
+def matching(name: str, items: Mapping[str, Item]) -> list[Item]:
+    """The items that a name means."""
+    key = _words(name)
+    exact = [item for each, item in items.items() if _words(each) == key]
+    if exact or not key:
+        return exact
+    return [item for each, item in items.items() if _means(key, _words(each.partition(" (")[0]))]
+
+
+def _means(key: list[str], words: list[str]) -> bool:
+    """Whether words occur in a name, in order, the last of them at least begun."""
+    is_designation = len(words) > 1 and re.fullmatch(r"\d{4}", words[0]) and len(words[1]) < 6
+    if is_designation and re.fullmatch(r"[a-z]{2}\d*", words[1]) and key == words[:1]:
+        return False
+    for start in range(len(words) - len(key) + 1):
+        part = words[start : start + len(key)]
+        begun = len(key[-1]) >= _BEGUN and key[-1].isalpha() and part[-1].startswith(key[-1])
+        if part[:-1] == key[:-1] and (part[-1] == key[-1] or begun):
+            return True
+    return False
+
+
+def _words(name: str) -> list[str]:
+    """The words of a name in lower case, without brackets, apostrophes and slashes."""
+    return re.sub(r"[()'/\u2018\u2019]", " ", name.lower()).split()
+
 
 # The forms of a state, and the values that each requires.
 _NEEDED = {
@@ -102,15 +211,7 @@ class Entry:
     def body(self, *, moments: Reals | None = None) -> Body:
         """The Body; relative if only ratios of the moments are known.
 
-        Parameters
-        ----------
-        moments : (3,) array_like, optional
-            About the body axes, in place of the published ones; relative unless a Quantity.
-
-        Raises
-        ------
-        AttitudeError
-            If no moments are published or given.
+        Shapes: moments (3,).
         """
         if moments is not None:
             relative = not hasattr(moments, "unit")
@@ -129,20 +230,7 @@ class Entry:
         )
 
     def load(self, **given: Any) -> Loaded:
-        """Body and spin; keywords supply values that are missing, or replace published ones.
-
-        Parameters
-        ----------
-        moments, mode, convention, P_psi, P_phi, pole, phi0, psi0, epoch, theta_branch, frame
-            As in `Body` and `Spin.from_periods`.
-        wxyz, angular_velocity, epoch, frame
-            As in `Spin`; in place of the published state.
-
-        Raises
-        ------
-        AttitudeError
-            For an unknown keyword, and if values are missing; the text names them.
-        """
+        """Body and spin; keywords supply values that are missing, or replace published ones."""
         unknown = [name for name in given if name not in _KEYWORDS]
         if unknown:
             are = "is not a keyword" if len(unknown) == 1 else "are not keywords"
@@ -257,7 +345,7 @@ def entry(name: str) -> Entry:
     """
     if not isinstance(name, str) or not name.strip():
         raise AttitudeError(f"name is {quoted(name)}; give one of {', '.join(names())}.")
-    found = body_names.matching(name, _entries())
+    found = matching(name, _entries())
     bodies = {each.name.partition(" (")[0] for each in found}
     if len(bodies) == 1:
         return max(found, key=lambda each: each.year)
@@ -273,42 +361,17 @@ def entry(name: str) -> Entry:
 
 def has(name: str) -> bool:
     """Whether `entry` finds one body by a name."""
-    found = body_names.matching(name, _entries())
+    found = matching(name, _entries())
     return len({each.name.partition(" (")[0] for each in found}) == 1
 
 
 def load(name: str, **given: Any) -> Loaded:
-    """Body and spin of a published state: ``body, spin = load(name)``.
-
-    Parameters
-    ----------
-    name : str
-        As in `entry`.
-    **given
-        Values that are not published (`Entry.missing`) or replace published ones; see
-        `Entry.load`.
-
-    Returns
-    -------
-    Loaded
-        (body, spin)
-
-    Raises
-    ------
-    AttitudeError
-        As `entry` and `Entry.load`.
-    """
+    """Body and spin of a published state: ``body, spin = load(name)``."""
     return entry(name).load(**given)
 
 
 def motion_of(given: HasAttitudes | str, name: str = "motion") -> Motion:
-    """The motion itself, or that of a complete entry of the catalogue by its name.
-
-    Raises
-    ------
-    AttitudeError
-        As `attitude.motion.motion_of`; for a name, as `entry` and `Entry.load`.
-    """
+    """The motion itself, or that of a complete entry of the catalogue by its name."""
     if isinstance(given, str):
         return entry(given).motion()
     return motions.motion_of(given, name)

@@ -1,4 +1,6 @@
-"""The one exception type of the package, its warnings, and how their sentences quote input."""
+"""The one exception type of the package, and its warnings."""
+
+from __future__ import annotations
 
 
 class AttitudeError(ValueError):
@@ -11,19 +13,3 @@ class AttitudeWarning(UserWarning):
 
 class CovarianceWarning(AttitudeWarning):
     """Errors so large that a covariance does not describe them; once for each motion."""
-
-
-def quoted(value: object, most: int = 60, mark: str | None = None) -> str:
-    """A value as a sentence quotes it: on one line, at most `most` characters.
-
-    In the quotation marks of Python, or in `mark`, which may be empty.
-
-    >>> quoted("SC_BODY_1"), quoted("x" * 50, 12, "")
-    ("'SC_BODY_1'", 'xxxxxxxxx...')
-    """
-    try:
-        text = repr(value) if mark is None else f"{mark}{value}{mark}"
-    except ValueError:  # an integer of more digits than Python writes
-        return f"a very large {type(value).__name__}"
-    text = " ".join(text.split())
-    return text if len(text) <= most else text[: most - 3] + "..."

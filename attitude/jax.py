@@ -20,15 +20,15 @@ from typing import Any
 
 import numpy as np
 
-from attitude import calls
+from attitude._support import validation
 from attitude.errors import AttitudeError
-from attitude.propagation import propagate as _compiled
+from attitude.motions._propagation import propagate as _compiled
 
 try:
     import jax
     import jax.numpy as jnp
 except ImportError as err:
-    raise ImportError(f"attitude.jax needs jax: {calls.installing('jax')}.") from err
+    raise ImportError(f"attitude.jax needs jax: {validation.installing('jax')}.") from err
 
 __all__ = ["propagate"]
 

@@ -6,26 +6,30 @@ figure of four.  No window is opened, and no global setting changed.
 
 from __future__ import annotations
 
+import io
 import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from attitude import evaluation, frames, validation
+from attitude import frames
+from attitude._solver import evaluation
+from attitude._support import validation
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.free_rotation import polhode as curves
-from attitude.published import conventions
+from attitude.motions import _conventions
+from attitude.motions import _polhode as curves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from attitude.annotations import FloatArray, Real
-    from attitude.epochs.instants import Instant
-    from attitude.free_rotation.free_rotation import FreeRotation
+    from attitude._support.annotations import FloatArray, Real
+    from attitude.epochs._instants import Instant
+    from attitude.motions._free_rotation import FreeRotation
+
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
 _NAMES = ("long axis", "middle axis", "short axis")
@@ -43,32 +47,7 @@ def overview(
     frame: str = "ecliptic",
     title: str | None = None,
 ) -> Figure:
-    """A figure of four plots: polhode, sky, angular velocity, Euler angles.
-
-    Parameters
-    ----------
-    motion : FreeRotation
-    span : float or Quantity, optional
-        Seconds from the epoch; by default three turns of the slower phase.
-    frame : str
-        Of the longitudes and latitudes of the sky; see `frames.FRAMES`.
-    title : str, optional
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Save it with ``figure.savefig("motion.png")``.
-
-    Raises
-    ------
-    AttitudeError
-        For a body at rest, a rod, a span that is not positive, and an unknown frame.
-
-    Warns
-    -----
-    AttitudeWarning
-        If the span is so long that the steps of the curves are coarse against a period.
-    """
+    """A figure of four plots: polhode, sky, angular velocity, Euler angles."""
     figure = new_figure((11.0, 8.5))
     seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
     _warn_of_coarse(motion, seconds)
@@ -106,19 +85,12 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 
 def new_figure(size: tuple[float, float]) -> Figure:
     """An empty figure without a window, of a width and height in inches."""
-    from attitude.shown_figure import ShownFigure
 
     return ShownFigure(figsize=size, layout="constrained")
 
 
 def time_span(motion: FreeRotation, span: Real | None = None) -> float:
-    """The seconds to show: as given, or three turns of the slower phase.
-
-    Raises
-    ------
-    AttitudeError
-        For a body at rest, and a span that is not positive.
-    """
+    """The seconds to show: as given, or three turns of the slower phase."""
     if span is not None:
         return validation.positive(span, "span", unit="s")
     regime = motion.regime
@@ -135,21 +107,11 @@ def polhode(axes: Any, motion: FreeRotation) -> None:
     """Draw the path of the angular velocity on the ellipsoid of its energy.
 
     Grey: the polhodes of other momenta of the same energy; black: the separatrix.
-
-    Parameters
-    ----------
-    axes : matplotlib Axes3D
-    motion : FreeRotation
-
-    Raises
-    ------
-    AttitudeError
-        For a rod, whose energy has no ellipsoid.
     """
     body = motion.body
-    order = conventions.order(body)
+    order = _conventions.order(body)
     moments = body.moments[order]
-    turn = conventions.axes(body, "S")
+    turn = _conventions.axes(body, "S")
     if moments[0] == 0.0:
         raise AttitudeError(
             "one moment is zero; a rod has no ellipsoid of energy to draw on. Give a body whose "
@@ -206,25 +168,12 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
 def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "ecliptic") -> None:
     """Draw the directions of the long and the short axis and of the momentum on the sky.
 
-    Parameters
-    ----------
-    axes : matplotlib Axes
-        With projection="mollweide".
-    motion : FreeRotation
-    seconds : (N,) array_like
-        TDB seconds since the epoch.
-    frame : str
-        Of the longitudes and latitudes; see `frames.FRAMES`.
-
-    Raises
-    ------
-    AttitudeError
-        For an unknown frame.
+    Shapes: seconds (N,).
     """
     _warn_of_coarse(motion, seconds)
     history = motion.at(seconds)
     turn = frames.matrix_to_icrf(frame)
-    directions = conventions.axes(motion.body, "S")
+    directions = _conventions.axes(motion.body, "S")
     for k, name in enumerate(_NAMES):
         if k != 1:
             path = history.body_to_inertial(directions[:, k]) @ turn
@@ -241,15 +190,10 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
 def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
     """Draw the angular velocity over the axes of inertia against time, in deg/s or deg/d.
 
-    Parameters
-    ----------
-    axes : matplotlib Axes
-    motion : FreeRotation
-    seconds : (N,) array_like
-        TDB seconds since the epoch.
+    Shapes: seconds (N,).
     """
     _warn_of_coarse(motion, seconds)
-    omega = motion.angular_velocity_at(seconds) @ conventions.axes(motion.body, "S")
+    omega = motion.angular_velocity_at(seconds) @ _conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
     factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
     time, label = _time(seconds, motion.epoch)
@@ -264,19 +208,7 @@ def angles(
 ) -> None:
     """Draw phi, theta, psi about the momentum against time, in degrees.
 
-    Parameters
-    ----------
-    axes : matplotlib Axes
-    motion : FreeRotation
-    seconds : (N,) array_like
-        TDB seconds since the epoch.
-    convention : str, optional
-        "L" or "S"; by default that of the axis about which the momentum circulates.
-
-    Raises
-    ------
-    AttitudeError
-        For another convention.
+    Shapes: seconds (N,).
     """
     _warn_of_coarse(motion, seconds)
     if convention is None:
@@ -326,3 +258,16 @@ def _unbroken(
     leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump
     gaps = np.flatnonzero(leap) + 1
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)
+
+
+# --------------------------------------------------------------------------------------------------
+# Figures that notebooks show without a command; imported when the first figure is made.
+
+
+class ShownFigure(Figure):
+    """A matplotlib figure without a window, shown as PNG where it is the result of a cell."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=100)
+        return buffer.getvalue()

@@ -18,14 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from attitude import calls
+from attitude._support import validation
 from attitude.errors import AttitudeError
-from attitude.propagation import propagate as _compiled
+from attitude.motions._propagation import propagate as _compiled
 
 try:
     import torch
 except ImportError as err:
-    raise ImportError(f"attitude.torch needs torch: {calls.installing('torch')}.") from err
+    raise ImportError(f"attitude.torch needs torch: {validation.installing('torch')}.") from err
 
 __all__ = ["propagate"]
 

@@ -3,9 +3,9 @@
     python benchmarks/accuracy.py                 # 10 states a family, about 3 minutes
     python benchmarks/accuracy.py --states 40 --seed 7
 
-It evaluates every state of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions, forward and
-backward, and compares with the mpmath oracle of tests/oracle.py, which shares no formula with the
-package.  A wrong overall sign of the quaternion counts as an error of 2 pi.
+It evaluates every state of tests/support/states.py at 10, 1e3, 1e6 and 1e9 revolutions, forward and
+backward, and compares with the mpmath oracle of tests/support/oracle.py, which shares no formula
+with the package.  A wrong overall sign of the quaternion counts as an error of 2 pi.
 """
 
 import argparse
@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Body, FreeRotation, Spin, propagate
 from benchmarks.doc_tables import Table, printed
-from tests import oracle, states
+from tests.support import oracle, states
 
 REVOLUTIONS = (10, 1e3, 1e6, 1e9)
 MAKES = ("accuracy", "worst error", "median error")

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from attitude import Ensemble
-from attitude.ensemble.partitioned import PartitionedEnsemble
+from attitude.ensemble._partitioned import PartitionedEnsemble
 
 MEMBERS, EPOCHS, PARTS = 200_000, 160, 20
 SHAPE, SUN, OBSERVER = (3.0, 2.0, 1.0), (1.0, 0.0, 0.0), (0.8, 0.6, 0.0)

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from attitude import Body, FreeRotation, Spin, paths, propagate
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
+from attitude.motions._published import longest_P_phi
 from attitude.published import states_from_periods
-from attitude.published.dynamic_inertia import longest_P_phi
 from attitude.scene import Scene
 from attitude.shape import Ellipsoid
 

@@ -15,9 +15,10 @@ import erfa
 import numpy as np
 from astropy.time import Time
 
-from attitude import epochs, pairs
-from attitude.compilation.choice import compiling
-from attitude.epochs import time_scales
+from attitude import epochs
+from attitude._compilation.choice import compiling
+from attitude._support import pairs
+from attitude.epochs import _time_scales
 
 COUNT = 100_000
 
@@ -31,7 +32,7 @@ def nanoseconds(function):
 
 def difference(start, times, hi, lo):
     """The largest difference from astropy's TDB, in s; computed in two doubles."""
-    reference = time_scales.seconds_from_jd(times.jd1, times.jd2)
+    reference = _time_scales.seconds_from_jd(times.jd1, times.jd2)
     reference = pairs.add(reference, -start.seconds, -start.low)
     return np.max(np.abs((hi - reference[0]) + (lo - reference[1])))
 
@@ -45,7 +46,7 @@ def main():
     epochs.seconds_since(start, Time(1980.0 + np.linspace(0.0, 1.0, COUNT), format="jyear"))
     for label, days in (("a day", 1.0), ("a year", 365.25), ("a century", 36525.0)):
         utc = Time(2458849.5, np.linspace(0.0, days, COUNT), format="jd", scale="utc")
-        time_scales._pieces.clear()
+        _time_scales._pieces.clear()
         _, first = nanoseconds(lambda utc=utc: epochs.seconds_since(start, utc))
         later = min(
             nanoseconds(lambda utc=utc: epochs.seconds_since(start, utc))[1] for _ in range(5)

@@ -24,10 +24,10 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, events
-from attitude.compilation.choice import compiling
-from attitude.compilation.decorators import entry_point
+from attitude._compilation.choice import compiling
+from attitude._compilation.decorators import entry_point
 from benchmarks.doc_tables import Table, markdown
-from tests import states
+from tests.support import states
 
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")
 WIDE, NARROW = 0.5, 0.02

@@ -238,7 +238,7 @@ REPEATED = """
 import json, sys
 from time import process_time
 from attitude import propagate, compilation_status
-from attitude.compilation import decorators
+from attitude._compilation import decorators
 EPOCH, MOMENTS, WXYZ, RATES = "2026-01-01", (10, 20, 26), (1, 0, 0, 0), (1, 15, 1)
 T = np.linspace(0, 100, 1000)
 {setup}

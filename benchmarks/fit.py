@@ -28,10 +28,10 @@ from attitude import (
     fit_directions,
     fit_rates,
     propagate,
-    quaternion,
 )
-from attitude import representations as forms
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
 from benchmarks.doc_tables import Table, markdown
 
 EPOCH, NOISE = "2026-01-01", 1e-3
@@ -145,8 +145,8 @@ class Differences:
         return self.improved(x, len(T))
 
     def guess(self):
-        from attitude.fitting.first_guess import inertia_of_attitudes
-        from attitude.fitting.model import Model
+        from attitude.fitting._attitudes import inertia_of_attitudes
+        from attitude.fitting._model import Model
 
         x = np.zeros(self.count)
         x[3:6] = np.mean(self.omega[: 1 if self.rates is not None else 2], axis=0)
@@ -183,7 +183,7 @@ class Differences:
     def residuals(self, points, count):
         moments, axes = self.bodies(points)
         start = quaternion.multiply(self.wxyz[0], forms.from_rotation_vector(points[:, :3]))
-        to_body = forms.from_matrix(axes)
+        to_body = quaternion.from_matrix(axes)
         wxyz, omega = propagate(
             moments,
             quaternion.multiply(start, to_body),
@@ -218,7 +218,7 @@ class Differences:
 
     def apart(self, x, found):
         """Parameters less those of a Fit."""
-        from attitude.fitting.model import Model
+        from attitude.fitting._model import Model
 
         start = quaternion.multiply(self.wxyz[0], forms.from_rotation_vector(x[:3]))
         turn = quaternion.multiply(quaternion.conjugate(found.motion.spin.wxyz), start)

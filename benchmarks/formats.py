@@ -16,10 +16,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude import Body, FreeRotation, Spin, epochs, quaternion
-from attitude.compilation.choice import compiling
+from attitude import Body, FreeRotation, Spin, epochs
+from attitude._compilation.choice import compiling
 from attitude.formats import aem, stk
 from attitude.formats import tables as columns
+from attitude.frames import quaternion
 from benchmarks.doc_tables import Table, markdown
 
 MAKES = ("formats",)

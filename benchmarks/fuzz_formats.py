@@ -23,7 +23,7 @@ import numpy as np
 
 from attitude import AttitudeError, photometry
 from attitude.formats import acm, aem, apm, detect, stk
-from tests.fuzzing import LONGEST_SENTENCE, mutated, samples
+from tests.support.fuzzing import LONGEST_SENTENCE, mutated, samples
 
 SLOWEST = 5.0
 FAULTS_SHOWN = 20

@@ -33,18 +33,17 @@ from astropy.time import Time
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
-    aliases,
-    curve_problem,
-    ellipsoid_magnitudes,
-    ellipsoid_search,
-    lattices,
-    pole_map,
-    search,
-    ties,
+    _ellipsoid,
+    _lattices,
+    _pole_map,
+    _problem,
+    _search,
+    _states,
+    _verdicts,
 )
-from attitude.inversion.problem import CurveProblem
-from attitude.inversion.spin_states import is_better_constant, is_constant
-from attitude.spectrum import pair_scan, transforms
+from attitude.inversion._problem import CurveProblem
+from attitude.inversion._spin_states import is_better_constant, is_constant
+from attitude.photometry import _spectrum
 from benchmarks import inversion_cases
 from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
@@ -162,16 +161,16 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
     near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
     if case.mode != "PA":
         near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
-    pole = matrix_to_icrf("ecliptic").T @ search.pole(found.state)
+    pole = matrix_to_icrf("ecliptic").T @ _search.pole(found.state)
     angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
     return bool(near and found.mode == case.mode), angle
 
 
 def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
     """The pole, and its mirror image in the plane of the scene, ecliptic axes."""
-    here, normal = search.pole(found.state), aliases.plane_of(found.weighted.problem)
+    here, normal = _search.pole(found.state), _verdicts.plane_of(found.weighted.problem)
     turn = matrix_to_icrf("ecliptic").T
-    return turn @ here, turn @ aliases.mirrored(here, normal)
+    return turn @ here, turn @ _verdicts.mirrored(here, normal)
 
 
 def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
@@ -229,7 +228,7 @@ class Judgement(NamedTuple):
 
 def share_of_sky(poles: Iterable[np.ndarray]) -> float:
     """The share of the sky within 15 degrees of any of these directions (3,)."""
-    sky = pole_map.sphere(4000)
+    sky = _pole_map.sphere(4000)
     near = [sky @ each > math.cos(math.radians(15.0)) for each in poles]
     return float(np.mean(np.any(near, axis=0))) if near else 0.0
 
@@ -303,22 +302,22 @@ def is_called_constant(case: inversion_cases.Case, curve: inversion.LightCurve) 
     periods are tried here, some 1 s in place of 10.
     """
     most = case.most / 86400.0
-    given = most, search.ELLIPSOID_ERROR
-    one, own = (curve_problem.problem(curve, *given, each)[0] for each in ("shared", "auto"))
+    given = most, _search.ELLIPSOID_ERROR
+    one, own = (_problem.problem(curve, *given, each)[0] for each in ("shared", "auto"))
     if is_constant(one) or not is_constant(own):
         return is_constant(one)
     span = curve.span / 86400.0
     twice, f = span / case.P_phi, span / case.P_psi
     if case.mode == "SAM":
         f = -f
-    rates = [lattices.Candidate(0.5 * (twice + max(f, 0.0)), f)]
-    tie, generator = ties.of("shape"), np.random.default_rng(0)
-    made = search.Search(
+    rates = [_lattices.Candidate(0.5 * (twice + max(f, 0.0)), f)]
+    tie, generator = _states.of("shape"), np.random.default_rng(0)
+    made = _search.Search(
         one, most * curve.span, (case.mode,), tie, (), generator, math.inf, lambda _: None
     )
-    held = ellipsoid_search.Held(0.15)
-    pool = ellipsoid_search.around(one, generator, rates, 40, iterations=40, tie=held)
-    made.begin(ellipsoid_search.in_order(pool).states[:8])
+    held = _ellipsoid.Held(0.15)
+    pool = _ellipsoid.around(one, generator, rates, 40, iterations=40, tie=held)
+    made.begin(_ellipsoid.in_order(pool).states[:8])
     return is_better_constant(own, made.solutions)
 
 
@@ -327,7 +326,7 @@ def called_constant(count: int, seed: int) -> tuple[list[int], int]:
     kind, found, explained = KINDS["slow-tumblers"], [], 0
     for k, case in enumerate(made(kind, count, seed)):
         curve = curve_of(case, kind.zero_points)
-        own, _ = curve_problem.problem(curve, case.most / 86400.0, 0.0, "auto")
+        own, _ = _problem.problem(curve, case.most / 86400.0, 0.0, "auto")
         explained += is_constant(own)
         if is_called_constant(case, curve):
             varies = inversion_cases.variation(case)
@@ -345,18 +344,18 @@ def speed() -> tuple[float, float]:
     rng = np.random.default_rng(0)
     t, w = np.sort(rng.uniform(-0.5, 0.5, 400)), rng.uniform(50.0, 200.0, 400)
     y = np.cos(150.0 * t) + 0.1 * rng.normal(size=400)
-    made = transforms.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 5000)
+    made = _spectrum.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 5000)
     tables = [np.ascontiguousarray(x) for each in made for x in (each.real, each.imag)]
     first, second = rng.integers(5, 600, (2, 20000))
-    gain, lines = np.empty(20000), pair_scan.harmonics(2)
-    spent = _best(lambda: pair_scan.decreases(*tables, first, second, lines, 1.0, gain))
+    gain, lines = np.empty(20000), _spectrum.harmonics(2)
+    spent = _best(lambda: _spectrum.decreases(*tables, first, second, lines, 1.0, gain))
     pair = spent / 20000 * 1e6
     print(f"pair, order 2: {pair:.2f} us")
     sun, observer = rng.normal(size=(2, 3, 400))
     sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
     terms = np.ones((400, 1)), np.full(1, np.inf)
     given = t, 1.0, sun, observer, np.zeros(400), np.ones(400), *terms, 0.0
-    curve = ellipsoid_magnitudes.EllipsoidCurve(CurveProblem.of(*given))
+    curve = _ellipsoid.EllipsoidCurve(CurveProblem.of(*given))
     states = np.tile([20.3, 14.7, 0.2, -1.0, 0.2, *np.eye(3).ravel(), 0.7, 0.4], (100, 1))
     spent = _best(lambda: list(curve.rows(states, True))) / 100
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")

@@ -19,7 +19,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from attitude import Body, FreeRotation, Spin, inversion, light_curve, quaternion
+from attitude import Body, FreeRotation, Spin, inversion, light_curve
+from attitude.frames import quaternion
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
 from benchmarks.inversion_cases import _integrated, _matrices

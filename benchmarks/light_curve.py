@@ -29,11 +29,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
 from attitude.light_curve import Visibility, brightness, brightness_by_rays, stream
 from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
-from attitude.shape.geodesic import unit_sphere
+from attitude.shape._ellipsoid import unit_sphere
 from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
 
@@ -291,8 +291,8 @@ def directions_of_an_orbit(count):
 
 def all_facets(mesh, law, sun, observer):
     """The loop with every cluster marked as visible, to measure the gain of skipping clusters."""
-    from attitude.light_curve import sums
-    from attitude.light_curve.clusters import clusters_of
+    from attitude.light_curve import _sums
+    from attitude.light_curve._sums import clusters_of
 
     clusters = clusters_of(mesh)
     words = np.full((1, clusters.sky.shape[1]), ~np.uint64(0))
@@ -300,13 +300,13 @@ def all_facets(mesh, law, sun, observer):
     every = np.broadcast_to(words, clusters.sky.shape).copy()
     out = np.empty(len(sun))
     args = clusters.blocks, clusters.axes, every, clusters.cells, None, None, None
-    sums.fused(*args, *sun.T, *observer.T, out)
+    _sums.fused(*args, *sun.T, *observer.T, out)
     return out * law.phase(np.zeros(1))
 
 
 def summed_share(mesh, sun, observer):
     """Mean share of facets, with empty places, in clusters that are not skipped."""
-    from attitude.light_curve.clusters import SIZE, cell_scale, clusters_of
+    from attitude.light_curve._sums import SIZE, cell_scale, clusters_of
 
     clusters = clusters_of(mesh)
     words = ~np.uint64(0)

@@ -24,14 +24,14 @@ from benchmarks.coefficients import motion, numbers, polynomials, schemes
 
 # Measured or adopted numbers, which cannot be computed.
 MEASURED = {
-    ("axes/earth_axes.py", "_B1950"),
-    ("paths/earth_rotation.py", "RATE"),
-    ("paths/earth_rotation.py", "rotation_angle"),
-    ("paths/two_body.py", "GM"),
-    ("photometry/windows.py", "_NAMES"),
+    ("frames/_earth.py", "_B1950"),
+    ("paths/_ground.py", "RATE"),
+    ("paths/_ground.py", "rotation_angle"),
+    ("paths/_two_body.py", "GM"),
+    ("photometry/_periodogram.py", "_NAMES"),
     ("physical_constants.py", "EARTH_FLATTENING"),
-    ("scene/scalars.py", "_OF_ORBIT"),
-    ("scene/scalars.py", "_OF_RANGE"),
+    ("scene/_scene.py", "_OF_ORBIT"),
+    ("scene/_scene.py", "_OF_RANGE"),
 }
 
 

@@ -2,8 +2,8 @@
 
     python benchmarks/make_reference.py
 
-It contains two states of every family of tests/states.py at 10, 1e3, 1e6 and 1e9 revolutions, with
-answers to 30 digits by the mpmath oracle of tests/oracle.py.
+It contains two states of every family of tests/support/states.py at 10, 1e3, 1e6 and 1e9
+revolutions, with answers to 30 digits by the mpmath oracle of tests/support/oracle.py.
 """
 
 import json
@@ -15,7 +15,7 @@ from mpmath import mp
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests import oracle, states
+from tests.support import oracle, states
 
 ABOUT = (
     "States of every regime and exact answers: doubles as hexadecimal text, answers to 30 digits, "

@@ -47,7 +47,7 @@ SKIPPED_TOKENS = {
     tokenize.ENCODING,
     tokenize.ENDMARKER,
 }
-# Decorators of `attitude.compilation`, and callbacks of compiled loops.
+# Decorators of `attitude._compilation`, and callbacks of compiled loops.
 COMPILED = re.compile(r"(entry_point|subroutine|inlined|compiled|callback|reduction|intrinsic)")
 
 

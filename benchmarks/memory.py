@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 from attitude import propagate
-from attitude.memory import new_array
+from attitude._support.arrays import new_array
 
 STATE = (10, 20, 26), (1, 0, 0, 0), (1, 15, 1)
 PAUSE = 20.0
@@ -77,7 +77,7 @@ def pages():
             print(f"  {label:44s}{min(_mapped(size, advice) for _ in range(5)):8.3f}")
     for label, make in {
         "8 arrays of 8 MB, numpy.empty": lambda: np.empty(1 << 20),
-        "8 arrays of 8 MB, attitude.memory.new_array": lambda: new_array(1 << 20),
+        "8 arrays of 8 MB, attitude._support.arrays.new_array": lambda: new_array(1 << 20),
     }.items():
         print(f"  {label:44s}{min(_of_arrays(make) for _ in range(5)):8.3f}")
 

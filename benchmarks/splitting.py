@@ -34,22 +34,21 @@ sys.path.insert(0, str(ROOT))
 from mpmath import mp, mpf
 
 from attitude import Body, Spin, paths
+from attitude._compilation.choice import compiling
+from attitude._compilation.decorators import entry_point, subroutine
+from attitude._solver.kernel import turned_by
+from attitude._solver.march import march
+from attitude._solver.step import advance, gains, loaded, stored
 from attitude.arcs import Arcs, Impulse
-from attitude.compilation.choice import compiling
-from attitude.compilation.decorators import entry_point, subroutine
-from attitude.referee import compare, integrators
-from attitude.solution.given_axes import turned_by
-from attitude.solution.march import march
-from attitude.solution.motion_state import loaded, stored
-from attitude.solution.step import advance, gains
+from attitude.referee import _referee, compare
 from attitude.splitting import SCHEMES, TorquedRotation
 from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping
 from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor, writable_folder
-from tests import torque_cases
-from tests.gragg import EccentricOrbit, integrate
-from tests.oracle import Oracle, conjugate, multiply, rotation_error
-from tests.rounding import moved
+from tests.support import torque_cases
+from tests.support.gragg import EccentricOrbit, integrate
+from tests.support.oracle import Oracle, conjugate, multiply, rotation_error
+from tests.support.rounding import moved
 
 BODY = Body(moments=(10, 20, 26))
 SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(1, 15, 1))
@@ -270,7 +269,7 @@ def classical(kind, m, start, points, orbits, out):
         for _ in range(each):
             for k in range(steps):
                 w = gravity_kick(i, q, w, points[0, k], points[1, k], 0.5 * h)
-                q, w = integrators.one_step(kind, i, q, w, h)
+                q, w = _referee.one_step(kind, i, q, w, h)
                 w = gravity_kick(i, q, w, points[0, k + 1], points[1, k + 1], 0.5 * h)
                 error = jacobi(i, q, w, points[0, k + 1], points[1, k + 1]) / first - 1.0
                 least, most = min(least, error), max(most, error)
@@ -314,7 +313,7 @@ def circular_orbit(quick, output):
     print("largest relative error of T + V - n L in the first and the last window; drift of its")
     print("mean over all orbits, and scatter of the windows about it")
     found, lines, spins = {}, [], []
-    for name, kind in (("dlm", integrators.DLM), ("reich", integrators.REICH)):
+    for name, kind in (("dlm", _referee.DLM), ("reich", _referee.REICH)):
         out = np.empty((windows, 2))
         begin = time.perf_counter()
         classical(kind, BODY.moments, start, points, orbits, out)
@@ -359,7 +358,7 @@ def other_spin(start, times):
     points, start = np.stack([np.cos(angles), np.sin(angles)]), start.copy()
     start[4:] *= times
     errors, costs, out = [], [], np.empty((1, 2))
-    for kind in (integrators.EXACT, integrators.DLM, integrators.REICH):
+    for kind in (_referee.EXACT, _referee.DLM, _referee.REICH):
         took = best(lambda kind=kind: classical(kind, BODY.moments, start, points, 40, out), 3)
         errors.append(spread(out))
         costs.append(took / (40 * steps))
@@ -446,7 +445,7 @@ def drift(quick, output):
 
 
 def one_start(name, random, orbits):
-    """The relative slope of T + V - n L per orbit, and the sums of `tests.rounding.moved`.
+    """The relative slope of T + V - n L per orbit, and the sums of `tests.support.rounding.moved`.
 
     The energy of a regular motion oscillates with a few periods.  A smooth bell over each half of
     the time averages these out (Das, Saiki, Sander & Yorke 2017).

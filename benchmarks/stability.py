@@ -6,9 +6,10 @@
 In each of three planes the inertia runs from two equal moments at one end to two equal moments at
 the other, both approached down to 1e-16; the state approaches rotation about the short axis, about
 the long axis, and the separatrix, down to 1e-16.  Each state is propagated by 10 revolutions (this
-project also by 1e9) and compared with the mpmath oracle of tests/oracle.py for the exact doubles
-given.  The last row shows the conditioning: the change of the exact answer after 10 revolutions
-when one input changes by one unit in its last place, the error that any input in doubles implies.
+project also by 1e9) and compared with the mpmath oracle of tests/support/oracle.py for the exact
+doubles given.  The last row shows the conditioning: the change of the exact answer after 10
+revolutions when one input changes by one unit in its last place, the error that any input in doubles
+implies.
 
 The script writes stability.png, stability.md and stability.json to --output (docs/figures).
 """
@@ -26,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from attitude import propagate
 from benchmarks import peers, record
 from benchmarks.doc_tables import Table
-from tests import oracle
+from tests.support import oracle
 
 NEAR = (10, 1e9)
 LEAST, MOST = 1.0, 1.7

@@ -14,8 +14,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from attitude.compilation.choice import compiling
-from attitude.published.dynamic_inertia import longest_P_phi
+from attitude._compilation.choice import compiling
+from attitude.motions._published import longest_P_phi
 from benchmarks.doc_tables import Table, markdown
 
 OBJECTS, VISITS = 5000, 160

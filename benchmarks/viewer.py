@@ -15,9 +15,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude import Scene, catalog, shape
-from attitude.viewer import page, view
+from attitude.viewer import _page, view
 from benchmarks.doc_tables import Table, printed
-from tests import browser
+from tests.support import browser
 
 DAY = 86400.0
 MAKES = ("viewer",)
@@ -73,8 +73,8 @@ def scene(facets):
 
 
 def main():
-    library = len((page.FOLDER / "three" / "three.min.js").read_bytes())
-    print(f"three.js {page.version()}, {library / 1e3:.0f} kB")
+    library = len((_page.FOLDER / "three" / "three.min.js").read_bytes())
+    print(f"three.js {_page.version()}, {library / 1e3:.0f} kB")
     with tempfile.TemporaryDirectory() as folder, browser.running() as chromium:
         for facets in (1000, 100_000):
             what, file = scene(facets), Path(folder) / "page.html"

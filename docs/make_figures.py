@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from attitude import Body, catalog, plots, quaternion
-from attitude.published import conventions
+from attitude import Body, catalog, plots
+from attitude.frames import quaternion
+from attitude.motions import _conventions
 
 FIGURES = Path(__file__).parent / "figures"
 PHI, THETA, PSI = "#0072b2", "#d55e00", "#009e73"
@@ -29,7 +30,7 @@ def labellings():
     lengths = np.sqrt(2.5 * (body.moments.sum() - 2.0 * body.moments))
     for k, convention in enumerate("LS"):
         axes = figure.add_subplot(1, 2, k + 1, projection="3d")
-        turn = conventions.axes(body, convention)
+        turn = _conventions.axes(body, convention)
         attitude = _matrix(np.radians(40.0), np.radians(55.0), np.radians(35.0))
         _ellipsoid(axes, attitude @ turn.T, lengths)
         names = ("x = B", "y = C", "z = A (long)") if convention == "L" else (
@@ -54,7 +55,7 @@ def labellings():
 
 
 def _matrix(phi, theta, psi):
-    return quaternion.matrix(conventions.euler_wxyz(phi, theta, psi))
+    return quaternion.matrix(_conventions.euler_wxyz(phi, theta, psi))
 
 
 def _ellipsoid(axes, turn, lengths):

@@ -2,7 +2,7 @@
 
     python docs/make_map.py
 
-writes it between the two marks; `tests/test_docs.py` compares.
+writes it between the two marks; `tests/house/test_docs.py` compares.
 """
 
 import ast

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from attitude import epochs, events
 from attitude.formats import mission
-from attitude.formats.photometry import MagnitudeScale
+from attitude.formats.mission import MagnitudeScale
 from attitude.scattering import Material, Materials
 from attitude.scene import Scene
 from attitude.shape import Mesh

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from attitude import FreeRotation, Spin, catalog, inversion, quaternion
+from attitude import FreeRotation, Spin, catalog, inversion
+from attitude.frames import quaternion
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from attitude import Body, Spin, paths, quaternion
-from attitude.paths.two_body import Kepler
+from attitude import Body, Spin, paths
+from attitude.frames import quaternion
+from attitude.paths import Kepler
 from attitude.shape import Ellipsoid, Mesh
 from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation

@@ -33,12 +33,13 @@ if "xdist" not in sys.modules or "PYTEST_XDIST_WORKER" not in os.environ:
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
-# Small calls of tests are compiled too; tests/test_choice.py tests those that run in Python.  What
-# modules of tests compute when they are imported runs in Python (`pytest_collection`): all workers
-# of xdist import them at the same time, and each would compile the same functions.
+# Small calls of tests are compiled too; tests/compilation/test_choice.py tests those that run in
+# Python.  What modules of tests compute when they are imported runs in Python
+# (`pytest_collection`): all workers of xdist import them at the same time, and each would compile
+# the same functions.
 _CHOSEN = os.environ.get("ATTITUDE_COMPILE", "always")
 os.environ["ATTITUDE_COMPILE"] = "automatic" if _CHOSEN == "always" else _CHOSEN
-choice = importlib.import_module("attitude.compilation.choice")
+choice = importlib.import_module("attitude._compilation.choice")
 os.environ["ATTITUDE_COMPILE"] = _CHOSEN
 
 # The processes that tests start would compile the sources of the package to bytecode each time.
@@ -140,8 +141,9 @@ def pytest_ignore_collect(collection_path, config):
     """With --short, skip files of tests and of the package that are not named."""
     if not config.getoption("--short") or collection_path.is_dir():
         return None
-    named = (Path(__file__).parent / "short.txt").read_text().split()
-    return None if collection_path.name in named else True
+    folder = Path(__file__).parent
+    named = [folder / line for line in (folder / "short.txt").read_text().split()]
+    return None if collection_path in named else True
 
 
 # Modules of the package whose import needs a package.  An error in the import of any other fails
@@ -149,7 +151,7 @@ def pytest_ignore_collect(collection_path, config):
 _NEED = {
     "attitude/jax.py": "jax",
     "attitude/torch.py": "torch",
-    "attitude/survey/light_curve.py": "sorcha",
+    "attitude/survey/_light_curve.py": "sorcha",
 }
 
 

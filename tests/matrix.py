@@ -2,7 +2,7 @@
 
     python tests/matrix.py                        the whole suite in every environment: hours
     python tests/matrix.py --list                 the interpreters found and the lowest versions
-    python tests/matrix.py --only 3.13 -- tests/test_epochs.py
+    python tests/matrix.py --only 3.13 -- tests/epochs/test_epochs.py
     python tests/matrix.py --lowest --keep /tmp/environments
 
 The interpreters are those that pyproject.toml names as tested, and the free-threaded builds of the

@@ -60,19 +60,7 @@ _WRONG, _PIPE, _INTERRUPTED = 2, 141, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        By default those of the process.
-
-    Returns
-    -------
-    int
-        Exit code: 0; 2 after one sentence on stderr about wrong input; 130 after Ctrl-C; 141 if
-        the reader of the output closed it; 1 for a self-test that failed.
-    """
+    """Run the command line."""
     try:
         arguments = _parsed(_joined(sys.argv[1:] if argv is None else list(argv)))
         with warnings.catch_warnings():

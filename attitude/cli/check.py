@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+import attitude
 from attitude.errors import AttitudeError
 
 HELP: str = "compare this installation with reference solutions, and measure its speed"
@@ -17,25 +18,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Run the self-test and print its result.
+    """Run the self-test and print its result."""
+    from attitude.cli import _selftest
 
-    Raises
-    ------
-    AttitudeError
-        If the reference states cannot be read, or another project has replaced the package's file.
-    SystemExit
-        With code 1, if an error is larger than accepted.
-    """
-    import attitude
-    from attitude import selftest
-
-    other = selftest.other_project()
+    other = _selftest.other_project()
     if other is not None:
         if not hasattr(attitude, "__version__"):  # its __init__.py is there in place of ours
             raise AttitudeError(other)
         print(f"Warning: {other}")
     try:
-        result = selftest.check()
+        result = _selftest.check()
     except (OSError, KeyError, ValueError) as err:
         if isinstance(err, AttitudeError):
             raise
@@ -43,7 +35,7 @@ def run(arguments: argparse.Namespace) -> None:
             f"the reference states of the installation cannot be read ({err}); install the package "
             "again."
         ) from err
-    print(*selftest.versions(), sep="\n")
+    print(*_selftest.versions(), sep="\n")
     if arguments.families:
         for family, error, rate_error in result.worst:
             print(f"  {family:<32} {error:8.1e} rad   rates {rate_error:8.1e}")
@@ -57,6 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
         f"{result.ratio:.2f} times numpy.sin on this machine."
     )
     verdict = "passed" if result.passed else "FAILED"
-    print(f"{verdict}: {selftest.LARGEST_ERROR:.0e} is the accepted error. {result.seconds:.1f} s.")
+    print(
+        f"{verdict}: {_selftest.LARGEST_ERROR:.0e} is the accepted error. {result.seconds:.1f} s."
+    )
     if not result.passed:
         raise SystemExit(1)

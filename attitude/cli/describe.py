@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import textwrap
 
-from attitude.cli import target
+from attitude.cli import _options
 
 HELP: str = "print mode, periods, momentum and energy of a spin file or a catalogued body"
 EPILOG: str = """\
@@ -19,24 +19,18 @@ With a section [errors] in the spin file each number has its error of one standa
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    target.add_arguments(parser)
+    _options.add_target_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the description; of an incomplete entry of the catalogue, the entry.
+    """Print the description; of an incomplete entry of the catalogue, the entry."""
+    from attitude.motions._description import description
 
-    Raises
-    ------
-    AttitudeError
-        As `target.opened`.
-    """
-    from attitude.free_rotation.description import description
-
-    entry = target.incomplete(arguments)
+    entry = _options.incomplete(arguments)
     if entry is not None:
         print(entry)
         return
-    found = target.opened(arguments)
+    found = _options.opened(arguments)
     for label in (found.label, found.source, found.note):
         if label:
             print(textwrap.fill(" ".join(label.split()), 98))

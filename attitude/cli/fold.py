@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from attitude.cli import output, periods
+from attitude.cli import _output, periods
 
 HELP: str = "fold photometry with one period or two: points, series and residuals"
 EPILOG: str = """\
@@ -32,24 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the periods, amplitude and rms; write table and figure.
-
-    Raises
-    ------
-    AttitudeError
-        For a file or options that are not valid.
-    """
+    """Print the periods, amplitude and rms; write table and figure."""
     import numpy as np
 
-    from attitude import photometry, validation
+    from attitude._support import validation
+    from attitude.photometry import _folding
 
     if arguments.figure is not None:
-        output.kind_of(arguments.figure, output.PICTURES, "--figure")
-    kind = output.kind_of(arguments.output)
+        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    kind = _output.kind_of(arguments.output)
     data = periods.data_of(arguments)
     given = np.atleast_1d(validation.real(arguments.period, "--period", unit="s"))
     order = arguments.order or (4 if given.size == 1 else 2)
-    found = photometry.fold(
+    found = _folding.fold(
         data,
         given,
         order=order,

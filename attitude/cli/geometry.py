@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import IO, TYPE_CHECKING, Any
 
-from attitude.cli import output
+from attitude._support.blocks import ProgressBar
+from attitude.cli import _output
 from attitude.errors import AttitudeError
-from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
-    from attitude.cli.grid import Grid
+    from attitude.cli._options import Grid
     from attitude.formats.mission import Mission
-    from attitude.scene import View
+    from attitude.scene._view import View
+
 
 HELP: str = "write the columns of a mission file: phase angle, directions, distances, ..."
 EPILOG: str = """\
@@ -38,35 +39,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name in TIMES:
         parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
     parser.add_argument("--list", action="store_true", help="print the columns there are, and exit")
-    output.add_argument(parser)
+    _output.add_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the table, or print the columns.
-
-    Raises
-    ------
-    AttitudeError
-        For a mission file, times or an output that are not valid; nothing is written then.
-    """
+    """Write the table, or print the columns."""
     if arguments.list:
         _list()
         return
     if arguments.file is None:
         raise AttitudeError('give a mission file; see "attitude geometry --help".')
-    from attitude.formats import mission as missions
+    from attitude.formats import mission as formats_mission
 
-    kind = output.kind_of(arguments.output)
-    mission = missions.read(arguments.file)
+    kind = _output.kind_of(arguments.output)
+    mission = formats_mission.read(arguments.file)
     blocks = _blocks(mission, arguments)
     first = next(blocks)  # errors are raised before a row is written
-    with output.opened(arguments.output) as file:
+    with _output.opened(arguments.output) as file:
         write(file, kind, mission, first, blocks)
 
 
 def _list() -> None:
     """Print the columns that a mission file may name."""
-    from attitude.scene import View
+    from attitude.scene._view import View
 
     columns = View.columns()
     width = max(map(len, columns)) + 1
@@ -88,23 +83,7 @@ def views(
     size: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[tuple[View, int]]:
-    """Views of blocks of epochs, each with the decimals of a second that its dates need.
-
-    Parameters
-    ----------
-    mission : Mission
-    arguments : argparse.Namespace
-        start, stop and step replace those of the mission.
-    size : int
-        Epochs in a block.
-    progress : function, optional
-        Called after each block with the number of epochs done and that of all.
-
-    Raises
-    ------
-    AttitudeError
-        For times that are missing or not valid.
-    """
+    """Views of blocks of epochs, each with the decimals of a second that its dates need."""
     given = {name: getattr(arguments, name) for name in TIMES}
     if "epochs" in mission.times and not any(given.values()):
         yield mission.scene.at(mission.times["epochs"]), 9
@@ -124,7 +103,7 @@ def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     """The first two columns of a view: texts of UTC with `digits` decimals, and TDB seconds."""
     import numpy as np
 
-    from attitude.formats.ccsds import epochs as ccsds_epochs
+    from attitude.formats import _ccsds_epochs as ccsds_epochs
 
     hi, lo = view.seconds, np.zeros(view.shape) if view.low is None else view.low
     return ccsds_epochs.texts(view.epoch, hi, lo, "utc", digits), hi.tolist()
@@ -132,7 +111,7 @@ def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
 
 def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
     """The Grid of start, stop and step; `given` are the names of those on the command line."""
-    from attitude.cli import grid
+    from attitude.cli import _options
 
     missing = [name for name, value in times.items() if value is None]
     if missing:
@@ -141,11 +120,11 @@ def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
         )
     epoch = mission.scene.epoch
     if epoch is None:
-        from attitude import epochs
+        from attitude.epochs import _inputs
 
-        epoch = epochs.instant(times["start"], "start")
+        epoch = _inputs.instant(times["start"], "start")
     try:
-        return grid.grid(epoch, *times.values())
+        return _options.grid(epoch, *times.values())
     except AttitudeError as err:
         sentence = str(err)
         for name in set(TIMES) - given:
@@ -185,16 +164,16 @@ def write(
     first, blocks : list, and iterable of lists
         The first block of columns, computed before the file was opened, and the others.
     """
-    from attitude.formats import csv_rows
+    from attitude.formats import tables
 
     file.write(_header(kind, mission))
     for block in chain([first], blocks):
-        file.write(csv_rows.text(*block))
+        file.write(tables.text(*block))
 
 
 def _labels(mission: Mission) -> list[tuple[str, str, str]]:
     """Name, unit and description of each column of numbers."""
-    from attitude.scene import View
+    from attitude.scene._view import View
 
     known = View.columns()
     # CSV has no description: the part is in the name.
@@ -212,10 +191,10 @@ def _header(kind: str, mission: Mission) -> str:
         return ",".join(["utc", "tdb_seconds", *names]) + "\n"
     from astropy.units import Quantity
 
-    from attitude import quantity_text
-    from attitude.cli import table
+    from attitude._support import quantity_text
+    from attitude.cli import _output
 
-    row = table.first_row("2000-01-01T00:00:00")
+    row = _output.first_row("2000-01-01T00:00:00")
     for name, unit, about in labels:
         is_flag = name.startswith("in_")
         row[name] = (
@@ -223,4 +202,4 @@ def _header(kind: str, mission: Mission) -> str:
         )
         row[name].info.description = about
     row.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}
-    return table.head(row)
+    return _output.head(row)

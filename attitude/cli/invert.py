@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from attitude.cli import orbit, output
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.inversion import SpinStates
+    from attitude.inversion._solution import SpinStates
+
 
 HELP: str = "find the spin states of a tumbling body from a light curve"
 EPILOG: str = """\
@@ -31,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         help='largest frequency of rotation, such as "0.75 /d" or "2 mHz"',
     )
-    orbit.add_arguments(parser)
+    _options.add_orbit_arguments(parser)
     parser.add_argument(
         "--site",
         metavar="LON,LAT[,HEIGHT]",
@@ -51,31 +52,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
-    kinds = ", ".join(output.PICTURES)
+    kinds = ", ".join(_output.PICTURES)
     parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Search, print verdict and table, write the spin file and the figure.
-
-    Raises
-    ------
-    AttitudeError
-        For a file or options that are not valid, and, after the verdict, where --output or
-        --figure is given and nothing was found.
-    """
-    from attitude import inversion, validation
+    """Search, print verdict and table, write the spin file and the figure."""
+    from attitude._support import validation
+    from attitude.inversion import _curve, _spin_states
 
     if arguments.figure is not None:
-        output.kind_of(arguments.figure, output.PICTURES, "--figure")
-    curve = inversion.LightCurve.read(
+        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    curve = _curve.LightCurve.read(
         arguments.file,
         frame=arguments.frame,
         zero_points=_zero_points(arguments.zero_points),
         **_geometry(arguments),
     )
     moments = _moments(arguments.moments)
-    found = inversion.spin_states(
+    found = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
         modes=tuple(each.strip() for each in arguments.modes.split(",")),
@@ -102,7 +97,7 @@ def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
 
 
 def _zero_points(text: str) -> Any:
-    from attitude import validation
+    from attitude._support import validation
 
     if text in ("auto", "shared", "free"):
         return text
@@ -111,7 +106,7 @@ def _zero_points(text: str) -> Any:
 
 def _moments(text: str) -> Any:
     """ "shape", "free", a tolerance, three moments, or the body of a spin file."""
-    from attitude import validation
+    from attitude._support import validation
     from attitude.formats import spin_file
 
     if text in ("shape", "free"):
@@ -132,7 +127,7 @@ def _moments(text: str) -> Any:
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the geometry from --orbit and --site."""
 
-    path = orbit.path_of(arguments)
+    path = _options.path_of(arguments)
     if path is None:
         if arguments.site is not None:
             raise AttitudeError("--site needs the orbit of the body; give --orbit.")
@@ -144,7 +139,8 @@ def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _site(text: str) -> Any:
     """The place of "-70.7, -30.2 deg", "-70.7, -30.2 deg, 2700 m" or "-70.7 deg, -30.2 deg"."""
-    from attitude import paths, quantity_text, validation
+    from attitude._support import quantity_text, validation
+    from attitude.paths import _ground
 
     parts = [each.strip() for each in text.split(",")]
     if len(parts) not in (2, 3):
@@ -154,5 +150,5 @@ def _site(text: str) -> Any:
         )
     if not quantity_text.is_quantity(parts[0]):  # the unit stands behind the latitude
         both = validation.real(", ".join(parts[:2]), "--site", shape=(2,), unit="rad")
-        return paths.site(*both.tolist(), *parts[2:])
-    return paths.site(*parts)
+        return _ground.site(*both.tolist(), *parts[2:])
+    return _ground.site(*parts)

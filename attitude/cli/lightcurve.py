@@ -9,14 +9,229 @@ from dataclasses import replace
 from itertools import chain
 from typing import IO, TYPE_CHECKING, Any
 
-from attitude.cli import geometry, output
+import numpy as np
+
+from attitude import plots
+from attitude._support.blocks import ProgressBar
+from attitude.cli import _output, geometry
 from attitude.errors import AttitudeError
-from attitude.progress import ProgressBar
 
 if TYPE_CHECKING:
-    from attitude.annotations import FloatArray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.epochs._instants import Instant
     from attitude.formats.mission import Mission, MissionColumn
-    from attitude.scene import Scene, View
+    from attitude.scene._scene import Scene
+    from attitude.scene._view import View
+
+
+# --------------------------------------------------------------------------------------------------
+# The figure of a light curve: magnitude and phase angle against time.
+
+_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
+# Points of a curve that a figure of 1500 pixels resolves; longer ones are drawn by their extremes.
+_POINTS = 40_000
+# Elevation of the Sun at the end of astronomical twilight, rad.
+_TWILIGHT = np.radians(-18.0)
+# Least span in s, s in the unit, and its name.
+_UNITS = ((4.0 * 86400.0, 86400.0, "days"), (3.0 * 3600.0, 3600.0, "hours"), (0.0, 60.0, "minutes"))
+
+
+def of(
+    mission: Mission,
+    *,
+    epoch: Instant,
+    seconds: FloatArray,
+    magnitude: FloatArray,
+    phase_angle: FloatArray,
+    lit_fraction: FloatArray | None = None,
+    elevation: FloatArray | None = None,
+    sun_elevation: FloatArray | None = None,
+) -> Figure:
+    """A matplotlib Figure of the light curve of a mission.
+
+    Shapes: seconds, magnitude, phase_angle (N,) rad, lit_fraction, elevation, sun_elevation (N,).
+    """
+    figure = plots.new_figure((10.0, 6.0))
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    span = np.ptp(seconds)
+    _, scale, unit = next(each for each in _UNITS if span >= each[0])
+    t = (seconds - seconds[0]) / scale
+    shown = np.where(np.isfinite(magnitude), magnitude, np.nan)
+    if elevation is not None:
+        up = elevation > 0.0
+        _line(above, t, np.where(up, np.nan, shown), _BELOW, None)
+        _line(above, t, np.where(up, shown, np.nan), _CURVE, "above the horizon")
+    else:
+        _line(above, t, shown, _CURVE, None)
+    _shade(above, t, lit_fraction, elevation, sun_elevation)
+    assert mission.magnitude is not None
+    source = "" if mission.scene.phase_function is None else " from H"
+    above.invert_yaxis()
+    above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
+    if above.get_legend_handles_labels()[0]:
+        above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=9)
+    _line(below, t, np.degrees(phase_angle), _PHASE, None)
+    start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
+    below.set(ylabel="phase angle (deg)", xlabel=f"{unit} since {start} UTC")
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+        axes.margins(x=0.01)
+    figure.suptitle(mission.name or "Light curve")
+    return figure
+
+
+def _shade(
+    axes: Axes,
+    t: FloatArray,
+    lit_fraction: FloatArray | None,
+    elevation: FloatArray | None,
+    sun_elevation: FloatArray | None,
+) -> None:
+    """Shade day, twilight, umbra, and the epochs at which the body is below the horizon."""
+    shades: list[tuple[BoolArray, str, dict[str, Any]]] = []
+    if sun_elevation is not None:
+        is_day = sun_elevation > 0.0
+        shades.append((is_day, "day", {"facecolor": "#ffe9a8"}))
+        twilight = ~is_day & (sun_elevation > _TWILIGHT)
+        shades.append((twilight, "twilight", {"facecolor": "#dbe9f7"}))
+    if lit_fraction is not None:
+        dark = lit_fraction == 0.0
+        shades.append((dark, "in the umbra of another body", {"facecolor": "0.3", "alpha": 0.3}))
+    if elevation is not None:
+        lines = {"facecolor": "none", "edgecolor": "0.65", "hatch": "///"}
+        shades.append((elevation <= 0.0, "below the horizon", lines))
+    for flags, label, style in shades:
+        for k, (begin, end) in enumerate(_runs(flags)):
+            last = t[min(end, len(t) - 1)]
+            name = label if k == 0 else None
+            axes.axvspan(t[begin], last, linewidth=0, zorder=0, label=name, **style)
+
+
+def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | None) -> None:
+    """Draw a curve with gaps at NaN; finite values between two gaps are dots."""
+    t, y = _extremes(t, y)
+    alone = (
+        np.isfinite(y) & ~np.isfinite(np.r_[np.nan, y[:-1]]) & ~np.isfinite(np.r_[y[1:], np.nan])
+    )
+    if np.any(np.isfinite(y)):
+        axes.plot(t, y, color=color, linewidth=0.9, label=label)
+        axes.plot(t[alone], y[alone], ".", color=color, markersize=4)
+
+
+def _extremes(t: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A long curve as the least and the greatest value of each of many parts."""
+    each = len(t) // (_POINTS // 2)
+    if each < 2:
+        return t, y
+    count = len(t) // each * each
+    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, each)
+    low = np.min(parts, axis=1)
+    high = np.max(np.where(np.isfinite(parts), parts, -np.inf), axis=1)
+    pairs = np.stack([low, high], axis=1).reshape(-1)
+    return np.repeat(t[:count:each], 2), np.where(np.isfinite(pairs), pairs, np.nan)
+
+
+def _runs(flags: BoolArray) -> IntArray:
+    """Begin and end of each run of True."""
+    edges = np.flatnonzero(np.diff(np.r_[False, flags, False]))
+    return edges.reshape(-1, 2)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``--observed CURVE.csv``: the light curve of a mission against observations.
+
+_DAY = 86400.0
+
+
+def run_observed(mission: Mission, observed: str, target: str | None, figure: str | None) -> None:
+    """Write observed and computed magnitudes with a zero point a session; print each session's
+    rms.
+    """
+    import numpy as np
+
+    from attitude.inversion import _curve
+
+    columns, _ = _curve.columns(observed, {})
+    if "magnitude" not in columns:
+        raise AttitudeError(f"{observed}: has no column of magnitudes; name one magnitude or mag.")
+    assert mission.magnitude is not None
+    view = mission.scene.at(columns["times"])
+    computed = np.asarray(mission.magnitude.of(view, everywhere=True), dtype=float)
+    given = np.asarray(columns["magnitude"], dtype=float)
+    dark = np.count_nonzero(~np.isfinite(computed))
+    if dark:
+        raise AttitudeError(
+            f"{observed}: at {dark} of {len(computed)} epochs nothing of the body is both lit and "
+            "seen; leave these points out."
+        )
+    session = np.asarray(columns.get("session", [""] * len(given)), dtype=str)
+    residual, lines = _compared(given, computed, session)
+    dates = [each.utc_iso for each in _instants(view)]
+    with _output.opened(target) as file:
+        _write(file, dates, session, given, given - residual, residual)
+    print("\n".join(lines))
+    if figure is not None:
+        _draw(view.seconds / _DAY, given, residual, session, figure)
+        print(figure)
+
+
+def _instants(view: Any) -> list[Any]:
+    """The epochs of reception."""
+    return [view.epoch.after(float(each)) for each in view.seconds]
+
+
+def _compared(
+    given: FloatArray, computed: FloatArray, session: Any
+) -> tuple[FloatArray, list[str]]:
+    """Residuals without the mean of each session, and a line about each."""
+    import numpy as np
+
+    residual = np.empty_like(given)
+    lines = []
+    for name in dict.fromkeys(session.tolist()):
+        here = session == name
+        zero = float(np.mean(given[here] - computed[here]))
+        residual[here] = given[here] - computed[here] - zero
+        rms = float(np.sqrt(np.mean(residual[here] ** 2)))
+        label = name or "all points"
+        lines.append(
+            f"{label}: {np.count_nonzero(here)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
+        )
+    total = float(np.sqrt(np.mean(residual**2)))
+    return residual, [*lines, f"rms of all {len(given)} points: {total:.3f} mag"]
+
+
+def _write(file: IO[str], dates: list[str], session: Any, *columns: FloatArray) -> None:
+    file.write("utc,session,observed,computed,residual\n")
+    for date, name, *numbers in zip(dates, session.tolist(), *columns, strict=True):
+        file.write(f"{date},{name}," + ",".join(f"{each:.4f}" for each in numbers) + "\n")
+
+
+def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figure: str) -> None:
+    """Observed and computed magnitudes, and residuals, a colour a session."""
+    from attitude import plots
+    from attitude._textfiles.atomic_write import written_whole
+
+    kind = _output.kind_of(figure, _output.PICTURES, "--figure")
+    drawn = plots.new_figure((10.0, 7.0))
+    above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    for name in dict.fromkeys(session.tolist()):
+        here = session == name
+        above.plot(days[here], given[here], ".")
+        below.plot(days[here], residual[here], ".")
+    above.plot(days, given - residual, "kx", ms=3, label="computed")
+    above.invert_yaxis()
+    above.set_ylabel("magnitude")
+    above.legend()
+    below.invert_yaxis()
+    below.set_ylabel("residual, mag")
+    below.set_xlabel("days from the epoch of the mission")
+    with written_whole(figure, "--figure", binary=True) as file:
+        drawn.savefig(file, format=kind, dpi=150)
+
 
 HELP: str = "write and draw the light curve of a mission file"
 EPILOG: str = """\
@@ -58,37 +273,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="observations to compare with, in place of the times of the file: residuals with a "
         "zero point a session, and their rms",
     )
-    kinds = ", ".join(output.PICTURES)
+    kinds = ", ".join(_output.PICTURES)
     parser.add_argument(
         "--figure", metavar="FILE", help=f"figure, its format by its ending: {kinds}"
     )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the table, the file of DAMIT and the figure.
+    """Write the table, the file of DAMIT and the figure."""
+    from attitude._textfiles.atomic_write import written_whole
+    from attitude.formats import mission as formats_mission
 
-    Raises
-    ------
-    AttitudeError
-        For a mission file, times or outputs that are not valid; nothing is written then.
-    """
-    from attitude.formats import mission as missions
-    from attitude.textfiles.atomic_write import written_whole
-
-    kind = output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
+    kind = _output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
     picture = _figure_kind(arguments.figure)
-    mission = missions.read(arguments.file)
+    mission = formats_mission.read(arguments.file)
     if mission.magnitude is None:
         raise AttitudeError(
             f"{arguments.file}: has no section [shape], without which there is no brightness; give "
             'one, as in shape.ellipsoid = "300, 200, 150 m".'
         )
     if arguments.observed is not None:
-        from attitude.cli import observed
-
         if kind != "csv":
             raise AttitudeError("--observed writes a CSV; give an --output x.csv.")
-        observed.run(mission, arguments.observed, arguments.output, arguments.figure)
+        run_observed(mission, arguments.observed, arguments.output, arguments.figure)
         return
     if kind == "txt":
         _require_paths(mission.scene, arguments.output)
@@ -105,7 +312,7 @@ def run(arguments: argparse.Namespace) -> None:
         if kind == "txt" or (picture and arguments.output is None):
             curve.run()
         else:
-            curve.write(stack.enter_context(output.opened(arguments.output)))
+            curve.write(stack.enter_context(_output.opened(arguments.output)))
         if drawn and picture:
             curve.draw(drawn, picture)
         if kind == "txt":
@@ -143,24 +350,17 @@ class _Curve:
 
     def draw(self, file: IO[bytes], kind: str) -> None:
         """Save the figure to a binary file in one of the formats of `output.PICTURES`."""
-        from attitude.cli import curve_figure
 
         names = [name for name in self._parts[0] if name not in _DAMIT]
         kept = {name: self._joined(name) for name in names}
-        curve_figure.of(self._mission, **kept).savefig(file, format=kind, dpi=150)
+        of(self._mission, **kept).savefig(file, format=kind, dpi=150)
 
     def write_damit(self, path: str) -> None:
-        """Write one calibrated curve, in units of magnitude 0 at unit distances.
-
-        Raises
-        ------
-        AttitudeError
-            If the brightness is zero at an epoch.
-        """
+        """Write one calibrated curve, in units of magnitude 0 at unit distances."""
         import numpy as np
 
-        from attitude import epochs
-        from attitude.formats.damit import light_curve as damit
+        from attitude.epochs import _instants as epochs_instants
+        from attitude.formats import damit_light_curve
 
         kept = [self._joined(name) for name in _DAMIT]
         observed = ~np.isnan(kept[0])  # not by day, nor below the horizon of a site
@@ -171,9 +371,11 @@ class _Curve:
                 "of the body is both lit and seen, which DAMIT's files cannot hold; give other "
                 "times, or an --output x.csv."
             )
-        left = epochs.times(self._parts[0]["epoch"], hi, lo)
-        curve = damit.from_positions(left, 10.0 ** (-0.4 * reduced), sun, observer, calibrated=True)
-        damit.write_damit_light_curves(path, curve)
+        left = epochs_instants.times(self._parts[0]["epoch"], hi, lo)
+        curve = damit_light_curve.from_positions(
+            left, 10.0 ** (-0.4 * reduced), sun, observer, calibrated=True
+        )
+        damit_light_curve.write_damit_light_curves(path, curve)
 
     def _blocks(self) -> Iterator[list[Any]]:
         rest = replace(self._mission, columns=self._mission.columns[1:])
@@ -196,7 +398,7 @@ class _Curve:
         if self._kind == "txt":
             import numpy as np
 
-            from attitude.light_curve.magnitudes import dimming
+            from attitude.light_curve._magnitudes import dimming
 
             hi, lo = view.emission
             reduced = replace(self._magnitude, kind="reduced").of(view)
@@ -256,4 +458,4 @@ def _require_paths(scene: Scene, output: str) -> None:
 
 def _figure_kind(figure: str | None) -> str | None:
     """The format of --figure, or None without it."""
-    return None if figure is None else output.kind_of(figure, output.PICTURES, "--figure")
+    return None if figure is None else _output.kind_of(figure, _output.PICTURES, "--figure")

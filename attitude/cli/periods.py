@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from attitude.cli import orbit, output
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.photometry import Periodogram, Photometry, TwoPeriods
+    from attitude.photometry._curve import Photometry
+    from attitude.photometry._periodogram import Periodogram
+    from attitude.photometry._two_periods import TwoPeriods
+
 
 HELP: str = "find the periods of a body from photometry: one period, or two of a tumbler"
 EPILOG: str = """\
@@ -55,7 +58,7 @@ def add_data(parser: argparse.ArgumentParser) -> None:
         help="of sessions: free, shared (filters keep their own), or auto (default): free if the "
         "data ask for it",
     )
-    orbit.add_arguments(parser)
+    _options.add_orbit_arguments(parser)
     parser.add_argument(
         "--site", metavar="NAME", help='the observer with --orbit: a body, or "568" (a code)'
     )
@@ -64,20 +67,14 @@ def add_data(parser: argparse.ArgumentParser) -> None:
 
 def add_figure(parser: argparse.ArgumentParser) -> None:
     """Add --figure."""
-    kinds = ", ".join(output.PICTURES)
+    kinds = ", ".join(_output.PICTURES)
     parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the periods with their errors and aliases; write the figure.
-
-    Raises
-    ------
-    AttitudeError
-        For a file or options that are not valid.
-    """
+    """Print the periods with their errors and aliases; write the figure."""
     if arguments.figure is not None:
-        output.kind_of(arguments.figure, output.PICTURES, "--figure")
+        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
     data = data_of(arguments)
     print(repr(data)[1:-1])
     for note in data.notes:
@@ -90,19 +87,21 @@ def run(arguments: argparse.Namespace) -> None:
 
 def data_of(arguments: argparse.Namespace) -> Photometry:
     """The photometry of the options that `add_data` adds, reduced where its geometry is known."""
-    from attitude import paths, photometry, validation
+    from attitude._support import validation
+    from attitude.paths import _ground
+    from attitude.photometry import _files
 
-    data = photometry.read(arguments.file)
+    data = _files.read(arguments.file)
     if arguments.filter is not None:
         data = data.select(filter=arguments.filter)
     validation.one_of(arguments.zero_points, "--zero-points", ("auto", "free", "shared"))
-    path = orbit.path_of(arguments)
+    path = _options.path_of(arguments)
     site: Any = arguments.site
     if site is not None:
         if path is None:
             raise AttitudeError("--site needs the orbit of the body; give --orbit.")
         if len(site) == 3 and site[1:].isdigit():
-            site = paths.observatory(site)
+            site = _ground.observatory(site)
     if path is not None or data.sun is not None:
         return data.reduced(path, site=site, g=arguments.g)
     if arguments.g is not None:
@@ -111,9 +110,9 @@ def data_of(arguments: argparse.Namespace) -> Photometry:
 
 
 def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
-    from attitude import photometry
+    from attitude.photometry import _periodogram
 
-    found = photometry.periodogram(
+    found = _periodogram.periodogram(
         data,
         min_period=arguments.min,
         max_period=arguments.max,
@@ -137,9 +136,9 @@ def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
 
 
 def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
-    from attitude import photometry
+    from attitude.photometry import _two_periods
 
-    found = photometry.two_periods(
+    found = _two_periods.two_periods(
         data,
         min_period=arguments.min,
         max_period=arguments.max,

@@ -6,7 +6,7 @@ import argparse
 import os
 import re
 
-from attitude.cli import output, target
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 HELP: str = "draw a motion: polhode, body axes on the sky, rates and angles against time"
@@ -19,14 +19,14 @@ example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    target.add_arguments(parser)
+    _options.add_target_arguments(parser)
     parser.add_argument(
         "--span", metavar="TIME", help='time to show, such as "20 d" (default: three slow turns)'
     )
     parser.add_argument(
         "--sky", default="ecliptic", metavar="FRAME", help="coordinates of the sky (ecliptic)"
     )
-    kinds = ", ".join(output.PICTURES)
+    kinds = ", ".join(_output.PICTURES)
     parser.add_argument(
         "--output",
         metavar="FILE",
@@ -35,18 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Draw the figure, write it to a file and print the name of the file.
+    """Draw the figure, write it to a file and print the name of the file."""
+    from attitude import plots
+    from attitude._support import validation
 
-    Raises
-    ------
-    AttitudeError
-        As `target.opened` and `plots.overview`, and for a file that cannot be written.
-    """
-    from attitude import plots, validation
-
-    found = target.opened(arguments)
+    found = _options.opened(arguments)
     name = arguments.output or _file_name(found.name, arguments.target)
-    output.kind_of(name, output.PICTURES)
+    _output.kind_of(name, _output.PICTURES)
     span = None
     if arguments.span is not None:
         span = validation.real(arguments.span, "--span", unit="s")
@@ -62,7 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _file_name(name: str, given: str) -> str:
     """A PNG in the working directory, named after the entry of the catalogue or the file."""
-    if target.is_file(given):
+    if _options.is_file(given):
         name = re.sub(r"\.(toml|spin|apm|xml)$", "", os.path.basename(given))
     words = "".join(each if each.isalnum() else " " for each in name.lower()).split()
     return "-".join(words) + ".png"

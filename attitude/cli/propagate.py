@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from attitude.cli import output, target
+from attitude._support.blocks import ProgressBar
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
-from attitude.progress import ProgressBar
 
 HELP: str = "write a table of attitudes at equally spaced epochs"
 EPILOG: str = """\
@@ -36,7 +36,7 @@ _BLOCK = 16384
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    target.add_arguments(parser)
+    _options.add_target_arguments(parser)
     parser.add_argument(
         "--start",
         default="0",
@@ -55,25 +55,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write the standard deviations that follow from the [errors] of the spin file too",
     )
-    output.add_argument(parser)
+    _output.add_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the table.
+    """Write the table."""
+    from attitude.cli import _output
+    from attitude.cli._options import grid
 
-    Raises
-    ------
-    AttitudeError
-        For a spin file, times or an output that are not valid, and --sigma for a spin file without
-        errors; nothing is written then.
-    """
-    from attitude.cli import table
-    from attitude.cli.grid import grid
-
-    kind = output.kind_of(
+    kind = _output.kind_of(
         arguments.output, hint="`attitude convert` writes AEM, C-kernels and other formats."
     )
-    motion = target.opened(arguments).motion
+    motion = _options.opened(arguments).motion
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:
         raise AttitudeError(
@@ -82,10 +75,10 @@ def run(arguments: argparse.Namespace) -> None:
         )
     columns = {"rates": arguments.rates, "sigma": arguments.sigma}
     # An epoch out of reach is refused before a row is written.
-    table.rows(epochs, motion, epochs.count - 1, 1, **columns)
-    with output.opened(arguments.output) as file:
-        file.write(table.header(kind, motion, **columns))
+    _output.rows(epochs, motion, epochs.count - 1, 1, **columns)
+    with _output.opened(arguments.output) as file:
+        file.write(_output.header(kind, motion, **columns))
         progress = ProgressBar("attitudes")
         for first in range(0, epochs.count, _BLOCK):
-            file.write(table.rows(epochs, motion, first, _BLOCK, **columns))
+            file.write(_output.rows(epochs, motion, first, _BLOCK, **columns))
             progress(min(first + _BLOCK, epochs.count), epochs.count)

@@ -3,15 +3,138 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from attitude.cli import output, target, view_source
+from attitude._support import validation
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.motion import Motion
-    from attitude.scene import Scene
+    from collections.abc import Callable
+
+    from attitude._support.annotations import FloatArray
+    from attitude.formats.mission import Mission
+    from attitude.motions._motion import Motion
+    from attitude.scene._scene import Scene
+    from attitude.scene._view import View
+    from attitude.shape._mesh import Mesh
+
+
+# --------------------------------------------------------------------------------------------------
+# What ``attitude view`` shows: the motion or scene of a file, or of a name in the catalogue.
+
+# Keys of a spin file; a TOML with others is a mission file.
+_OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors"}
+
+
+class ViewSource(NamedTuple):
+    """A motion or scene with its span and title, as `viewer.view` takes them."""
+
+    motion: Motion | Scene
+    start: Any
+    stop: Any
+    shape: Mesh | None
+    title: str
+    magnitude: tuple[Callable[[View], FloatArray], str] | None
+
+
+def opened(arguments: argparse.Namespace) -> ViewSource:
+    """The ViewSource of parsed arguments."""
+    from attitude.shape import _files
+
+    given = arguments.target
+    mesh = None
+    if arguments.shape is not None:
+        mesh = _files.read(arguments.shape, unit=arguments.unit)
+    if _options.is_file(given) and given.endswith(".toml"):
+        content = _content(given)
+        spin = content.get("spin")
+        named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
+        if set(content) - _OF_SPIN_FILES or named:
+            return _of_mission(arguments, mesh)
+    motion, title = _motion(arguments)
+    source = ViewSource(motion, arguments.start, arguments.stop, mesh, title, None)
+    return _lit(arguments, source)
+
+
+def _content(path: str) -> dict[str, Any]:
+    from attitude._textfiles import toml
+
+    return toml.parsed(toml.read(path, "spin file or mission file"), path)
+
+
+def _of_mission(arguments: argparse.Namespace, mesh: Mesh | None) -> ViewSource:
+    from attitude.formats import mission
+
+    for name in ("sun", "observer"):
+        if getattr(arguments, name) is not None:
+            raise AttitudeError(
+                f"--{name} is given, but {arguments.target} is a mission file; write it there."
+            )
+    found = mission.read(arguments.target)
+    if found.scene.motion is None:
+        raise AttitudeError(
+            f"{arguments.target}: has no spin, without which nothing turns; give spin = ..."
+        )
+    start, stop = _times(found)
+    title = found.name or os.path.basename(arguments.target)
+    magnitude = None
+    if found.magnitude is not None:
+        label = "magnitude" if found.magnitude.kind == "apparent" else "reduced magnitude"
+        magnitude = found.magnitude.of, label
+    return ViewSource(
+        found.scene,
+        start if arguments.start is None else arguments.start,
+        stop if arguments.stop is None else arguments.stop,
+        mesh,
+        title,
+        magnitude,
+    )
+
+
+def _times(found: Mission) -> tuple[Any, Any]:
+    """Start and stop of a mission file, as far as it has them."""
+    if "epochs" in found.times:
+        return found.times["epochs"][0], found.times["epochs"][-1]
+    return found.times.get("start"), found.times.get("stop")
+
+
+def _motion(arguments: argparse.Namespace) -> tuple[Motion, str]:
+    given = arguments.target
+    if _options.is_file(given) and not given.endswith((".toml", ".spin", ".apm")):
+        from attitude.formats import detect
+
+        found = detect.opened(given, body=arguments.body, kernels=arguments.kernels or ())
+        return found.motion, os.path.basename(given)
+    one = _options.opened(arguments)
+    return one.motion, one.name
+
+
+def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
+    """With --sun and --observer the scene of the motion, lit and seen from these directions."""
+    given = {name: getattr(arguments, name) for name in ("sun", "observer")}
+    if not any(given.values()):
+        return source
+    from attitude.paths import _path
+    from attitude.scene._scene import Scene
+    from attitude.shape._ellipsoid import Ellipsoid
+
+    for name, words in given.items():
+        if words is None:
+            raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
+    sun, observer = (
+        _path.direction(validation.real(" ".join(words), f"--{name}", shape=(3,)), name=name)
+        for name, words in given.items()
+    )
+    motion: Any = source.motion
+    shape: Any = source.shape
+    if shape is None and motion.body is not None:
+        shape = Ellipsoid.of_moments(motion.body.moments)
+    scene = Scene(motion, None, observer, sun, shape=shape)
+    return source._replace(motion=scene)
+
 
 HELP: str = "write a page on which the body turns, an animation, or a file for other viewers"
 EPILOG: str = """\
@@ -42,7 +165,7 @@ _ANIMATIONS = ("webp", "gif", "mp4")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    target.add_arguments(parser, _FILES)
+    _options.add_target_arguments(parser, _FILES)
     parser.add_argument("--output", metavar="FILE", help="x.html (default: NAME.html), or as below")
     parser.add_argument("--animate", metavar="FILE", help="an animation in place of a page")
     parser.add_argument("--start", metavar="TIME", help="date (UTC), or seconds after the epoch")
@@ -63,19 +186,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the file and print its name.
-
-    Raises
-    ------
-    AttitudeError
-        As `view_source.opened` and the writers of `attitude.viewer`.
-    """
-    from attitude import viewer
-    from attitude.progress import ProgressBar
+    """Write the file and print its name."""
+    from attitude._support.blocks import ProgressBar
+    from attitude.viewer import _animation, _cosmographia, _czml, _gltf, _page
 
     if arguments.animate is not None and arguments.output is not None:
         raise AttitudeError("--animate and --output are given; give one of them.")
-    source = view_source.opened(arguments)
+    source = opened(arguments)
     settings: dict[str, Any] = {
         "start": _epoch(source.motion, source.start, "start"),
         "stop": _epoch(source.motion, source.stop, "stop"),
@@ -83,24 +200,24 @@ def run(arguments: argparse.Namespace) -> None:
         "title": source.title,
     }
     if arguments.animate is not None:
-        output.kind_of(arguments.animate, _ANIMATIONS, "--animate")
+        _output.kind_of(arguments.animate, _ANIMATIONS, "--animate")
         settings["magnitude"] = source.magnitude
         settings["frames"] = arguments.frames
         bar = ProgressBar("animation")
-        viewer.animate(source.motion, arguments.animate, progress=bar, **settings)
+        _animation.animate(source.motion, arguments.animate, progress=bar, **settings)
         print(arguments.animate)
         return
     name = arguments.output or _file_name(source.title)
-    kind = output.kind_of(name, _ENDINGS)
+    kind = _output.kind_of(name, _ENDINGS)
     if kind == "html":
         settings["magnitude"] = source.magnitude
         settings["progress"] = ProgressBar("light curve")
-        viewer.view(source.motion, output=name, **settings)
+        _page.view(source.motion, output=name, **settings)
     else:
         writers: dict[str, Any] = {
-            "czml": viewer.write_czml,
-            "glb": viewer.write_glb,
-            "json": viewer.write_cosmographia,
+            "czml": _czml.write_czml,
+            "glb": _gltf.write_glb,
+            "json": _cosmographia.write_cosmographia,
         }
         writers[kind](name, source.motion, **settings)
     print(name)
@@ -110,10 +227,10 @@ def _epoch(motion: Motion | Scene, given: Any, name: str) -> Any:
     """An epoch of the command line or of a mission file: a date, or a time such as "3 d"."""
     if not isinstance(given, str):
         return given
-    from attitude.cli import grid
+    from attitude.cli import _options
 
     assert motion.epoch is not None  # a scene that is shown has a motion
-    return grid.one(motion.epoch, given, f"--{name}")
+    return _options.one(motion.epoch, given, f"--{name}")
 
 
 def _file_name(title: str) -> str:

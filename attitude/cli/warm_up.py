@@ -23,11 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compile, and print what was compiled and where it is kept."""
-    from attitude import warm_up
-    from attitude.compilation.status import compilation_status
+    from attitude._compilation.status import compilation_status
+    from attitude.cli import _warm_up
 
     begin = time.perf_counter()
-    for feature in warm_up.features(everything=arguments.all):
+    for feature in _warm_up.features(everything=arguments.all):
         start = time.perf_counter()
         feature()
         print(f"{feature.__name__.replace('_', ' '):<24} {time.perf_counter() - start:6.1f} s")

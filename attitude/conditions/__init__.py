@@ -8,3 +8,7 @@ observable    `Observable`, a number at every epoch, which >, >=, < and <= make 
 channel       `Channel`, a function of time whose sign counts; `Level`, a threshold
 moments       a motion or scene at a block of epochs; directions that are compared with body axes
 """
+
+from attitude.conditions._conditions import Channel, Condition, Level, Observable
+
+__all__ = ["Channel", "Condition", "Level", "Observable"]

@@ -20,8 +20,22 @@ evaluate      blocks of members and rows, in threads
 partitioned   `PartitionedEnsemble`: members in the partitions of dask
 """
 
-from attitude.ensemble.answer import EnsembleHistory
-from attitude.ensemble.ensemble import Ensemble
-from attitude.ensemble.quantities import AngleTo
+from typing import TYPE_CHECKING
 
-__all__ = ["AngleTo", "Ensemble", "EnsembleHistory"]
+from attitude.ensemble._ensemble import Ensemble
+from attitude.ensemble._evaluation import EnsembleHistory
+from attitude.ensemble._quantities import AngleTo
+
+__all__ = ["AngleTo", "Ensemble", "EnsembleHistory", "PartitionedEnsemble"]
+
+if TYPE_CHECKING:
+    from attitude.ensemble._partitioned import PartitionedEnsemble
+else:
+
+    def __getattr__(name: str) -> type:
+        """`PartitionedEnsemble`, whose module needs dask."""
+        if name == "PartitionedEnsemble":
+            from attitude.ensemble._partitioned import PartitionedEnsemble
+
+            return PartitionedEnsemble
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

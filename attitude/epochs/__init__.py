@@ -8,7 +8,7 @@ text          ISO 8601 and CCSDS dates
 time_scales   every time scale to TDB and back, for arrays
 """
 
-from attitude.epochs.inputs import instant, past_j2000, plain_seconds, seconds_since
-from attitude.epochs.instants import Instant, times
+from attitude.epochs._inputs import instant, past_j2000, plain_seconds, seconds_since
+from attitude.epochs._instants import Instant, times
 
 __all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]

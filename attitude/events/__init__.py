@@ -25,10 +25,11 @@ events         `Events`, the result; `sources`, what is searched
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from attitude.conditions.condition import Condition
-from attitude.conditions.observable import Observable
-from attitude.events.channels import SUN_RADIUS
-from attitude.events.conditions import (
+from attitude.conditions._conditions import Condition, Observable
+from attitude.conditions._search import TOUCH
+from attitude.events._channels import (
+    SUN_RADIUS,
+    Moving,
     beyond_plane,
     glint,
     illuminated,
@@ -36,15 +37,9 @@ from attitude.events.conditions import (
     past_meridian,
     visible,
 )
-from attitude.events.directions import Moving
-from attitude.events.discrete import find_discrete, shadow_state, stream
-from attitude.events.events import Events
-from attitude.events.extrema import brightness, find_maxima, find_minima, separation
-from attitude.events.glints import Glints, glints
-from attitude.events.passes import Passes, passes
-from attitude.events.search import TOUCH
-from attitude.events.timetable import Timetable
-from attitude.events.windows import Windows, windows
+from attitude.events._extrema import brightness, find_maxima, find_minima, separation
+from attitude.events._search import Events, find_discrete, shadow_state, stream
+from attitude.events._windows import Glints, Passes, Timetable, Windows, glints, passes, windows
 
 __all__ = [
     "SUN_RADIUS",

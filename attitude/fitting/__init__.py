@@ -12,9 +12,7 @@
     `Fit`: the motion, its covariance, residuals.
 """
 
-from attitude.fitting.attitudes import fit
-from attitude.fitting.directions import fit_directions
-from attitude.fitting.rates import fit_rates
-from attitude.fitting.result import Fit
+from attitude.fitting._attitudes import fit, fit_directions, fit_rates
+from attitude.fitting._minimum import Fit
 
 __all__ = ["Fit", "fit", "fit_directions", "fit_rates"]

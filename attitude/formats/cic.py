@@ -24,24 +24,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from attitude.formats import sampling, sources
-from attitude.formats.aem import kvn as aem_kvn
-from attitude.formats.aem.message import Options
-from attitude.formats.aem.written import WrittenSegment
-from attitude.formats.ccsds import epochs as ccsds_epochs
-from attitude.formats.rows import TOLERANCE
-from attitude.textfiles import kvn
-from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import opened
+from attitude._textfiles import kvn
+from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import opened
+from attitude.formats import _aem_notations, _sampling
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._aem_message import Options, WrittenSegment
+from attitude.formats._records import TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
-    from attitude.attitude_table.table import AttitudeTable
-    from attitude.formats.sampling import SampledFile
-    from attitude.formats.sources import AttitudeSource
-    from attitude.paths.path import Path
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.motions._table import AttitudeTable
+    from attitude.paths._path import Path
+
 
 __all__ = ["read", "write"]
 
@@ -79,7 +77,7 @@ def read(
     """
     options = Options(tolerance, frame, orbit, rates, object, segment, lenient, cic=True)
     with opened(path) as lines:
-        return aem_kvn.read(lines, kvn.first(lines) or b"<", options)
+        return _aem_notations.read_kvn(lines, kvn.first(lines) or b"<", options)
 
 
 def write(
@@ -124,7 +122,7 @@ def write(
     AttitudeError
         For several segments, and as `aem.write`.
     """
-    meta, _ = sources.known_of(source, t)
+    meta, _ = _sampling.known_of(source, t)
     settings: dict[str, Any] = {
         **{"version": "1.0", "kind": "QUATERNION", "scalar_first": True, "rates": None},
         **{"rates_over": "body", "sequence": "ZYX", "method": "slerp", "degree": 1, "for_": None},
@@ -149,15 +147,15 @@ def write(
         lines += ["", *(f"{key} = {segment.keywords[key]}" for key in keywords)]
         with written_whole(target, "the CIC file") as file:
             file.write("\n".join([*lines, "", "META_STOP", "", ""]))
-            aem_kvn.write_rows(file, segment)
+            _aem_notations.write_rows(file, segment)
 
     if tolerance is None:
-        sources.refuse_span(start, stop)
-        write_records(path, [sources.only_segment(source, t, "a CIC file")])
+        _sampling.refuse_span(start, stop)
+        write_records(path, [_sampling.only_segment(source, t, "a CIC file")])
         return None
-    sources.refuse_epochs(t)
-    return sampling.write(
-        *(path, sources.one_motion(source), start, stop, tolerance),
+    _sampling.refuse_epochs(t)
+    return _sampling.write(
+        *(path, _sampling.one_motion(source), start, stop, tolerance),
         method="slerp",
         degree=1,
         name="a CIC file",

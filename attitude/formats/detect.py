@@ -6,18 +6,19 @@ import os
 import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from attitude._textfiles.lines import beginning, is_number
 from attitude.errors import AttitudeError
-from attitude.textfiles.lines import beginning
+from attitude.formats import spin_file
+from attitude.motions._free_rotation import FreeRotation
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude.annotations import Epochs, FilePath
-    from attitude.formats.sampling import SampledFile
-    from attitude.formats.sources import AttitudeSource
-    from attitude.free_rotation.free_rotation import FreeRotation
-    from attitude.motion import Motion
-    from attitude.paths.path import Path
+    from attitude._support.annotations import Epochs, FilePath
+    from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.motions._motion import Motion
+    from attitude.paths._path import Path
+
 
 # Ending -> format: for writing, and for reading if the content is not recognized.
 ENDINGS: dict[str, str] = {
@@ -43,13 +44,7 @@ OF_MOTIONS: tuple[str, ...] = ("apm", "apm-xml", "spin", "damit")
 
 
 def of_file(path: FilePath) -> str:
-    """The format of an existing file: one of the values of ENDINGS.
-
-    Raises
-    ------
-    AttitudeError
-        If the file cannot be read, or neither its content nor its ending is known.
-    """
+    """The format of an existing file: one of the values of ENDINGS."""
     text = beginning(path)
     for mark, found in (
         (b"CCSDS_AEM_VERS", "aem"),
@@ -82,13 +77,7 @@ def of_file(path: FilePath) -> str:
 
 
 def to_write(path: FilePath) -> str:
-    """The format in which a file is written, by its ending: one of the values of ENDINGS.
-
-    Raises
-    ------
-    AttitudeError
-        For another ending.
-    """
+    """The format in which a file is written, by its ending: one of the values of ENDINGS."""
     ending = _ending(path)
     if ending not in ENDINGS:
         raise AttitudeError(
@@ -179,27 +168,7 @@ def opened(
     segment: int | None = None,
     lenient: bool = False,
 ) -> OpenedFile:
-    """The motion in a file of any format, with the names and comments of the file.
-
-    Parameters
-    ----------
-    path : str or path
-    tolerance, frame, orbit, rates, object, segment, lenient
-        As of `aem.read`; formats that do not have them ignore them.
-    body : str, optional
-        Name of the frame in a C-kernel, "TUMBLER" by default.
-    kernels : sequence of paths
-        Further kernels that a C-kernel needs; x.tf and x.tsc beside x.bc are found.
-
-    Returns
-    -------
-    OpenedFile
-
-    Raises
-    ------
-    AttitudeError
-        For an unknown format, and as the reader of the format.
-    """
+    """The motion in a file of any format, with the names and comments of the file."""
     kind = of_file(path)
     lengths: dict[str, Any] = {} if tolerance is None else {"tolerance": tolerance}
     if kind in ("aem", "aem-xml", "cic"):
@@ -322,21 +291,8 @@ def write(
 
 
 def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
-    """Write a free rotation as a spin file (.toml, exact), an APM (.apm) or a DAMIT file (.spin).
-
-    Parameters
-    ----------
-    path : str or path
-        Appears whole or not at all.
-    motion : FreeRotation
-    settings
-        Further arguments of the writer of the format.
-
-    Raises
-    ------
-    AttitudeError
-        For an ending of no format or of a format of attitudes at epochs, and as the writer of the
-        format.
+    """Write a free rotation as a spin file (.toml, exact), an APM (.apm) or a DAMIT file
+    (.spin).
     """
     kind = to_write(path)
     if kind == "spin":
@@ -355,3 +311,56 @@ def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
         raise AttitudeError(
             f"{os.fspath(path)!r} would hold attitudes at epochs, not a motion; use write."
         )
+
+
+# --------------------------------------------------------------------------------------------------
+# A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file.
+
+
+class State(NamedTuple):
+    """A motion with its labels.
+
+    Attributes
+    ----------
+    motion : FreeRotation
+        From a DAMIT spin file, which has no inertia, that of a body with equal moments.
+    name, source, note : str or None
+    """
+
+    motion: FreeRotation
+    name: str | None
+    source: str | None
+    note: str | None
+
+
+def read_state(path: FilePath) -> State:
+    """The free rotation in a file."""
+    kind = _kind(path)
+    if kind == "spin":
+        found = spin_file.read(path)
+        return State(found.motion, found.name, found.source, found.note)
+    motion, said = opened(path)
+    if not isinstance(motion, FreeRotation):
+        raise AttitudeError(
+            f"{os.fspath(path)}: holds attitudes at epochs, from which no motion is known; give a "
+            "spin file (.toml), an APM or a DAMIT spin file; `attitude convert IN OUT.toml --fit` "
+            "makes one of attitudes."
+        )
+    name = said.get("object_name") or os.path.splitext(os.path.basename(os.fspath(path)))[0]
+    return State(motion, name, None, None)
+
+
+def _kind(path: FilePath) -> str:
+    """The format of a file, by its content where that is certain, else by its ending."""
+    if os.path.splitext(os.fspath(path))[1].lower() == ".toml":
+        return "spin"
+    text = beginning(path)
+    first = text.lstrip().split(b"\n")[0].split()
+    if len(first) == 3 and all(map(is_number, first)):
+        return "damit"
+    try:
+        kind = of_file(path)
+    except AttitudeError:
+        return "spin"
+    # Three words also begin a line of TOML.
+    return "spin" if kind == "damit" and not os.fspath(path).lower().endswith(".spin") else kind

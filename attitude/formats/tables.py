@@ -15,29 +15,274 @@ epochs, and either form of the other columns.
 from __future__ import annotations
 
 import io
+import json
 import os
 import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import epochs, pairs
-from attitude import representations as forms
-from attitude.attitude_table.table import AttitudeTable
-from attitude.epochs import time_scales
+from attitude._support import pairs, validation
+from attitude._support.quoting import quoted
+from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import NoNumber, numbers, opened, whole
+from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
-from attitude.formats import csv_table, parquet, sampling, sources
-from attitude.formats.csv_rows import ATTITUDE, RATES
-from attitude.formats.rows import TOLERANCE, known_tolerance
-from attitude.textfiles.atomic_write import written_whole
-from attitude.textfiles.lines import whole
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats import _sampling
+from attitude.formats._attitude_types import Convention
+from attitude.formats._records import TOLERANCE, Rows, known_tolerance
+from attitude.frames import quaternion as forms
+from attitude.motions._axes import named
+from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
     from astropy.table import QTable, Table
 
-    from attitude.annotations import EpochOrSeconds, Epochs, FilePath
-    from attitude.formats.sampling import SampledFile
-    from attitude.formats.sources import AttitudeSource
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
+    from attitude.formats._sampling import AttitudeSource, Records, SampledFile
+    from attitude.motions._history import AttitudeHistory
+
+
+# --------------------------------------------------------------------------------------------------
+# The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles.
+
+# Columns of the attitude (body to ICRF, scalar first) and of the angular velocity (rad/s, body).
+ATTITUDE: tuple[str, ...] = ("w", "x", "y", "z")
+RATES: tuple[str, ...] = ("omega_x", "omega_y", "omega_z")
+# Their standard deviations: rad about the ICRF axes, rad/s over the body axes.
+SIGMA: tuple[str, ...] = ("sigma_x", "sigma_y", "sigma_z")
+SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z")
+
+
+def names(*, rates: bool, sigma: bool = False) -> list[str]:
+    """Names of the columns: UTC, TDB seconds, then those of `numbers`."""
+    return ["utc", "tdb_seconds", *names_of_numbers(rates=rates, sigma=sigma)]
+
+
+def names_of_numbers(*, rates: bool, sigma: bool = False) -> list[str]:
+    """Names of the columns of `numbers`."""
+    found = [*ATTITUDE, *(RATES if rates else ())]
+    if sigma:
+        found += [*SIGMA, *(SIGMA_RATES if rates else ())]
+    return found
+
+
+def columns_of_numbers(
+    history: AttitudeHistory, *, rates: bool, sigma: bool = False
+) -> list[FloatArray]:
+    """Columns (N,) of a history.
+
+    The attitude; with `rates` the angular velocity; with `sigma` their standard deviations.
+    """
+    columns = [*history.wxyz.T, *(history.angular_velocity.T if rates else ())]
+    if sigma:
+        # First the one from which the other one follows.
+        of_rates = history.sigma_angular_velocity.T if rates else ()
+        columns += [*history.sigma.T, *of_rates]
+    return columns
+
+
+def of_history(
+    dates: Iterable[str],
+    seconds: FloatArray,
+    history: AttitudeHistory,
+    *,
+    rates: bool,
+    sigma: bool = False,
+) -> str:
+    """The text of N rows with the columns `names`.
+
+    Shapes: seconds (N,).
+    """
+    columns = columns_of_numbers(history, rates=rates, sigma=sigma)
+    return text(dates, seconds.tolist(), *(column.tolist() for column in columns))
+
+
+def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
+    """The text of rows: a date, and one number of each column."""
+    pattern = "%s" + ",%r" * len(columns) + "\n"
+    return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
+
+
+# --------------------------------------------------------------------------------------------------
+# CSV files of attitudes; `csv_rows` has their columns.
+#
+# The first line names the columns, in any order; readers skip unknown ones.
+
+_BATCH = 16384
+
+
+def write_csv(path: FilePath, part: Records, *, rates: bool, sigma: bool = False) -> None:
+    """Write one segment piece by piece."""
+    ends, rest = part.first_and_last()
+    with written_whole(path, "the table") as file:
+        file.write(",".join(names(rates=rates, sigma=sigma)) + "\n")
+        for history in part.pieces():
+            dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
+            low = 0.0 if history.low is None else history.low
+            since = (history.seconds - ends[0]) + (low - rest[0])
+            file.write(of_history(dates, since, history, rates=rates, sigma=sigma))
+
+
+def read_csv(path: FilePath, *, tolerance: float) -> AttitudeTable:
+    """The attitudes of a file.
+
+    `tolerance` is the largest deviation from 1 of the length of a quaternion.
+    """
+    with opened(path) as lines:
+        names = _names(lines)
+        kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
+        columns = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
+        places = [names.index(name) for name in columns]
+        where = names.index("utc")
+        rows = Rows("utc", len(columns))
+        batch: list[bytes] = []
+        at: list[int] = []
+        for line in lines:
+            if not line.strip():
+                continue
+            parts = line.split(b",")
+            if len(parts) != len(names):
+                raise lines.fault(
+                    f"it has {len(parts)} columns; the first line names {len(names)}."
+                )
+            batch.extend(parts)
+            at.append(lines.number)
+            if len(at) == _BATCH:
+                _take(rows, batch, at, where, places, columns, lines)
+                batch, at = [], []
+        _take(rows, batch, at, where, places, columns, lines)
+        if not rows.count:
+            raise lines.fault("the file has no rows.")
+        how = Convention(scalar_first=True, in_radians=True)
+        meta = {"format": "CSV"}
+        return rows.table(kind, how, named("ICRF"), lines.fault, tolerance=tolerance, meta=meta)
+
+
+def _names(lines):
+    for line in lines:
+        text = lines.text(line).strip()
+        if text and not text.startswith("#"):
+            names = [name.strip().strip('"') for name in text.split(",")]
+            lacking = [name for name in ("utc", *ATTITUDE) if name not in names]
+            some = [name for name in RATES if name in names]
+            if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
+                raise lines.fault(
+                    f"the first line names {quoted(', '.join(names), 120, '')}; it must name utc, "
+                    f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
+                )
+            return names
+    raise lines.fault("the file is empty.")
+
+
+def _take(rows, batch, at, where, places, columns, lines):
+    if not at:
+        return
+    step = len(batch) // len(at)
+    try:
+        values = numbers(batch, step, places)
+    except NoNumber as err:
+        raise lines.fault(
+            f"{columns[err.column]} is {err.shown}, which is no number.", at[err.line]
+        ) from err
+    rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
+
+
+# --------------------------------------------------------------------------------------------------
+# Parquet files of attitudes, by pyarrow.
+#
+# Columns are ``tdb_jd1, tdb_jd2, w, x, y, z``, ``omega_x, omega_y, omega_z`` and standard
+# deviations, as in CSV; the meta data of `tables.qtable` stand as JSON under the key "attitude" of
+# the schema.
+
+# Rows of a group, which readers hold in memory at a time.
+_GROUP = 1 << 17
+
+
+def write_parquet(
+    path: FilePath,
+    parts: Sequence[Records],
+    *,
+    rates: bool,
+    meta: Mapping[str, Any],
+    sigma: bool = False,
+) -> None:
+    """Write segments piece by piece."""
+    pyarrow = _pyarrow()
+    names = ["tdb_jd1", "tdb_jd2", *names_of_numbers(rates=rates, sigma=sigma)]
+    schema = pyarrow.schema(
+        [(name, pyarrow.float64()) for name in names],
+        metadata={"attitude": json.dumps(meta), "wxyz": "body to ICRF, scalar first"},
+    )
+    with (
+        written_whole(path, "the table", binary=True) as file,
+        pyarrow.parquet.ParquetWriter(file, schema) as writer,
+    ):
+        for part in parts:
+            for history in part.pieces():
+                low = 0.0 if history.low is None else history.low
+                time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
+                found = columns_of_numbers(history, rates=rates, sigma=sigma)
+                columns = [*_time_scales.jd_from_seconds(*time), *found]
+                arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
+                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+
+
+def write_parquet_columns(
+    path: FilePath, columns: Mapping[str, Any], meta: Mapping[str, Any]
+) -> None:
+    """Write columns (N,) of numbers or text, in groups of rows."""
+    pyarrow = _pyarrow()
+    arrays = {name: pyarrow.array(np.ascontiguousarray(each)) for name, each in columns.items()}
+    table = pyarrow.table(arrays).replace_schema_metadata({"attitude": json.dumps(dict(meta))})
+    with (
+        written_whole(path, "the table", binary=True) as file,
+        pyarrow.parquet.ParquetWriter(file, table.schema) as writer,
+    ):
+        writer.write_table(table, row_group_size=_GROUP)
+
+
+def read_parquet(path: FilePath) -> Table:
+    """The columns of a file as an astropy Table, with the meta data that `write` has written."""
+    pyarrow = _pyarrow()
+    origin = os.fspath(path)
+    try:
+        table = pyarrow.parquet.read_table(origin)
+        meta = meta_of(table)
+    except OSError as err:
+        reason = " ".join(str(err).split())[:120]
+        raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
+    except (pyarrow.ArrowException, ValueError, TypeError) as err:
+        reason = " ".join(str(err).split())[:120]
+        raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
+    from astropy.table import Table
+
+    try:
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        return Table(columns, meta=meta if isinstance(meta, dict) else {})
+    except (ValueError, TypeError, pyarrow.ArrowException) as err:
+        raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
+
+
+def meta_of(table: Any) -> Any:
+    """The meta data that `write` and `write_columns` have written, of an arrow table."""
+    return json.loads((table.schema.metadata or {}).get(b"attitude", b"{}"))
+
+
+def _pyarrow():
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as err:
+        raise AttitudeError(
+            "parquet files need pyarrow, which is not installed; install it by "
+            f"{validation.installing('parquet')}."
+        ) from err
+    return pyarrow
+
 
 _ENDINGS = ("ecsv", "fits", "csv", "parquet")
 KINDS: dict[str, str] = {f".{each}": each for each in _ENDINGS} | {".fit": "fits"}
@@ -49,24 +294,10 @@ def qtable(
     """An astropy QTable of a history, a table or a motion with epochs.
 
     Segments follow each other; ``segment`` in the meta data holds the numbers of their first rows.
-
-    Parameters
-    ----------
-    source, t
-        As of `aem.write`.
-    rates : bool
-        False leaves angular velocities out.
-    sigma : bool
-        Add standard deviations, which follow from the covariance of the motion's spin.
-
-    Raises
-    ------
-    AttitudeError
-        As `sources.segments`, and for standard deviations of a motion without a covariance.
     """
     from astropy.table import vstack
 
-    parts = sources.segments(source, t)
+    parts = _sampling.segments(source, t)
     with_rates = rates and all(part.has_rates for part in parts)
     tables: list[QTable] = []
     first: list[int] = []
@@ -89,21 +320,7 @@ def qtable(
 def from_table(
     table: Table, origin: str = "the table", *, tolerance: float = TOLERANCE
 ) -> AttitudeTable:
-    """An AttitudeTable from an astropy table; see the module's docstring for the columns.
-
-    Parameters
-    ----------
-    table : astropy Table or QTable
-    origin : str
-        Name of the table in error messages.
-    tolerance : float
-        Largest deviation from 1 of the length of a quaternion.
-
-    Raises
-    ------
-    AttitudeError
-        For missing columns, and values of a wrong type, shape or unit.
-    """
+    """An AttitudeTable from an astropy table; see the module's docstring for the columns."""
     known_tolerance(tolerance)
     time = _times(table, origin)
     wxyz = _columns(table, "wxyz", ATTITUDE, origin, unit=None)
@@ -136,21 +353,15 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     """
     known_tolerance(tolerance)
     if kind_of(path) == "csv":
-        return csv_table.read(path, tolerance=tolerance)
+        return read_csv(path, tolerance=tolerance)
     return from_table(columns_of(path), os.fspath(path), tolerance=tolerance)
 
 
 def columns_of(path: FilePath) -> Table:
-    """The columns and meta data of an ECSV, FITS, CSV or parquet file as an astropy Table.
-
-    Raises
-    ------
-    AttitudeError
-        For an unknown ending and for files that cannot be read.
-    """
+    """The columns and meta data of an ECSV, FITS, CSV or parquet file as an astropy Table."""
     kind, origin = kind_of(path), os.fspath(path)
     if kind == "parquet":
-        return parquet.read(path)
+        return read_parquet(path)
     readers = {"ecsv": _of_ecsv, "fits": _of_fits, "csv": _of_csv}
     try:
         return readers[kind](path)
@@ -228,16 +439,16 @@ def write(
     """
     kind = kind_of(path)
     if tolerance is None:
-        sources.refuse_span(start, stop)
+        _sampling.refuse_span(start, stop)
         _write(path, kind, source, t, rates, sigma)
         return None
-    sources.refuse_epochs(t)
-    motion = sources.one_motion(source)
-    has_rates = rates and sources.known_of(source, None)[1]
+    _sampling.refuse_epochs(t)
+    motion = _sampling.one_motion(source)
+    has_rates = rates and _sampling.known_of(source, None)[1]
     # CSV and the other tables of motions state no interpolation: readers take the usual one.
     table = motion if isinstance(motion, AttitudeTable) and kind != "csv" else None
-    method, degree = sampling.stated(None, None, has_rates, table)
-    return sampling.write(
+    method, degree = _sampling.stated(None, None, has_rates, table)
+    return _sampling.write(
         *(path, motion, start, stop, tolerance),
         method=method,
         degree=degree,
@@ -250,14 +461,14 @@ def write(
 
 def _write(path, kind, source, t, rates, sigma):
     if kind == "csv":
-        part = sources.only_segment(source, t, "CSV")
-        csv_table.write(path, part, rates=rates and part.has_rates, sigma=sigma)
+        part = _sampling.only_segment(source, t, "CSV")
+        write_csv(path, part, rates=rates and part.has_rates, sigma=sigma)
     elif kind == "parquet":
-        parts = sources.segments(source, t)
+        parts = _sampling.segments(source, t)
         starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
         meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
         rates = rates and all(part.has_rates for part in parts)
-        parquet.write(path, parts, rates=rates, meta=meta, sigma=sigma)
+        write_parquet(path, parts, rates=rates, meta=meta, sigma=sigma)
     else:
         table = qtable(source, t=t, rates=rates, sigma=sigma)
         if kind == "fits":
@@ -269,11 +480,6 @@ def write_columns(path: FilePath, table: Table) -> None:
     """Write an astropy table as ECSV, FITS or parquet, by the ending of the file.
 
     The file appears whole or not at all.  Parquet takes columns (N,) of numbers or text.
-
-    Raises
-    ------
-    AttitudeError
-        For another ending, and a file that cannot be written.
     """
     kind = kind_of(path)
     if kind == "csv":
@@ -281,7 +487,7 @@ def write_columns(path: FilePath, table: Table) -> None:
             f"{os.fspath(path)!r} is CSV, which has no meta data; give .ecsv, .fits or .parquet."
         )
     if kind == "parquet":
-        parquet.write_columns(path, {name: table[name] for name in table.colnames}, table.meta)
+        write_parquet_columns(path, {name: table[name] for name in table.colnames}, table.meta)
         return
     # astropy does not notice a full disk, so it writes into memory.
     content: Any
@@ -298,13 +504,7 @@ def write_columns(path: FilePath, table: Table) -> None:
 
 
 def kind_of(path: FilePath) -> str:
-    """The kind of a file by its ending: "ecsv", "fits", "csv" or "parquet".
-
-    Raises
-    ------
-    AttitudeError
-        For another ending.
-    """
+    """The kind of a file by its ending: "ecsv", "fits", "csv" or "parquet"."""
     ending = os.path.splitext(os.fspath(path))[1].lower()
     if ending not in KINDS:
         raise AttitudeError(
@@ -332,21 +532,21 @@ def _times(table, origin):
         found = [pair for pair in dates if set(pair) <= set(table.colnames)]
         if found:
             jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in found[0])
-            return time_scales.seconds_from_jd(jd1, jd2)
+            return _time_scales.seconds_from_jd(jd1, jd2)
         if "utc" not in table.colnames:
             raise AttitudeError(
                 f"{origin}: it has no epochs; give a Time column, or jd1 and jd2 (TDB), or utc."
             )
         given = [str(text) for text in table["utc"]]
     try:
-        hi, lo = epochs.seconds_since(epochs.Instant(0.0), given)
+        hi, lo = _inputs.seconds_since(_instants.Instant(0.0), given)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     return hi, lo
 
 
 def _columns(table, name, names, origin, unit):
-    from attitude import validation
+    from attitude._support import validation
 
     try:
         if name in table.colnames:
@@ -376,7 +576,7 @@ def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
         if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
         degree = None if degree is None else int(degree)
-        epoch = epochs.Instant(float(hi[0]), float(lo[0]))
+        epoch = _instants.Instant(float(hi[0]), float(lo[0]))
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         parts = []
         for start, stop in zip(starts, [*starts[1:], len(hi)], strict=True):

@@ -25,11 +25,11 @@ ellipsoid_magnitudes   magnitudes of an ellipsoid with all derivatives, compiled
 moments_of_elements    moments of inertia from elements in closed form, compiled
 """
 
-from attitude.inversion.curve import LightCurve
-from attitude.inversion.periods import Pair, Periods, periods
-from attitude.inversion.refine import Refinement, refine
-from attitude.inversion.solution import Solution, SpinStates
-from attitude.inversion.spin_states import spin_states
+from attitude.inversion._curve import LightCurve
+from attitude.inversion._periods import Pair, Periods, periods
+from attitude.inversion._refine import Refinement, refine
+from attitude.inversion._solution import Solution, SpinStates
+from attitude.inversion._spin_states import spin_states
 
 __all__ = [
     "LightCurve",

@@ -13,9 +13,8 @@ loops       the compiled loops, over those of the solution
 1.0
 """
 
-from attitude.jacobi.functions import am, cn, dn, sn, theta
-from attitude.jacobi.integrals import E, E_incomplete, F, K, Pi, nome
-from attitude.jacobi.steps import PaperSteps, steps
+from attitude.jacobi._jacobi import E, E_incomplete, F, K, Pi, am, cn, dn, nome, sn, theta
+from attitude.jacobi._steps import PaperSteps, steps
 
 __all__ = [
     "E",

@@ -16,11 +16,15 @@ closed_form  the compiled brightness of an ellipsoid
 directions   checks of directions; `blocks`, division of the work among threads
 """
 
-from attitude.light_curve.brightness import brightness, stream
-from attitude.light_curve.magnitudes import apparent_magnitude, reduced_magnitude
-from attitude.light_curve.orientations import mean_brightness, phased_magnitude
-from attitude.light_curve.raycast import brightness_by_rays
-from attitude.light_curve.visibility import Visibility
+from attitude.light_curve._brightness import brightness, stream
+from attitude.light_curve._magnitudes import (
+    apparent_magnitude,
+    mean_brightness,
+    phased_magnitude,
+    reduced_magnitude,
+)
+from attitude.light_curve._raycast import brightness_by_rays
+from attitude.light_curve._visibility import Visibility
 
 __all__ = [
     "Visibility",

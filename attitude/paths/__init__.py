@@ -18,26 +18,24 @@ Importing this package imports neither astropy, skyfield nor numba; functions im
 are called.  Nothing is ever downloaded.
 """
 
-from attitude.paths.astropy_body import from_astropy
-from attitude.paths.composed import body, relative
-from attitude.paths.compressed import Compressed, compress
-from attitude.paths.ephemeris_source import Ephemeris
-from attitude.paths.ground import observatory, site
-from attitude.paths.mpc_line import mpc_orbit
-from attitude.paths.oem_file import oem
-from attitude.paths.path import Path
-from attitude.paths.satellite import omm, tle
-from attitude.paths.skyfield_path import from_skyfield
-from attitude.paths.solar_system import ephemeris
-from attitude.paths.spk import spk
-from attitude.paths.tabulated import table
-from attitude.paths.two_body import kepler
-from attitude.paths.uniform import Direction, direction, fixed, uniform
+from attitude.paths._composed import body, relative
+from attitude.paths._compressed import Compressed, compress
+from attitude.paths._foreign import from_skyfield
+from attitude.paths._ground import observatory, site
+from attitude.paths._mpc_line import mpc_orbit
+from attitude.paths._oem_file import oem
+from attitude.paths._path import Direction, Ephemeris, Path, direction, fixed, uniform
+from attitude.paths._satellite import omm, tle
+from attitude.paths._solar_system import ephemeris, from_astropy
+from attitude.paths._spk import spk
+from attitude.paths._tabulated import table
+from attitude.paths._two_body import Kepler, kepler
 
 __all__ = [
     "Compressed",
     "Direction",
     "Ephemeris",
+    "Kepler",
     "Path",
     "body",
     "compress",

@@ -12,14 +12,11 @@ folding          `fold`: folded light curves, series and residuals
 figures          a figure for each
 """
 
-from attitude.photometry.candidates import PeriodCandidate
-from attitude.photometry.contents import BadRow
-from attitude.photometry.files import read
-from attitude.photometry.folding import Folded, fold
-from attitude.photometry.periodograms import Peak, Periodogram, periodogram
-from attitude.photometry.reduction import phase_angle
-from attitude.photometry.table import Photometry
-from attitude.photometry.two_frequencies import PeriodPair, TwoPeriods, two_periods
+from attitude.photometry._curve import BadRow, Photometry, phase_angle
+from attitude.photometry._files import read
+from attitude.photometry._folding import Folded, fold
+from attitude.photometry._periodogram import Peak, Periodogram, periodogram
+from attitude.photometry._two_periods import PeriodCandidate, PeriodPair, TwoPeriods, two_periods
 
 __all__ = [
     "BadRow",

@@ -5,6 +5,6 @@ comparison    `Comparison`, `Run`: its results
 integrators   integrators of the literature to compare with, compiled
 """
 
-from attitude.referee.referee import compare
+from attitude.referee._referee import compare
 
 __all__ = ["compare"]

@@ -19,12 +19,11 @@ phase        phase functions of whole asteroids
 from importlib import import_module
 from pkgutil import iter_modules
 
-from attitude.scattering.hapke import Hapke
-from attitude.scattering.law import Law, forget, law, laws
-from attitude.scattering.materials import Material, Materials
-from attitude.scattering.parameters import NumberField, parameter
-from attitude.scattering.phase import hg, hg1g2
-from attitude.scattering.weighted import Lambert, LommelSeeliger, LommelSeeligerLambert
+from attitude._compilation.decorators import reduction_subroutine
+from attitude.scattering._hapke import Hapke
+from attitude.scattering._law import Law, NumberField, forget, law, laws, parameter
+from attitude.scattering._materials import Material, Materials
+from attitude.scattering._weighted import Lambert, LommelSeeliger, LommelSeeligerLambert, hg, hg1g2
 
 __all__ = [
     "Hapke",
@@ -41,6 +40,7 @@ __all__ = [
     "law",
     "laws",
     "parameter",
+    "reduction_subroutine",
 ]
 
 # Defining a law registers its name: every module is imported, that of a new law too.

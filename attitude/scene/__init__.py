@@ -14,7 +14,7 @@ lines_of_sight   directions and distances at many epochs; `light_time`, their co
 angles, loops    formulas on arrays; compiled loops
 """
 
-from attitude.scene.scene import Scene
-from attitude.scene.view import View
+from attitude.scene._scene import Scene
+from attitude.scene._view import View
 
 __all__ = ["Scene", "View"]

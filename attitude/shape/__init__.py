@@ -14,12 +14,10 @@ solids        `box`, `cylinder`, `box_wing`
 files         `read`: OBJ, DAMIT, STL, PLY
 """
 
-from attitude.shape.ellipsoid import Ellipsoid
-from attitude.shape.files import read
-from attitude.shape.integrals import MassProperties
-from attitude.shape.mesh import Mesh
-from attitude.shape.planes import FlatSide, flat_sides
-from attitude.shape.solids import box, box_wing, cylinder
+from attitude.shape._ellipsoid import Ellipsoid
+from attitude.shape._files import read
+from attitude.shape._mesh import FlatSide, MassProperties, Mesh, flat_sides
+from attitude.shape._solids import box, box_wing, cylinder
 
 __all__ = [
     "Ellipsoid",

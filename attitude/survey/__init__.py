@@ -13,7 +13,7 @@ import warnings
 from importlib.util import find_spec
 from typing import Any
 
-from attitude.survey.rotators import Rotators
+from attitude.survey._rotators import Rotators
 
 __all__ = ["RELAXED", "LightCurve", "Rotators", "light_curve_class"]
 
@@ -21,16 +21,16 @@ if find_spec("sorcha") is not None:
     with warnings.catch_warnings():
         # Packages that sorcha imports warn of what is deprecated in others.
         warnings.simplefilter("ignore")
-        from attitude.survey.light_curve import RELAXED, LightCurve, light_curve_class
+        from attitude.survey._light_curve import RELAXED, LightCurve, light_curve_class
 
 
 def __getattr__(name: str) -> Any:
     if name in ("RELAXED", "LightCurve", "light_curve_class"):
-        from attitude import calls
+        from attitude._support import validation
         from attitude.errors import AttitudeError
 
         raise AttitudeError(
             f"{name} is part of the light-curve class for the simulator sorcha, which is not "
-            f"installed; install it by {calls.installing('sorcha')}."
+            f"installed; install it by {validation.installing('sorcha')}."
         )
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,15 +1,17 @@
 """``python -m attitude.survey run ...``: the command ``sorcha run`` with light-curve classes."""
 
+from __future__ import annotations
+
 import sys
 
-import attitude.survey
-from attitude import calls
+from attitude import survey
+from attitude._support import validation
 
 
 def main() -> None:
     """Run ``sorcha run`` with the arguments of the command line."""
-    if not hasattr(attitude.survey, "LightCurve"):
-        sys.exit(f"sorcha is not installed: {calls.installing('sorcha')}.")
+    if not hasattr(survey, "LightCurve"):
+        sys.exit(f"sorcha is not installed: {validation.installing('sorcha')}.")
     from sorcha_cmdline.run import main as run
 
     if sys.argv[1:2] == ["run"]:

@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     # The names of _WHERE, for editors and type checkers.
-    from attitude.torques.constant import ConstantTorque as ConstantTorque
-    from attitude.torques.custom import CustomTorque as CustomTorque
-    from attitude.torques.damping import InternalDissipation as InternalDissipation
-    from attitude.torques.damping import LinearDamping as LinearDamping
-    from attitude.torques.gravity_gradient import GravityGradient as GravityGradient
-    from attitude.torques.radiation import SolarRadiation as SolarRadiation
-    from attitude.torques.torque import Torque as Torque
+    from attitude.torques._custom import CustomTorque as CustomTorque
+    from attitude.torques._gravity_gradient import GravityGradient as GravityGradient
+    from attitude.torques._radiation import SolarRadiation as SolarRadiation
+    from attitude.torques._torque import ConstantTorque as ConstantTorque
+    from attitude.torques._torque import InternalDissipation as InternalDissipation
+    from attitude.torques._torque import LinearDamping as LinearDamping
+    from attitude.torques._torque import Torque as Torque
 
 # The module that defines each name, imported when the name is first used.
 _WHERE = {
-    "ConstantTorque": "attitude.torques.constant",
-    "CustomTorque": "attitude.torques.custom",
-    "GravityGradient": "attitude.torques.gravity_gradient",
-    "InternalDissipation": "attitude.torques.damping",
-    "LinearDamping": "attitude.torques.damping",
-    "SolarRadiation": "attitude.torques.radiation",
-    "Torque": "attitude.torques.torque",
+    "ConstantTorque": "attitude.torques._torque",
+    "CustomTorque": "attitude.torques._custom",
+    "GravityGradient": "attitude.torques._gravity_gradient",
+    "InternalDissipation": "attitude.torques._torque",
+    "LinearDamping": "attitude.torques._torque",
+    "SolarRadiation": "attitude.torques._radiation",
+    "Torque": "attitude.torques._torque",
 }
 
 __all__ = sorted(_WHERE)

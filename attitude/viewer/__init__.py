@@ -14,10 +14,10 @@ page_data     the data of a page
 page          the HTML; its scripts are in page/
 """
 
-from attitude.viewer.animation import animate
-from attitude.viewer.cosmographia import write_cosmographia
-from attitude.viewer.czml import write_czml
-from attitude.viewer.gltf import write_glb
-from attitude.viewer.viewer import Viewer, view
+from attitude.viewer._animation import animate
+from attitude.viewer._cosmographia import write_cosmographia
+from attitude.viewer._czml import write_czml
+from attitude.viewer._gltf import write_glb
+from attitude.viewer._page import Viewer, view
 
 __all__ = ["Viewer", "animate", "view", "write_cosmographia", "write_czml", "write_glb"]

@@ -1,6 +1,6 @@
 """The free motion over one piece in high precision: truncation errors of series and quadrature.
 
-Notation and formulas are those of the docstring of attitude/solution/step.py; moments ascending,
+Notation and formulas are those of the docstring of attitude/_solver/step.py; moments ascending,
 time from the state at 0.
 """
 

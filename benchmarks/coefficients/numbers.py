@@ -8,8 +8,8 @@ from mpmath import mp, mpf
 from benchmarks.coefficients import rules, sources
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
-_ELLIPTIC, _REGIMES = "solution/elliptic.py", "solution/regimes.py"
-_INTEGRATORS = "referee/integrators.py"
+_ELLIPTIC, _REGIMES = "_solver/elliptic.py", "_solver/regimes.py"
+_INTEGRATORS = "referee/_referee.py"
 
 
 def tables():
@@ -31,19 +31,19 @@ def _inside(file, function, definition, remake, **more):
 
 def _circle():
     return [
-        _exact("solution/twofloat.py", ("PI",), "pi", lambda: [mp.pi], pairs=True),
-        _exact("solution/twofloat.py", ("HALF_PI",), "pi/2", lambda: [mp.pi / 2], pairs=True),
-        _exact("solution/twofloat.py", ("TWO_PI",), "2 pi", lambda: [2 * mp.pi], pairs=True),
+        _exact("_solver/twofloat.py", ("PI",), "pi", lambda: [mp.pi], pairs=True),
+        _exact("_solver/twofloat.py", ("HALF_PI",), "pi/2", lambda: [mp.pi / 2], pairs=True),
+        _exact("_solver/twofloat.py", ("TWO_PI",), "2 pi", lambda: [2 * mp.pi], pairs=True),
         _exact(
-            "solution/phases.py",
+            "_solver/series.py",
             ("_SIN_1", "_SIN_1_LOW"),
             "2 pi, the first coefficient of sin 2 pi r",
             lambda: [2 * mp.pi],
             pairs=True,
         ),
-        _exact("solution/step.py", ("_OVER_4_PI",), "1/(4 pi)", lambda: [1 / (4 * mp.pi)]),
+        _exact("_solver/step.py", ("_OVER_4_PI",), "1/(4 pi)", lambda: [1 / (4 * mp.pi)]),
         _exact(
-            "solution/derivatives.py",
+            "_solver/derivatives.py",
             ("TWO_OVER_LOG_2",),
             "2 / ln 2",
             lambda: [2 / mp.log(2)],
@@ -57,40 +57,40 @@ def _circle():
 def _of_doubles():
     return [
         _exact(
-            "solution/derivatives.py",
+            "_solver/derivatives.py",
             ("_NODES", "_WEIGHTS"),
             "Gauss-Legendre on (0, 1), six points: nodes, weights",
             lambda: [x for numbers in rules.gauss(6) for x in numbers],
         ),
         _exact(
-            "solution/phases.py",
+            "_solver/series.py",
             ("_TO_LOW_BITS",),
             "3 2^51: sums with whole numbers below 2^51 have an ulp of 1",
             lambda: [3 * mpf(2) ** 51],
         ),
         _exact(
-            "compilation/simd_bits_lowering.py",
+            "_compilation/simd_lowering.py",
             ("_WHOLE", "_EIGHTHS"),
             "3 2^51, and 3 2^48: sums with eighths below 2^48 have an ulp of 1/8",
             lambda: [3 * mpf(2) ** 51, 3 * mpf(2) ** 48],
         ),
         _inside(
-            "compilation/instructions.py",
+            "_compilation/instructions.py",
             "rint",
             "2^52, from which on every double is a whole number",
             lambda: [mpf(2) ** 52],
         ),
         _exact(
-            "solution/kernel.py",
+            "_solver/kernel.py",
             ("_FARTHEST",),
             "the largest double",
             lambda: [(2 - mpf(2) ** -52) * mpf(2) ** 1023],
         ),
         CoefficientTable(
-            "light_curve/closed_form.py",
+            "light_curve/_sums.py",
             ("_ROOT",),
             "sqrt(1/2), as the bits of a double",
-            lambda: [_from_bits("light_curve/closed_form.py", "_ROOT")],
+            lambda: [_from_bits("light_curve/_sums.py", "_ROOT")],
             lambda: [mp.sqrt(mpf(1) / 2)],
         ),
     ]
@@ -102,9 +102,9 @@ def _from_bits(file, name):
 
 def _others():
     return [
-        _exact("light_curve/closed_form.py", ("_LN2",), "log 2", lambda: [mp.ln2]),
+        _exact("light_curve/_sums.py", ("_LN2",), "log 2", lambda: [mp.ln2]),
         _inside(
-            "light_curve/visibility.py",
+            "light_curve/_visibility.py",
             "plane_filling",
             "the plastic number, x^3 = x + 1",
             lambda: [mp.findroot(lambda x: x**3 - x - 1, mpf("1.3247"))],
@@ -133,7 +133,7 @@ def _kinds():
 
     return [
         _exact(
-            "solution/coefficients.py",
+            "_solver/constants.py",
             (name,),
             f"Chebyshev polynomials of the {kind}, by their recurrence",
             partial(flat, given),
@@ -149,19 +149,19 @@ def _differences():
 
     return [
         _exact(
-            "events/peaks.py",
+            "events/_extrema.py",
             ("_WEIGHTS",),
             "first derivative by seven values, exact to degree 6",
             partial(rules.difference_weights, range(-3, 4), 1),
         ),
         _exact(
-            "events/peaks.py",
+            "events/_extrema.py",
             ("_SIXTH",),
             "sixth difference",
             partial(rules.difference_weights, range(-3, 4), 6),
         ),
         _exact(
-            "events/extrema.py",
+            "events/_extrema.py",
             ("_WEIGHTS",),
             "first derivative by differences over 2 k steps: k and its weight",
             one_sided,
@@ -214,7 +214,7 @@ def _error_of_sum(numbers):
 
 
 def _mean_speed(step, tail, mc, p, q):
-    """The time average of sqrt(p cn^2 + q sn^2), as attitude/solution/regimes.py sums it."""
+    """The time average of sqrt(p cn^2 + q sn^2), as attitude/_solver/regimes.py sums it."""
     total = weights = mpf(0)
     for k in range(int((2 * tail - mp.log(mc) / 2) / step) + 1):
         square = mp.exp(2 * (k * step - tail))

@@ -8,10 +8,10 @@ from benchmarks.coefficients import sources
 from benchmarks.coefficients.minimax import PolynomialFit, power_series
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
-_PHASES, _STEP = "solution/phases.py", "solution/step.py"
-_ELEMENTARY = "compilation/elementary.py"
-_CLOSED_FORM = "light_curve/closed_form.py"
-_DIMMING = "inversion/ellipsoid_magnitudes.py"
+_PHASES, _STEP = "_solver/series.py", "_solver/step.py"
+_ELEMENTARY = "_compilation/elementary.py"
+_CLOSED_FORM = "light_curve/_sums.py"
+_DIMMING = "inversion/_ellipsoid.py"
 
 
 def tables():
@@ -194,19 +194,19 @@ def _series():
             ),
         ),
         CoefficientTable(
-            "paths/conic.py",
+            "paths/_two_body.py",
             ("_stumpff",),
             "the number of terms of Stumpff's c2 and c3, |z| <= 1; relative error",
-            lambda: [sources.literals("paths/conic.py", "_stumpff")[1] + 1],
+            lambda: [sources.literals("paths/_two_body.py", "_stumpff")[1] + 1],
             lambda: [10],
             error=_error_of_stumpff,
             claims=(Claim(2e-21, "ten terms leave 2e-21 at |z| = 1"),),
         ),
         CoefficientTable(
-            "solution/regimes.py",
+            "_solver/regimes.py",
             ("_tumbling",),
             "2 K(m) - pi = (pi/4) m (1 + 9/16 m) below m = _SMALL_M; relative error",
-            lambda: [x for x in sources.literals("solution/regimes.py", "_tumbling") if 4 * x % 1],
+            lambda: [x for x in sources.literals("_solver/regimes.py", "_tumbling") if 4 * x % 1],
             lambda: [mpf(9) / 16],
             error=_error_of_quarter,
             claims=(Claim(1e-20, "its series to two terms, good to 1e-20"),),
@@ -227,5 +227,5 @@ def _error_of_stumpff(numbers):
 
 def _error_of_quarter(numbers):
     (second,) = numbers
-    m = mpf(sources.named("solution/regimes.py", "_SMALL_M")[0])
+    m = mpf(sources.named("_solver/regimes.py", "_SMALL_M")[0])
     return abs(mp.pi / 4 * m * (1 + second * m) / (2 * mp.ellipk(m) - mp.pi) - 1)

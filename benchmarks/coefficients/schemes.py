@@ -4,11 +4,11 @@ from functools import partial
 
 from mpmath import mp, mpf
 
-from attitude.splitting.schemes import SCHEMES
+from attitude.torques._schemes import SCHEMES
 from benchmarks.coefficients import composition
 from benchmarks.coefficients.table import CoefficientTable
 
-_FILE = "splitting/schemes.py"
+_FILE = "torques/_schemes.py"
 
 
 def tables():

@@ -7,7 +7,7 @@ Taken literally, so with its limits: principal-axis spin divides by zero.
 import numpy as np
 from scipy.special import ellipj, ellipk, ellipkinc
 
-from attitude import quaternion
+from attitude.frames import quaternion
 from benchmarks.peers import Peer
 
 _SMALL = np.finfo(float).eps

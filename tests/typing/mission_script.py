@@ -1,6 +1,6 @@
 """A mission script as a user writes it, for `mypy --strict`: every public class and function.
 
-``tests/test_types.py`` checks it, and runs it.
+``tests/house/test_types.py`` checks it, and runs it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from attitude import (
 )
 from attitude.arcs import AxisCrossesDirection
 from attitude.formats import aem, spin_file, tables
-from attitude.motion import Motion, motion_of
+from attitude.motions._motion import Motion, motion_of
 from attitude.torques import ConstantTorque, GravityGradient, LinearDamping
 
 

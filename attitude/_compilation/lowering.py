@@ -1,0 +1,235 @@
+"""The machine instructions of `instructions` and `pointers`; imported at the first compilation."""
+
+from __future__ import annotations
+
+import inspect
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numba
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.core.caching import NullCache
+from numba.core.ccallback import CFunc
+from numba.extending import lower_builtin, overload, type_callable
+
+from attitude._compilation import error_free, instructions, pointers, simd_lowering
+from attitude._compilation.disk_cache import is_stamped, kept_on_disk
+from attitude._compilation.error_free import is_instruction
+from attitude._compilation.wide_lowering import register_wide
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+
+register_wide()
+
+_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
+_F8, _I8 = types.float64, types.int64
+_POINTER = types.CPointer(_F8)
+_C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
+
+
+def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: bool) -> Any:
+    """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
+    made = kept_on_disk(function, options) if kept else numba.njit(**options)(function)
+    return _without_literals(made)
+
+
+def _without_literals(made: Any) -> Any:
+    """The dispatcher, compiled for the type of an argument, not for its value.
+
+    numba takes a whole number in the source for a type of its own and compiles a callee once more
+    for each value, also for the first value of a variable of a loop: a fifth of all compilations.
+    `Dispatcher.get_call_template` is private; without it, compiling takes longer.
+    """
+    resolve = getattr(made, "get_call_template", None)
+    if resolve is None:
+        return made
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        by_type = {name: types.unliteral(each) for name, each in dict(kws).items()}
+        return resolve(tuple(map(types.unliteral, args)), by_type)
+
+    made.get_call_template = get_call_template
+    return made
+
+
+def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: bool) -> Any:
+    """numba's C function of the type `pointers.C_FUNCTION`; with `kept`, on disk where possible."""
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": fastmath}
+    signature = (_C_FUNCTION.args, _C_FUNCTION.return_type)
+    if kept:
+        with suppress(RuntimeError):  # no folder for the cache
+            made = _StampedCFunc(function, signature, {}, options)
+            made.enable_caching()
+            made.compile()
+            return made
+    return numba.cfunc(_C_FUNCTION, **options)(function)
+
+
+class _StampedCFunc(CFunc):
+    """A C function whose machine code on disk belongs to one state of all sources.
+
+    What `numba.cfunc` makes, whose cache compares the file of the function alone.  The class, its
+    `_cache`, `_pyfunc` and `NullCache` are private names of numba.
+    """
+
+    _cache: Any
+    _pyfunc: Any
+
+    def enable_caching(self) -> None:
+        super().enable_caching()
+        on_disk: Any = self._cache
+        self._cache = on_disk if is_stamped(on_disk, self._pyfunc) else NullCache()
+
+
+def _instruction(function, signature):
+    """Decorator that registers the instructions of a function of doubles and integers."""
+
+    @type_callable(function)
+    def typed(context):
+        def typer(*given):
+            return signature
+
+        typer.pysig = inspect.signature(function)
+        return typer
+
+    return lower_builtin(function, types.VarArg(types.Any))
+
+
+def _llvm(builder, name, arguments):
+    """Call LLVM's intrinsic function of doubles with a name."""
+    function = builder.module.declare_intrinsic(
+        name, [_DOUBLE], ir.FunctionType(_DOUBLE, [_DOUBLE] * len(arguments))
+    )
+    return builder.call(function, arguments)
+
+
+@type_callable(instructions.fma)
+@type_callable(instructions.loop_fma)
+@type_callable(instructions.descending_fma)
+def _fma_type(context):
+    def typer(a, b, c):
+        kind = simd_lowering.lanes_among((a, b, c))
+        if kind is None:
+            return _F8(_F8, _F8, _F8)
+        return kind(*simd_lowering.operands((a, b, c)))
+
+    return typer
+
+
+@lower_builtin(instructions.fma, types.VarArg(types.Any))
+def _fma(context, builder, signature, arguments):
+    if signature.return_type == _F8:
+        if is_instruction("llvm.fma", 3):
+            return _llvm(builder, "llvm.fma", arguments)
+        return error_free.fma_of_any(builder, *arguments)
+    return simd_lowering.fused(builder, signature.return_type, arguments)
+
+
+@lower_builtin(instructions.loop_fma, types.VarArg(types.Any))
+def _loop_fma(context, builder, signature, arguments):
+    if signature.return_type != _F8:
+        return simd_lowering.fused(builder, signature.return_type, arguments)
+    if is_instruction("llvm.fma", 3):
+        return _llvm(builder, "llvm.fma", arguments)
+    return error_free.fma(builder, *arguments)
+
+
+@lower_builtin(instructions.descending_fma, types.VarArg(types.Any))
+def _descending_fma(context, builder, signature, arguments):
+    if signature.return_type != _F8:
+        return simd_lowering.fused(builder, signature.return_type, arguments)
+    if is_instruction("llvm.fma", 3):
+        return _llvm(builder, "llvm.fma", arguments)
+    return error_free.descending_fma(builder, *arguments)
+
+
+@_instruction(instructions.rint, _F8(_F8))
+def _rint(context, builder, signature, arguments):
+    if is_instruction("llvm.rint", 1):
+        return _llvm(builder, "llvm.rint", arguments)
+    return error_free.rint(builder, *arguments)
+
+
+@_instruction(instructions.as_bits, _I8(_F8))
+def _as_bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], _INTEGER)
+
+
+@_instruction(instructions.from_bits, _F8(_I8))
+def _from_bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], _DOUBLE)
+
+
+@_instruction(instructions.larger, _F8(_F8, _F8))
+def _larger(context, builder, signature, arguments):
+    return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
+
+
+@_instruction(instructions.fence, _F8(_F8))
+def _fence(context, builder, signature, arguments):
+    return _llvm(builder, "llvm.arithmetic.fence", arguments)
+
+
+@_instruction(instructions.bits_set, types.uint8(types.uint8))
+def _bits_set(context, builder, signature, arguments):
+    return builder.ctpop(arguments[0])
+
+
+@_instruction(instructions.lowest_bit, types.uint64(types.uint64))
+def _lowest_bit(context, builder, signature, arguments):
+    return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
+
+
+@_instruction(pointers.call, types.void(_I8, _F8, *[_I8] * 5))
+def _call(context, builder, signature, arguments):
+    pointer = _DOUBLE.as_pointer()
+    kind = ir.FunctionType(ir.VoidType(), [_DOUBLE] + [pointer] * 5)
+    function = builder.inttoptr(arguments[0], kind.as_pointer())
+    rest = [builder.inttoptr(each, pointer) for each in arguments[2:]]
+    builder.call(function, [arguments[1], *rest])
+    return context.get_dummy_value()
+
+
+@_instruction(pointers.scratch, _I8())
+def _scratch(context, builder, signature, arguments):
+    found = cgutils.alloca_once(builder, _DOUBLE, size=pointers.SCRATCH)
+    return builder.ptrtoint(found, _INTEGER)
+
+
+@_instruction(pointers.number, _F8(_I8, _I8))
+def _number(context, builder, signature, arguments):
+    return builder.load(_place(builder, _DOUBLE, *arguments))
+
+
+@_instruction(pointers.whole, _I8(_I8, _I8))
+def _whole(context, builder, signature, arguments):
+    return builder.load(_place(builder, _INTEGER, *arguments))
+
+
+@_instruction(pointers.put, types.void(_I8, _I8, _F8))
+def _put(context, builder, signature, arguments):
+    builder.store(arguments[2], _place(builder, _DOUBLE, *arguments[:2]))
+    return context.get_dummy_value()
+
+
+@_instruction(pointers.put_three, types.void(_I8, _I8, _F8, _F8, _F8))
+def _put_three(context, builder, signature, arguments):
+    address, k, *numbers = arguments
+    first = _place(builder, _DOUBLE, address, k)
+    for offset, number in enumerate(numbers):
+        builder.store(number, builder.gep(first, [_INTEGER(offset)]))
+    return context.get_dummy_value()
+
+
+def _place(builder, kind, address, k):
+    """A pointer to the k-th number of a type at an address."""
+    return builder.gep(builder.inttoptr(address, kind.as_pointer()), [k])
+
+
+@overload(pointers.vector, inline="always")
+def _vector(pointer, count):
+    return lambda pointer, count: carray(pointer, (count,))

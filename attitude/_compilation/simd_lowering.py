@@ -1,0 +1,570 @@
+"""The vector instructions of `simd` for numba; imported when the first function is compiled."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from llvmlite import ir
+from llvmlite.binding import llvm_version_info
+from numba import types
+from numba.core import cgutils
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from attitude._compilation import error_free, simd, streaming
+from attitude._compilation.error_free import is_instruction
+
+_DOUBLE = ir.DoubleType()
+_INDEX = ir.IntType(32)
+# LLVM has `llvm.experimental.vector.compress` from this version on.  An earlier one takes the name
+# for a function of another library, whose address is zero.
+_COMPRESSES = 19
+
+
+class LanesType(types.Type):
+    """numba's type of a SIMD vector of `count` doubles; only compiled code has values of it."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        super().__init__(f"lanes({count})")
+
+    @property
+    def vector(self) -> ir.VectorType:
+        """LLVM's type of the vector."""
+        return ir.VectorType(_DOUBLE, self.count)
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, kind.vector)
+
+
+def typed(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Register a typer: a function from the argument types of a function of `simd` to its type."""
+
+    def register(typer):
+        @type_callable(function)
+        def of_context(context):
+            return typer
+
+        return typer
+
+    return register
+
+
+def lowered(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Register the instructions of a function of `simd`."""
+    return lower_builtin(function, types.VarArg(types.Any))
+
+
+@typed(simd.lanes)
+def _lanes_type(numbers):
+    return LanesType(len(numbers))
+
+
+@lowered(simd.lanes)
+def _lanes(context, builder, signature, arguments):
+    kind = signature.return_type
+    made = ir.Constant(kind.vector, ir.Undefined)
+    for k in range(kind.count):
+        one = builder.extract_value(arguments[0], k)
+        made = builder.insert_element(made, one, _INDEX(k))
+    return made
+
+
+@typed(simd.doubles_of)
+def _doubles_type(a):
+    return types.UniTuple(types.float64, a.count)
+
+
+@lowered(simd.doubles_of)
+def _doubles(context, builder, signature, arguments):
+    count = range(signature.return_type.count)
+    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, found)
+
+
+@typed(simd.bits_set_in_bytes)
+def _bits_type(word):
+    return LanesType(8)(types.uint64)
+
+
+@lowered(simd.bits_set_in_bytes)
+def _bits(context, builder, signature, arguments):
+    kind = signature.return_type
+    parts = builder.bitcast(arguments[0], ir.VectorType(ir.IntType(8), kind.count))
+    counted = builder.call(function_named(builder, "llvm.ctpop.v8i8", parts.type, 1), [parts])
+    return builder.uitofp(counted, kind.vector)
+
+
+@typed(simd.every)
+def _every_type(number, like):
+    return like(types.float64, like)
+
+
+@lowered(simd.every)
+def _every_lane(context, builder, signature, arguments):
+    return _spread(builder, signature.return_type, arguments[0])
+
+
+@typed(simd.at_least)
+def _at_least_type(a, least):
+    return a
+
+
+@lowered(simd.at_least)
+def _at_least(context, builder, signature, arguments):
+    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
+    return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
+
+
+@typed(simd.at_most)
+def _at_most_type(a, most):
+    return a
+
+
+@lowered(simd.at_most)
+def _at_most(context, builder, signature, arguments):
+    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
+    return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
+
+
+@typed(simd.chosen)
+def _chosen_type(by, a, b):
+    return a
+
+
+@lowered(simd.chosen)
+def _chosen(context, builder, signature, arguments):
+    return builder.select(_above_zero(builder, arguments[0]), *arguments[1:])
+
+
+@typed(simd.root)
+def _root_type(a):
+    return a
+
+
+@lowered(simd.root)
+def _root(context, builder, signature, arguments):
+    kind = signature.return_type
+    if not isinstance(kind, LanesType):
+        return builder.call(function_named(builder, "llvm.sqrt.f64", _DOUBLE, 1), arguments)
+    function = function_named(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
+    return builder.call(function, arguments)
+
+
+@typed(simd.packed)
+def _packed_type(a, by):
+    return a
+
+
+@lowered(simd.packed)
+def _packed(context, builder, signature, arguments):
+    kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
+    if llvm_version_info[0] < _COMPRESSES:
+        return _packed_one_by_one(builder, arguments[0], mask)
+    shape = ir.FunctionType(kind, [kind, mask.type, kind])
+    name = f"llvm.experimental.vector.compress.v{kind.count}f64"
+    function = builder.module.globals.get(name) or ir.Function(builder.module, shape, name)
+    return builder.call(function, [arguments[0], mask, ir.Constant(kind, [0.0] * kind.count)])
+
+
+def _packed_one_by_one(builder, a, mask):
+    """As the instruction: each lane is stored after those kept, or a zero in its place."""
+    count, place = a.type.count, ir.Constant(_INDEX, 0)
+    memory = cgutils.alloca_once(builder, a.type)
+    zero = ir.Constant(_DOUBLE, 0.0)
+    builder.store(ir.Constant(a.type, [0.0] * count), memory)
+    first = builder.bitcast(memory, _DOUBLE.as_pointer())
+    for k in range(count):
+        kept = builder.extract_element(mask, _INDEX(k))
+        number = builder.select(kept, builder.extract_element(a, _INDEX(k)), zero)
+        builder.store(number, builder.gep(first, [place]))
+        place = builder.add(place, builder.zext(kept, _INDEX))
+    return builder.load(memory)
+
+
+@typed(simd.largest_lane)
+@typed(simd.summed_up)
+def _one_lane_type(a):
+    return types.float64
+
+
+@lowered(simd.summed_up)
+def _summed_up(context, builder, signature, arguments):
+    return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
+
+
+@typed(simd.summed_for_each)
+def _summed_for_each_type(a, like):
+    return like(a, like)
+
+
+@lowered(simd.summed_for_each)
+def _summed_for_each(context, builder, signature, arguments):
+    kind = signature.return_type
+    if isinstance(kind, LanesType):
+        return _added(builder, arguments[0], kind.count)
+    return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
+
+
+def _added(builder, left, count):
+    """The upper half of the lanes is added to the lower one until so many are left."""
+    while left.type.count > count:
+        half = left.type.count // 2
+        low = builder.shuffle_vector(left, left, _picked(range(half)))
+        high = builder.shuffle_vector(left, left, _picked(range(half, 2 * half)))
+        left = builder.fadd(low, high)
+    return left
+
+
+@typed(simd.for_each)
+def _for_each_type(numbers, like):
+    return LanesType(len(numbers) * (like.count if isinstance(like, LanesType) else 1))
+
+
+@lowered(simd.for_each)
+def _for_each(context, builder, signature, arguments):
+    kind = signature.return_type
+    made, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
+    for k in range(kind.count):
+        one = builder.extract_value(arguments[0], k // count)
+        made = builder.insert_element(made, one, _INDEX(k))
+    return made
+
+
+@lowered(simd.largest_lane)
+def _largest(context, builder, signature, arguments):
+    (left,) = arguments
+    half = signature.args[0].count // 2
+    while half:
+        pair = [builder.shuffle_vector(left, left, _picked(range(k, k + half))) for k in (0, half)]
+        left = builder.select(builder.fcmp_ordered(">", *pair), *pair)
+        half //= 2
+    return builder.extract_element(left, _INDEX(0))
+
+
+@typed(simd.positive_bits)
+def _positive_type(a):
+    return types.int64
+
+
+@lowered(simd.positive_bits)
+def _positive(context, builder, signature, arguments):
+    above = builder.bitcast(_above_zero(builder, arguments[0]), ir.IntType(signature.args[0].count))
+    return builder.zext(above, ir.IntType(64))
+
+
+def _above_zero(builder, x):
+    return builder.fcmp_ordered(">", x, ir.Constant(x.type, [0.0] * x.type.count))
+
+
+def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
+    """The instruction for a b + c with one rounding, of vectors and doubles."""
+    arguments = [_spread(builder, kind, each) for each in arguments]
+    if not is_instruction("llvm.fma", 3):
+        return error_free.fma(builder, *arguments)
+    function = function_named(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
+    return builder.call(function, arguments)
+
+
+def lanes_among(kinds: Iterable[Any]) -> LanesType | None:
+    """The type of the longest vectors among the operands, the others being doubles; else None."""
+    kinds = list(kinds)
+    found = [kind for kind in kinds if isinstance(kind, LanesType)]
+    others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
+    return max(found, key=lambda kind: kind.count) if found and not others else None
+
+
+def operands(given: Iterable[Any]) -> Iterable[Any]:
+    """The types as which an operator takes its operands: vectors as they are, else doubles."""
+    return (each if isinstance(each, LanesType) else types.float64 for each in given)
+
+
+def function_named(builder: Any, name: str, kind: Any, count: int) -> Any:
+    """LLVM's function of that name, of `count` values of a type to one."""
+    found = builder.module.globals.get(name)
+    return found or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
+
+
+def _spread(builder, kind, x):
+    """A double in every lane; a vector unchanged, or a shorter one repeated."""
+    if x.type == kind.vector:
+        return x
+    if isinstance(x.type, ir.VectorType):
+        places = [k % x.type.count for k in range(kind.count)]
+        return builder.shuffle_vector(x, x, _picked(places))
+    none = ir.Constant(kind.vector, ir.Undefined)
+    first = builder.insert_element(none, x, _INDEX(0))
+    return builder.shuffle_vector(first, none, _picked([0] * kind.count))
+
+
+def _picked(places):
+    """The mask of a shuffle: the number of the lane that each lane is taken from."""
+    places = list(places)
+    return ir.Constant(ir.VectorType(_INDEX, len(places)), places)
+
+
+def _operator(symbol, instruction):
+    """Register the instruction of an operator on vectors, and on a vector and a double."""
+
+    @typed(symbol)
+    def typer(a, b):
+        kind = lanes_among((a, b))
+        return kind and kind(*operands((a, b)))
+
+    def applied(context, builder, signature, arguments):
+        kind = signature.return_type
+        return getattr(builder, instruction)(*(_spread(builder, kind, a) for a in arguments))
+
+    for pair in ((LanesType, LanesType), (LanesType, types.Float), (types.Float, LanesType)):
+        lower_builtin(symbol, *pair)(applied)
+
+
+_operator(operator.add, "fadd")
+_operator(operator.sub, "fsub")
+_operator(operator.mul, "fmul")
+_operator(operator.truediv, "fdiv")
+
+
+@typed(operator.neg)
+def _negative_type(a):
+    return a if isinstance(a, LanesType) else None
+
+
+@lower_builtin(operator.neg, LanesType)
+def _negative(context, builder, signature, arguments):
+    return builder.fneg(arguments[0])
+
+
+# --------------------------------------------------------------------------------------------------
+# The instructions of `simd` that read and write arrays; imported with `simd_lowering`.
+
+
+@typed(simd.eight)
+def _eight_type(array, i):
+    return LanesType(8) if array.is_contig else None
+
+
+@typed(simd.four)
+def _four_type(array, i):
+    return LanesType(4) if array.is_contig else None
+
+
+@typed(simd.sixteen)
+def _sixteen_type(array, i):
+    return LanesType(16) if array.is_contig else None
+
+
+@lowered(simd.four)
+@lowered(simd.sixteen)
+@lowered(simd.eight)
+def _eight(context, builder, signature, arguments):
+    kind = signature.return_type
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
+
+
+@typed(simd.put_eight)
+def _put_eight_type(array, i, a):
+    return types.void(array, types.intp, a) if array.is_contig else None
+
+
+@lowered(simd.put_eight)
+def _put_eight(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    here = builder.gep(data, [arguments[1]])
+    numbers = arguments[2]
+    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
+    return context.get_dummy_value()
+
+
+@typed(simd.add_in_columns)
+def _add_type(array, i, rows, amounts):
+    return types.void(array, types.intp, rows, amounts) if array.is_contig else None
+
+
+@lowered(simd.add_in_columns)
+def _add_in_columns(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    count = signature.args[2].count
+    numbers = [builder.fptosi(each, ir.VectorType(_INDEX, count)) for each in arguments[2:]]
+    for k in range(count):
+        row, amount = (builder.extract_element(each, _INDEX(k)) for each in numbers)
+        row = builder.zext(builder.mul(row, _INDEX(count)), ir.IntType(64))
+        here = builder.gep(data, [builder.add(arguments[1], row)])
+        here = builder.gep(here, [_INDEX(k)])
+        amount = builder.trunc(amount, ir.IntType(8))
+        builder.store(builder.add(builder.load(here), amount), here)
+    return context.get_dummy_value()
+
+
+# --------------------------------------------------------------------------------------------------
+# The instructions of `simd` on exponents and whole numbers; imported with `simd_lowering`.
+
+# Adding these leaves a whole number below 2^51, or one of eighths below 2^48, in the low bits.
+_WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
+
+
+@typed(simd.truncated)
+def _truncated_type(a):
+    return a
+
+
+@lowered(simd.truncated)
+def _truncated(context, builder, signature, arguments):
+    kind = signature.return_type
+    whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
+    return builder.sitofp(whole, kind.vector)
+
+
+@typed(simd.nearest_eighth)
+def _nearest_type(a):
+    return a
+
+
+@lowered(simd.nearest_eighth)
+def _nearest_eighth(context, builder, signature, arguments):
+    kind = signature.return_type
+    total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
+    return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
+
+
+@typed(simd.inverse_power)
+def _power_type(a):
+    return a
+
+
+@lowered(simd.inverse_power)
+def _inverse_power(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    low = builder.bitcast(_in_low_bits(builder, kind, arguments[0], _EIGHTHS), integers)
+    place = builder.and_(low, ir.Constant(integers, [7] * kind.count))
+    table = ir.Constant(ir.VectorType(_DOUBLE, 8), [2.0 ** (-k / 8.0) for k in range(8)])
+    power = ir.Constant(kind.vector, ir.Undefined)
+    # LLVM makes one permutation of eight such lanes where the processor has it.
+    for k in range(kind.count):
+        one = builder.extract_element(table, builder.extract_element(place, _INDEX(k)))
+        power = builder.insert_element(power, one, _INDEX(k))
+    whole = builder.shl(builder.sub(low, place), ir.Constant(integers, [49] * kind.count))
+    return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
+
+
+@typed(simd.halved)
+def _halved_type(a, times):
+    return a
+
+
+@lowered(simd.halved)
+def _halved(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    times = builder.bitcast(_in_low_bits(builder, kind, arguments[1], _WHOLE), integers)
+    shifted = builder.shl(times, ir.Constant(integers, [52] * kind.count))
+    bits = builder.sub(builder.bitcast(arguments[0], integers), shifted)
+    return builder.bitcast(bits, kind.vector)
+
+
+@typed(simd.exponent)
+def _exponent_type(a):
+    return a
+
+
+@lowered(simd.exponent)
+def _exponent(context, builder, signature, arguments):
+    kind = signature.return_type
+    integers = ir.VectorType(ir.IntType(64), kind.count)
+    # the bits of 3/4, by which the exponents of 3/4 to 3/2 become zero
+    first = ir.Constant(integers, [0x3FE8 << 48] * kind.count)
+    above = builder.sub(builder.bitcast(arguments[0], integers), first)
+    shifted = builder.ashr(above, ir.Constant(integers, [52] * kind.count))
+    return builder.sitofp(shifted, kind.vector)
+
+
+def _in_low_bits(builder, kind, a, number):
+    """The sum with a number that rounds to a multiple of a power of two in the low bits."""
+    return _fenced(builder, kind, builder.fadd(a, _all(kind, number)))
+
+
+def _fenced(builder, kind, a):
+    """The vector, across which the compiler does not reorder sums."""
+    name = f"llvm.arithmetic.fence.v{kind.count}f64"
+    return builder.call(function_named(builder, name, kind.vector, 1), [a])
+
+
+def _all(kind, number):
+    return ir.Constant(kind.vector, [number] * kind.count)
+
+
+# --------------------------------------------------------------------------------------------------
+# The instructions of `streaming` for numba; imported when the first function is compiled.
+
+_INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), streaming.LINE)
+
+
+@type_callable(streaming.past_line)
+def _past_line_type(context):
+    return lambda array: types.intp(array) if array.is_contig else None
+
+
+@lower_builtin(streaming.past_line, types.VarArg(types.Any))
+def _past_line(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    number = builder.udiv(builder.ptrtoint(data, _INTEGER), _INTEGER(8))
+    return builder.urem(number, _INTEGER(streaming.LINE))
+
+
+@type_callable(streaming.copy_line)
+def _copy_line_type(context):
+    def typer(source, i, target, j):
+        if not (source.is_contig and target.is_contig):
+            return None
+        return types.void(source, types.intp, target, types.intp)
+
+    return typer
+
+
+@lower_builtin(streaming.copy_line, types.VarArg(types.Any))
+def _copy_line(context, builder, signature, arguments):
+    places = []
+    for k in (0, 2):
+        data = context.make_array(signature.args[k])(context, builder, arguments[k]).data
+        place = builder.gep(data, [arguments[k + 1]])
+        places.append(builder.bitcast(place, _LINE.as_pointer()))
+    source, target = places
+    _store_line(builder, builder.load(source, align=8), target)
+    return context.get_dummy_value()
+
+
+def _store_line(builder, line, target):
+    stored = builder.store(line, target, align=8 * streaming.LINE)
+    stored.set_metadata("nontemporal", builder.module.add_metadata([ir.IntType(32)(1)]))
+
+
+@type_callable(streaming.put_line)
+def _put_line_type(context):
+    return lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None
+
+
+@lower_builtin(streaming.put_line, types.VarArg(types.Any))
+def _put_line(context, builder, signature, arguments):
+    array, i, line = arguments
+    data = context.make_array(signature.args[0])(context, builder, array).data
+    place = builder.bitcast(builder.gep(data, [i]), _LINE.as_pointer())
+    _store_line(builder, line, place)
+    return context.get_dummy_value()
+
+
+@type_callable(streaming.finish_stores)
+def _finish_stores_type(context):
+    return lambda: types.void()
+
+
+@lower_builtin(streaming.finish_stores)
+def _finish_stores(context, builder, signature, arguments):
+    builder.fence("seq_cst")
+    return context.get_dummy_value()

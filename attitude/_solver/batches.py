@@ -1,0 +1,170 @@
+"""States of B bodies and their attitudes at epochs: in blocks, by one thread or several."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude._solver import evaluation, sensitivities
+from attitude._solver.principal_axes import ASYMMETRY, PrincipalAxes
+from attitude._support import validation
+from attitude._support.blocks import ProgressBar, in_rectangles
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import FloatArray
+
+
+# The constants of so many bodies are computed together: they stay in the second-level cache.
+_BLOCK = 256
+_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
+
+
+class _Prepared(NamedTuple):
+    """Constants of some bodies, and the arrays from which they were computed."""
+
+    constants: NDArray[Any]
+    moments: FloatArray
+    wxyz: FloatArray
+    principal: FloatArray
+
+
+class Batch(NamedTuple):
+    """The states of B bodies.
+
+    Attributes
+    ----------
+    inertia : (B, 3) or (B, 3, 3) array
+        Principal moments about the body axes, or tensors in body axes, whose doubles are exact.
+    wxyz : (B, 4) array
+        Attitudes at t = 0, body to inertial, of any length.
+    omega : (B, 3) array
+        rad/s over the body axes.
+    """
+
+    inertia: FloatArray
+    wxyz: FloatArray
+    omega: FloatArray
+
+    def propagated(
+        self,
+        t: FloatArray,
+        t_low: FloatArray | None,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        sensitivity: Sequence[FloatArray],
+        threads: int,
+    ) -> None:
+        """Fill attitudes, and angular velocities and derivatives where memory is given.
+
+        Shapes: t, t_low (1 or B, T), wxyz (B, 4, T), rates (B, 3, T), sensitivity (B, 3, 9, T).
+        """
+        count, length = len(self.wxyz), t.shape[1]
+        if not count:
+            return
+        if threads != 1:
+            threads = validation.count(threads, "threads")
+        if count * max(length, 1) <= evaluation.EPOCHS and count <= _BLOCK:
+            # nothing to divide: one body at one epoch takes half the time without slices
+            self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), 0, count)
+            return
+
+        def work(part: slice, epochs: tuple[int, int]) -> None:
+            here = part if len(t) > 1 else slice(None)
+            Batch(self.inertia[part], self.wxyz[part], self.omega[part])._fill(
+                t[here],
+                None if t_low is None else t_low[here],
+                wxyz[part],
+                None if rates is None else rates[part],
+                [each[part] for each in sensitivity],
+                epochs,
+                part.start,
+                count,
+            )
+
+        # A piece of work is some milliseconds long, and writes to few pages of memory.
+        span = length if sensitivity else evaluation.EPOCHS
+        bar = ProgressBar("attitudes")
+        in_rectangles(work, count, length, _BLOCK, max(span, 1), evaluation.EPOCHS, threads, bar)
+
+    def _fill(
+        self,
+        t: FloatArray,
+        t_low: FloatArray | None,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        sensitivity: Sequence[FloatArray],
+        span: tuple[int, int],
+        first: int,
+        count: int,
+    ) -> None:
+        """As `propagated`, in one piece, for a span of the epochs.
+
+        For error messages, the first body has the number `first` of `count`.
+        """
+        found = self._prepared(rates is not None, first, count)
+        body = evaluation.evaluated(found.constants, t, t_low, wxyz, rates, *span)
+        if body >= 0:
+            few = body if len(t) > 1 else 0, slice(*span)
+            low = None if t_low is None else t_low[few]
+            evaluation.refuse_epoch(found.constants[body], t[few], low)
+        if sensitivity:
+            tangents = sensitivities.tangents_of(
+                found.moments, found.wxyz, found.principal, found.constants
+            )
+            sensitivities.evaluate(found.constants, tangents, t, t_low, *sensitivity)
+
+    def _prepared(self, rates: bool, first: int, count: int) -> _Prepared:
+        """The constants of the bodies, of which the first one has the number `first` of `count`."""
+        wxyz, omega = self.wxyz, self.omega
+        differences = None
+        if self.inertia.ndim == 2:
+            moments, turning = np.zeros((len(wxyz), 3, 2)), np.zeros((len(wxyz), 3, 2))
+            moments[:, :, 0], turning[:, :, 0] = self.inertia, omega
+            principal = _IDENTITY
+        else:
+            found = PrincipalAxes.of(symmetric_tensors(self.inertia, first, count))
+            turning, differences = found.over_axes(evaluation.writable(omega))
+            moments, principal = found.moments, found.wxyz
+        constants = evaluation.constants_of(
+            moments,
+            wxyz,
+            turning,
+            principal,
+            differences=differences,
+            rates=rates,
+            first=first,
+            count=count,
+        )
+        return _Prepared(constants, moments, wxyz, principal)
+
+
+def symmetric_tensors(
+    tensors: FloatArray, first: int = 0, count: int = 1, *, raises: bool = True
+) -> FloatArray:
+    """Tensors (B, 3, 3) without the rounding of their asymmetry.
+
+    Shapes: tensors (B, 3, 3).
+    """
+    across = np.swapaxes(tensors, 1, 2)
+    with np.errstate(invalid="ignore", over="ignore"):
+        off, largest = (np.abs(each).max(axis=(1, 2)) for each in (tensors - across, tensors))
+        mean = 0.5 * (tensors + across)
+    # one that is not finite, or of which sums overflow
+    bad = ~(off <= ASYMMETRY * largest) | ~np.isfinite(mean).all(axis=(1, 2))
+    if bad.any() and not raises:
+        mean[bad] = np.diag([np.nan] * 3)
+        np.copyto(mean, 0.0, where=bad[:, None, None] & ~np.eye(3, dtype=bool))
+    elif bad.any():
+        k = int(np.flatnonzero(bad)[0])
+        where = f"Tensor {first + k} of {count}" if count > 1 else "The tensor"
+        raise AttitudeError(
+            f"{where} is {tensors[k].tolist()}; give symmetric matrices of finite numbers "
+            "(products of inertia with a minus sign), up to 8e307."
+        )
+    return np.ascontiguousarray(mean)

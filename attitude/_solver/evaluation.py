@@ -1,0 +1,329 @@
+"""Constants and attitudes of freely rotating bodies, by the compiled solution.
+
+It is imported (and, the first time on a machine, compiled) at the first propagation.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._solver import codes, kernel
+from attitude._solver.constants import (
+    classify_all,
+    hyperbolic_all,
+    hyperbolic_rates_all,
+    refine_all,
+    solve_all,
+    trigonometric_all,
+    trigonometric_rates_all,
+    uniform_all,
+)
+from attitude._solver.kernel import attach_all
+from attitude._solver.records import CONSTANTS
+from attitude._support.arrays import frozen, read_only
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from attitude._compilation.decorators import EntryPoint
+    from attitude._support.annotations import FloatArray, IntArray
+
+
+# --------------------------------------------------------------------------------------------------
+# Entry points of the solution: compute the constants of B motions, evaluate them at epochs.
+#
+# All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
+# compiled separately and only when a state needs it: nested in one function, they would be
+# optimised again at every level, for seconds.  ``entry_point.run(...)`` saves the 0.1 us of one
+# more call of a Python function.
+
+# Writable, as in all calls: to numba a read-only array is another type.
+_NO_LOW = np.zeros((1, 4))
+
+
+def prepare_all(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    constants: NDArray[Any],
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    wxyz_low: FloatArray | None = None,
+) -> int:
+    """Fill the constants of B motions.
+
+    Given
+        moments    (B, 3, 2) principal moments, pairs
+        wxyz       (B, 4) body to inertial at the epoch, any length
+        omega      (B, 3, 2) rad/s over the principal axes, pairs
+        principal  (1 or B, 4) unit quaternion, principal axes to given body axes
+        differences  B - A, C - B and D2, pairs, where solution.principal has them to more digits
+                   than follow from the pairs above: (3, 2) of a single motion, or (B, 3, 2) with
+                   NaN for motions without; or None
+        rates      whether the series of the angular velocity are filled too
+        wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
+    Filled
+        constants  (B,) of solution.record.CONSTANTS, zeros at first; `fault` is the code of what
+                   is not physical
+    Returned
+        how many have a fault
+    """
+    low = _NO_LOW if wxyz_low is None else wxyz_low
+    faults, uniform, cancelled = classify_all.run(moments, wxyz, omega, constants)
+    if uniform:
+        uniform_all.run(wxyz, low, principal, constants)
+    tumbling = len(constants) - faults - uniform
+    if tumbling:
+        if differences is not None:
+            _take_differences(differences, constants)
+        if cancelled and (differences is None or differences.ndim == 3):
+            refine_all(constants)
+        hyperbolic = solve_all.run(constants)
+        if hyperbolic < tumbling:
+            trigonometric_all.run(constants)
+            if rates:
+                trigonometric_rates_all.run(constants)
+        if hyperbolic:
+            hyperbolic_all.run(constants)
+            if rates:
+                hyperbolic_rates_all.run(constants)
+        attach_all.run(wxyz, low, principal, constants)
+    return faults
+
+
+def _take_differences(differences, constants):
+    """Fill differences (3, 2) of one motion, or (B, 3, 2) of those that have them and tumble."""
+    if differences.ndim == 2:
+        constants["gaps"], constants["d2"] = differences[:2], differences[2]
+        return
+    known = (constants["form"] != codes.UNIFORM) & ~np.isnan(differences[:, 0, 0])
+    constants["gaps"][known], constants["d2"][known] = differences[known, :2], differences[known, 2]
+    constants["cancelled"][known] = 0  # D2 is exact
+
+
+def evaluate_all(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    first: int,
+    end: int,
+) -> int:
+    """Fill columns of attitudes, and of angular velocities unless rates is None: see `kernel`.
+
+    Returned
+        -1, or the number of a body with an epoch beyond its reach; then not all are filled
+    """
+    # To numba a read-only array is of another type, for which each loop would be compiled anew.
+    constants, t = _read_only(constants), _read_only(t)
+    t_low = None if t_low is None else _read_only(t_low)
+    for form in set(constants["form"].tolist()):
+        body = OF_FORM[form].run(constants, t, t_low, wxyz, rates, first, end, first)
+        if body >= 0:
+            return body
+    return -1
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """The array itself, or a view of one that can be written."""
+    if array.flags.writeable:
+        array = array.view()
+        array.flags.writeable = False
+    return array
+
+
+OF_FORM: dict[int, EntryPoint] = {
+    codes.UNIFORM: kernel.uniform,
+    codes.TRIGONOMETRIC: kernel.trigonometric,
+    codes.HYPERBOLIC: kernel.hyperbolic,
+}
+
+
+# So many epochs, 2 ms of work, are evaluated in one call of compiled code: Python acts on signals,
+# such as that of Ctrl-C, between the calls.
+EPOCHS = 1 << 18
+_NO_FAULT = frozen(np.zeros(0, dtype=np.int64))
+
+_FAULTS = {
+    codes.BAD_MOMENT: (
+        "moments are {moments}; principal moments of inertia must be finite and not negative, "
+        "and at most one of them zero."
+    ),
+    codes.NO_TRIANGLE: (
+        "moments are {moments}; no body has a moment of inertia that exceeds the sum of the other "
+        "two. Check the numbers and their units."
+    ),
+    codes.RATIO_TOO_LARGE: (
+        "moments are {moments}; they may differ by a factor of at most 1e45. Give 0 for the "
+        "moment of an ideal rod about itself."
+    ),
+    codes.SPIN_ABOUT_ROD: (
+        "the angular velocity is {omega} rad/s and the moments are {moments}; the spin about an "
+        "axis without inertia is undefined. Give 0 for that component, or a moment above zero."
+    ),
+    codes.UNEQUAL_ROD: (
+        "moments are {moments}; a body without inertia about one axis is a rod, whose other two "
+        "moments are equal. Give two equal moments, or three above zero."
+    ),
+    codes.BAD_RATE: "the angular velocity is {omega} rad/s; each component must be finite.",
+    codes.LOST_RATE: (
+        "the angular velocity is {omega} rad/s, about the middle axis but for rates below 2^-400 "
+        "(4e-121) of it. They turn the body over in the end, and doubles do not follow them until "
+        "then: give 0 for them, or larger ones."
+    ),
+    codes.BAD_ATTITUDE: "wxyz is {wxyz}; give four finite numbers that are not all zero.",
+}
+
+
+def constants_of(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    *,
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    wxyz_low: FloatArray | None = None,
+    first: int = 0,
+    count: int = 1,
+) -> NDArray[Any]:
+    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
+
+    Shapes: moments, omega (B, 3, 2), wxyz (B, 4), principal (1 or B, 4), differences (3, 2),
+    wxyz_low (B, 4).
+    """
+    constants, faults = prepared(
+        moments, wxyz, omega, principal, differences=differences, rates=rates, wxyz_low=wxyz_low
+    )
+    if faults:
+        k = int(np.flatnonzero(constants["fault"])[0])
+        where = f"State {first + k} of {count}: " if count > 1 else ""
+        raise AttitudeError(where + fault_of(constants[k], moments[k], wxyz[k], omega[k]))
+    return constants
+
+
+def prepared(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    principal: FloatArray,
+    *,
+    differences: FloatArray | None = None,
+    rates: bool = True,
+    wxyz_low: FloatArray | None = None,
+) -> tuple[NDArray[Any], int]:
+    """As `constants_of`, but states that are not physical are counted, not refused.
+
+    Shapes: returns constants (B,).
+    """
+    prepare_all, _ = _compiled()
+    # zeros, two microseconds faster than np.zeros of a record with so many fields
+    constants: NDArray[Any] = np.ndarray(
+        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
+    )
+    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
+    return constants, prepare_all(*given, constants, differences, rates, wxyz_low)
+
+
+def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
+    """Numbers (K,) of the states (B,), given as to `constants_of`, that are not physical."""
+    _compiled()
+    from attitude._solver.constants import classify_all
+
+    constants: NDArray[Any] = np.ndarray(
+        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
+    )
+    given = writable(moments), writable(wxyz), writable(omega)
+    if not classify_all(*given, constants)[0]:
+        return _NO_FAULT
+    return np.flatnonzero(constants["fault"])
+
+
+def fault_of(constants: Any, moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> str:
+    """The sentence on a state that is not physical, with its numbers; arguments as of one body."""
+    return _FAULTS[int(constants["fault"])].format(
+        moments=_listed(moments[:, 0]), wxyz=_listed(wxyz), omega=_listed(omega[:, 0])
+    )
+
+
+def evaluate(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+) -> None:
+    """Fill attitudes and angular velocities of B motions at given epochs.
+
+    Shapes: constants (B,), t, t_low (1 or B, T), wxyz (B, 4, T), rates (B, 3, T).
+    """
+    _, evaluate_all = _compiled()
+    if t.flags.writeable:
+        t = read_only(t)
+    if t_low is not None and t_low.flags.writeable:
+        t_low = read_only(t_low)
+    count = t.shape[1]
+    block = max(EPOCHS // len(constants), 1) if len(constants) > 1 else EPOCHS
+    for first in range(0, count, block):
+        end = first + block if first + block < count else count
+        body = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
+        if body >= 0:
+            row = body if len(t) > 1 else 0
+            refuse_epoch(
+                constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
+            )
+
+
+def evaluated(
+    constants: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    first: int,
+    end: int,
+) -> int:
+    """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code."""
+    _, evaluate_all = _compiled()
+    found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
+    return found
+
+
+def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
+    """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
+    far = np.nanmax(np.abs(t if t_low is None else t + t_low))
+    fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
+    raise AttitudeError(
+        f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
+        "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
+        "epoch."
+    )
+
+
+@cache
+def _compiled():
+
+    return prepare_all, evaluate_all
+
+
+def writable(array: Any) -> Any:
+    """The array, or a contiguous copy of one that is read-only or strided: numba would compile
+    everything anew for its type."""
+    return array if array.flags.writeable and array.flags.c_contiguous else copy_of(array)
+
+
+def copy_of(array: Any) -> Any:
+    """A copy; of records by their bytes, because numpy copies them field by field."""
+    if array.dtype.names is None or not array.flags.c_contiguous:
+        return array.copy()
+    return array.view(np.uint8).copy().view(array.dtype)
+
+
+def _listed(row):
+    return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"

@@ -1,0 +1,235 @@
+"""Loops of splitting integrators with fixed steps, from an epoch or between kept states.
+
+`solution.torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
+"""
+
+from __future__ import annotations
+
+from attitude._compilation.decorators import entry_point, sized_entry_point
+from attitude._compilation.pointers import scratch
+from attitude._solver import march_layout as layout
+from attitude._solver.step import gains, loaded, stored
+from attitude._solver.torqued_step import (
+    accelerations_of,
+    body_of,
+    kick,
+    set_input,
+    torque_at,
+    torqued_step,
+    torques_of,
+)
+
+
+@sized_entry_point
+def march(c, scheme, models, state, start, h, steps, given, kept, every):
+    """Take `steps` steps.
+
+    Given
+        c        (30,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
+        start    number of steps from the epoch to the first, a double; h s, of either sign
+        given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
+                 of the next
+        every    a state is kept after each `every` steps
+    Changed
+        state    (14,) as in solution.step, over the principal axes in ascending order
+    Filled
+        kept     (steps // every, 14)
+    Returned
+        FINE, BAD_TORQUE or TOO_LONG; the seconds at which; and for TOO_LONG the angle turned
+        between torques over the step, rad/s
+    """
+    n = scheme.shape[1] - 1
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
+    now = loaded(state)
+    for step in range(steps):
+        # Products: the bits of a state do not depend on the blocks in which steps are taken.
+        t, end = (start + step) * h, (start + (step + 1)) * h
+        first = samples + step * n * row
+        now, fault, when, turn = torqued_step(
+            body, plan, torques, now, t, end, h, first, row, work, step > 0
+        )
+        if fault != layout.FINE:
+            return fault, when, turn
+        if (step + 1) % every == 0:
+            stored(now, kept[step // every])
+    stored(now, state)
+    return layout.FINE, 0.0, 0.0
+
+
+@sized_entry_point
+def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
+    """States between steps: from kept states by whole steps, then a part of one.
+
+    Given
+        c, scheme, models, h   as in `march`
+        states   (S, 14), starts (S,) numbers of steps from the epoch to them, doubles
+        place    (T,) number of the state before each epoch, ascending
+        steps    (T,) whole steps from there, ascending for each place
+        parts    (T,) s after those, less than a step
+        given    (S, most n + 1, columns) samples at the kicks of whole steps
+        within   (T, n + 1, columns) samples at the kicks of the parts
+    Filled
+        out      (T, 7) wxyz and angular velocity
+    Returned
+        as `march`
+    """
+    n = scheme.shape[1] - 1
+    work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
+    samples, inner = given.ctypes.data, within.ctypes.data
+    body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
+    at, done = -1, 0
+    now = kept = loaded(states[0])
+    i = 0
+    while i < len(place):
+        if place[i] != at:
+            at, done = place[i], 0
+            now = loaded(states[at])
+        # whole steps, then a part of one from the state after them: one call, compiled once
+        t = (starts[at] + done) * h
+        last = done == steps[i]
+        if last:
+            kept, first, part = now, inner + i * (n + 1) * row, parts[i]
+            end = t + part
+        else:
+            first, part = samples + (at * given.shape[1] + done * n) * row, h
+            end = (starts[at] + (done + 1)) * h
+        if not last or part != 0.0:
+            now, fault, when, turn = torqued_step(
+                body, plan, torques, now, t, end, part, first, row, work, False
+            )
+            if fault != layout.FINE:
+                return fault, when, turn
+        if last:
+            q, w, _, _ = now
+            for k in range(4):
+                out[i, k] = q[k]
+            for k in range(3):
+                out[i, 4 + k] = w[k]
+            now, i = kept, i + 1
+        else:
+            done += 1
+    return layout.FINE, 0.0, 0.0
+
+
+@entry_point
+def accelerations(c, models, states, times, given, out):
+    """Angular accelerations at some states.
+
+    Given
+        c, models, given   as in `march`, a row of `given` for each state
+        states   (T, 14), times (T,) s
+    Filled
+        out      (T, 3) rad/s2 over the principal axes
+    Returned
+        as `march`
+    """
+    body, torques = body_of(c), torques_of(models)
+    k1, k2, k3 = gains(body[0])
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    for i in range(len(times)):
+        state = loaded(states[i])
+        w1, w2, w3 = state[1]
+        set_input(body, state, work, 0.0, 0.0, 0.0)
+        if not torque_at(torques, times[i], samples + i * row, work):
+            return layout.BAD_TORQUE, times[i], 0.0
+        a, b, d = accelerations_of(body, work)
+        out[i, 0] = k1 * w2 * w3 + a
+        out[i, 1] = k2 * w3 * w1 + b
+        out[i, 2] = k3 * w1 * w2 + d
+    return layout.FINE, 0.0, 0.0
+
+
+@entry_point
+def kicks(c, models, states, times, lengths, cubes, given, out):
+    """Apply the torques to some states, as in a step.
+
+    Given
+        c, models, given   as in `march`, a row of `given` for each state
+        states   (T, 14), times (T,) s
+        lengths  (T,) s for which the torques act, at a fixed attitude
+        cubes    (T,) s3, coefficient of the force gradient times the cube of the step
+    Filled
+        out      (T, 14) the states after
+    Returned
+        as `march`
+    """
+    body, torques = body_of(c), torques_of(models)
+    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    for i in range(len(times)):
+        state, fine = kick(
+            body,
+            torques,
+            loaded(states[i]),
+            times[i],
+            lengths[i],
+            cubes[i],
+            samples + i * row,
+            work,
+            False,
+        )
+        if not fine:
+            return layout.BAD_TORQUE, times[i], 0.0
+        stored(state, out[i])
+    return layout.FINE, 0.0, 0.0
+
+
+# --------------------------------------------------------------------------------------------------
+# The loop of a splitting integrator with fixed steps over many states of one or many bodies.
+
+
+@entry_point
+def march_members(c, scheme, models, states, start, h, steps, number, parts, given, within, out):
+    """Take `steps` steps with each of N states, and parts of steps to epochs between.
+
+    Given
+        c        (1 or N, 30) numbers of the bodies, scheme (3, n + 1), models (1 or N, M, 5):
+                 `march_layout`
+        start    number of steps from the epoch to the first, a double; h s, of either sign
+        number   (T,) whole steps from the first to the one before each epoch, ascending, at most
+                 `steps`
+        parts    (T,) s after those, less than a step
+        given    (steps n + 1, columns) samples at the kicks of whole steps
+        within   (T, n + 1, columns) samples at the kicks of the parts
+    Changed
+        states   (N, 14) as in solution.step, over the principal axes in ascending order
+    Filled
+        out      (N, T, 7) wxyz and angular velocity
+    Returned
+        FINE, BAD_TORQUE or TOO_LONG; the seconds at which; for TOO_LONG the angle turned between
+        torques over the step, rad/s; and the member
+    """
+    n = scheme.shape[1] - 1
+    work, row = scratch(), layout.ENTRY_BYTES * given.shape[1]
+    samples, inner, plan = given.ctypes.data, within.ctypes.data, (scheme.ctypes.data, n)
+    for m in range(len(states)):
+        body, torques = body_of(c[m if len(c) > 1 else 0]), torques_of(models[m % len(models)])
+        now = kept = loaded(states[m])
+        step, i, follows = 0, 0, False
+        while step < steps or i < len(number):
+            # a whole step, or a part of one to an epoch: one call, compiled once
+            t = (start + step) * h
+            part = i < len(number) and number[i] == step
+            if part:
+                kept, first, length = now, inner + i * (n + 1) * row, parts[i]
+                end, follows = t + length, False
+            else:
+                first, length = samples + step * n * row, h
+                end = (start + (step + 1)) * h
+            if not part or length != 0.0:
+                now, fault, when, turn = torqued_step(
+                    body, plan, torques, now, t, end, length, first, row, work, follows
+                )
+                if fault != layout.FINE:
+                    return fault, when, turn, m
+            if part:
+                q, w, _, _ = now
+                for k in range(4):
+                    out[m, i, k] = q[k]
+                for k in range(3):
+                    out[m, i, 4 + k] = w[k]
+                now, i = kept, i + 1
+            else:
+                step, follows = step + 1, True
+        stored(now, states[m])
+    return layout.FINE, 0.0, 0.0, 0

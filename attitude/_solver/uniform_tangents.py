@@ -1,0 +1,248 @@
+"""Sensitivity of rotations about a fixed axis: spheres, principal axes, rest.
+
+The change dw of the angular velocity obeys dw' = A dw + f with constant A, A^3 = -sigma^2 A, and f
+from a change of the moments (A^2 f = 0):
+
+    dw = dw0 + S A dw0 + V (A^2 dw0 + A f) + t f,    S = sin(sigma t)/sigma, V = (1 - cos)/sigma^2
+
+The change of attitude across L follows from the momentum, eta x L = dL - R (I dw + dI w), that
+along L from the rate along it, which is constant.  So at resonance (a lamina: sigma equals the
+spin) nothing is divided by a difference of frequencies.
+"""
+
+from __future__ import annotations
+
+import math
+
+from attitude._compilation.decorators import force_inlined, subroutine
+from attitude._compilation.instructions import fma
+from attitude._solver.kernel import epoch_pair, turned_by, unit
+from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
+from attitude._solver.series import phase, sincos
+from attitude._solver.twofloat import TWO_PI, add, div, mul, neg, pair, scale, sqrt, square, sub
+
+# Rows of a block.
+COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 * BLOCK
+
+
+@subroutine
+def couplings_of(c):
+    """(Ij - Ik)/Ii of Euler's equations, pairs."""
+    a, b, d = pair(c.moments[0]), pair(c.moments[1]), pair(c.moments[2])
+    return div(sub(b, d), a), div(sub(d, a), b), div(sub(a, b), d)
+
+
+@subroutine
+def _wobble(c, d, couplings):
+    """Fill the frequency of a small wobble: half of sigma, turns per second, and its kind."""
+    one, two, three = couplings
+    x, y, z = pair(c.omega[0]), pair(c.omega[1]), pair(c.omega[2])
+    total = mul(mul(one, two), square(z))
+    total = add(total, mul(mul(two, three), square(x)))
+    total = add(total, mul(mul(one, three), square(y)))
+    d.grows = 1.0 if total[0] > 0.0 else 0.0
+    root = sqrt(total if total[0] > 0.0 else neg(total))
+    found = div(root, scale(TWO_PI, 2.0))
+    d.wobble[0] = math.ldexp(found[0], c.tempo)
+    d.wobble[1] = math.ldexp(found[1], c.tempo)
+
+
+@subroutine
+def _applied(couplings, omega, v):
+    """A v over the principal axes."""
+    return (
+        couplings[0] * (omega[2] * v[1] + omega[1] * v[2]),
+        couplings[1] * (omega[0] * v[2] + omega[2] * v[0]),
+        couplings[2] * (omega[1] * v[0] + omega[0] * v[1]),
+    )
+
+
+@subroutine
+def forced(couplings, omega, moments, m):
+    """f of a unit change of moment m."""
+    wx, wy, wz = omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]
+    if m == 0:
+        return -couplings[0] * wx / moments[0], -wy / moments[1], wz / moments[2]
+    if m == 1:
+        return wx / moments[0], -couplings[1] * wy / moments[1], -wz / moments[2]
+    return -wx / moments[0], wy / moments[1], -couplings[2] * wz / moments[2]
+
+
+@subroutine
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@subroutine
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@subroutine
+def unit_vector(k):
+    """The unit vector of axis k."""
+    return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
+
+
+@subroutine
+def _three(row):
+    return row[0], row[1], row[2]
+
+
+@subroutine
+def fill_uniform(c, d, moments, wxyz, principal):
+    """Fill what the scalars of `uniform_block` multiply.
+
+    Given
+        c, d       records of solution.record and, filled but for this, solution.tangent_record
+        moments    (3) principal moments
+        wxyz, principal  attitude at the epoch, and principal to given body axes
+    """
+    pairs_of = couplings_of(c)
+    _wobble(c, d, pairs_of)
+    couplings = pairs_of[0][0], pairs_of[1][0], pairs_of[2][0]
+    omega = (
+        math.ldexp(c.omega[0, 0], c.tempo),
+        math.ldexp(c.omega[1, 0], c.tempo),
+        math.ldexp(c.omega[2, 0], c.tempo),
+    )
+    speed = math.sqrt(_dot(omega, omega))
+    over = 0.0 if speed == 0.0 else 1.0 / speed
+    axis = omega[0] * over, omega[1] * over, omega[2] * over
+    start = unit(wxyz)
+    along = turned_by(start, turned_by(principal, axis))
+    momentum = _three(d.momentum)
+    squared = _dot(momentum, momentum)
+    back = principal[0], -principal[1], -principal[2], -principal[3]
+    for j in range(COLUMNS):
+        u0, moment = (0.0, 0.0, 0.0), unit_vector(j - 6)
+        u3 = u0
+        if 3 <= j < 6:
+            u0 = turned_by(back, unit_vector(j - 3))
+        elif j >= 6:
+            u3 = forced(couplings, omega, moments, j - 6)
+        u1 = _applied(couplings, omega, u0)
+        u2 = _applied(couplings, omega, u1)
+        more = _applied(couplings, omega, u3)
+        u2 = u2[0] + more[0], u2[1] + more[1], u2[2] + more[2]
+        _put_rates(d, j, 0, principal, u0)
+        _put_rates(d, j, 1, principal, u1)
+        _put_rates(d, j, 2, principal, u2)
+        _put_rates(d, j, 3, principal, u3)
+        _put_turn(d, j, 0, (start, principal), moments, axis, (u0, omega, moment))
+        _put_turn(d, j, 1, (start, principal), moments, axis, (u1, omega, (0.0, 0.0, 0.0)))
+        _put_turn(d, j, 2, (start, principal), moments, axis, (u2, omega, (0.0, 0.0, 0.0)))
+        _put_turn(d, j, 3, (start, principal), moments, axis, (u3, omega, (0.0, 0.0, 0.0)))
+        rate = _dot(axis, u0)
+        still = turned_by(start, turned_by(principal, u0))
+        for k in range(3):
+            if squared == 0.0:
+                d.uniform[0, k, j] = 1.0 if j == k else 0.0
+                d.uniform[1, k, j] = still[k]
+            else:
+                one = 1.0 if j == k else 0.0
+                d.uniform[0, k, j] = one - d.uniform[2, k, j]
+                d.uniform[1, k, j] = along[k] * rate
+
+
+@subroutine
+def _put_rates(d, j, row, principal, v):
+    v = turned_by(principal, v)
+    for k in range(3):
+        d.uniform_rates[row, k, j] = v[k]
+
+
+@subroutine
+def _put_turn(d, j, row, turns, moments, axis, change):
+    """Fill -L x R0 v / L^2 and the same of v a quarter turn later, v = I u + dI w across L."""
+    u, omega, moment = change
+    start, principal = turns
+    v = (
+        moments[0] * u[0] + moment[0] * omega[0],
+        moments[1] * u[1] + moment[1] * omega[1],
+        moments[2] * u[2] + moment[2] * omega[2],
+    )
+    momentum = _three(d.momentum)
+    squared = _dot(momentum, momentum)
+    over = 0.0 if squared == 0.0 else -1.0 / squared
+    now = _cross(momentum, turned_by(start, turned_by(principal, v)))
+    later = _cross(momentum, turned_by(start, turned_by(principal, _cross(axis, v))))
+    for k in range(3):
+        d.uniform[2 + row, k, j] = over * now[k]
+        d.uniform[6 + row, k, j] = over * later[k]
+
+
+@force_inlined
+def uniform_block(c, d, t, t_low, block):
+    """Fill seconds, cosine and sine of the turn, S and V of a block.
+
+    Arguments as in solution.tangents.
+    """
+    gh, gl = c.precession[0], c.precession[1]
+    for i in range(len(t)):
+        time, low = epoch_pair(t, t_low, i)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
+        sine, cosine = sincos(s, lo)
+        block[SECONDS + i] = time + low
+        block[COSINE + i] = fma(-2.0 * sine, sine, 1.0)
+        block[SINE + i] = 2.0 * sine * cosine
+    _wobbles(d, t, t_low, block)
+
+
+@subroutine
+def _wobbles(d, t, t_low, block):
+    """Fill the rows of S and V."""
+    fh, fl = d.wobble[0], d.wobble[1]
+    half = 2.0 * math.pi * fh
+    over = 0.0 if fh == 0.0 else 1.0 / half
+    for i in range(len(t)):
+        time, low = epoch_pair(t, t_low, i)
+        seconds = time + low
+        if fh == 0.0:
+            swing, lift = seconds, 0.5 * seconds * seconds
+        else:
+            if d.grows != 0.0:
+                sine = math.sinh(half * seconds)
+                cosine = math.sqrt(1.0 + sine * sine)
+            else:
+                s, lo, _ = phase(fh, fl, 0.0, 0.0, time, low, 1.0)
+                sine, cosine = sincos(s, lo)
+            swing, lift = over * sine * cosine, 0.5 * (over * sine) * (over * sine)
+        block[SWING + i] = swing
+        block[LIFT + i] = lift
+
+
+@subroutine
+def _sum(u, k, j, first, swing, lift, seconds):
+    return fma(u[first + 1, k, j], swing, u[first, k, j]) + fma(
+        u[first + 2, k, j], lift, u[first + 3, k, j] * seconds
+    )
+
+
+@force_inlined
+def uniform_column(d, j, block, x, y, z):
+    """Fill the change of attitude over inertial axes with parameter j (solution.columns)."""
+    u = d.uniform
+    for i in range(len(x)):
+        seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]
+        cosine, sine = block[COSINE + i], block[SINE + i]
+        a = fma(u[1, 0, j], seconds, u[0, 0, j])
+        b = fma(u[1, 1, j], seconds, u[0, 1, j])
+        c = fma(u[1, 2, j], seconds, u[0, 2, j])
+        a = fma(sine, _sum(u, 0, j, 6, swing, lift, seconds), a)
+        b = fma(sine, _sum(u, 1, j, 6, swing, lift, seconds), b)
+        c = fma(sine, _sum(u, 2, j, 6, swing, lift, seconds), c)
+        x[i] = fma(cosine, _sum(u, 0, j, 2, swing, lift, seconds), a)
+        y[i] = fma(cosine, _sum(u, 1, j, 2, swing, lift, seconds), b)
+        z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
+
+
+@force_inlined
+def uniform_rate_column(d, j, block, x, y, z):
+    """Fill the change of the angular velocity, rad/s over the given body axes."""
+    u = d.uniform_rates
+    for i in range(len(x)):
+        seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]
+        x[i] = _sum(u, 0, j, 0, swing, lift, seconds)
+        y[i] = _sum(u, 1, j, 0, swing, lift, seconds)
+        z[i] = _sum(u, 2, j, 0, swing, lift, seconds)

@@ -1,0 +1,1 @@
+"""What every subject needs: checks of input, arrays, pairs of doubles, blocks, text of numbers."""

@@ -1,0 +1,158 @@
+"""Values that do not change: read-only arrays, also after copying, pickling and unpickling.
+
+A class whose constructor converts its arguments (text, Quantities and lists to arrays in SI units)
+writes its ``__init__`` and annotates it with the types that callers pass; the attributes in the
+class body are annotated with the types that the object holds.  Such a dataclass is made with
+``init=False``: the generated ``__init__`` would have one annotation for both.  A private attribute
+is declared in ``__init__`` as ``self._name: Type``: in the class body it would be a field.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+
+
+Array = TypeVar("Array", bound=NDArray[Any])
+
+# Entries that are copied at a time.
+_PART = 1 << 20
+
+
+def frozen(array: Array) -> Array:
+    """The array itself, made read-only in place."""
+    array.setflags(write=False)
+    return array
+
+
+def read_only(array: Array) -> Array:
+    """A read-only view.
+
+    Compiled code takes read-only arrays throughout: to numba a writable array has another type,
+    for which every function would be compiled once more.
+    """
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def copied(array: Array) -> Array:
+    """A copy, made in parts: Python acts on signals, such as that of Ctrl-C, between two of them.
+
+    The first write to each page of new memory costs more than the copy: 0.1 s for 5e7 doubles.
+    """
+    if array.size <= _PART:
+        return array.copy(order="K")
+    copy = np.empty_like(array)
+    put(copy, array)
+    return copy
+
+
+def put(target: NDArray[Any], source: NDArray[Any]) -> None:
+    """Copy an array (..., N) or (..., N, K) into one of the same shape, in parts as `copied`."""
+    if target.size <= _PART:
+        target[...] = source
+        return
+    axis = target.ndim - 1 if target.ndim < 2 or target.shape[-1] > target.shape[-2] else -2
+    before = (slice(None),) * (axis % target.ndim)
+    length = target.shape[axis]
+    step = max(length * _PART // target.size, 1)
+    for first in range(0, length, step):
+        part = (*before, slice(first, first + step))
+        target[part] = source[part]
+
+
+class Immutable:
+    """Base of objects whose attributes cannot be assigned; values computed on demand are cached."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{type(self).__name__} does not change; make a new one.")
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # A pickle of a numpy array does not record that the array is read-only.
+        for name, value in state.items():
+            object.__setattr__(self, name, _refrozen(value))
+
+    def _set(self, name: str, value: Any) -> Any:
+        """Assign in a constructor, or cache a value computed on demand; return the value."""
+        object.__setattr__(self, name, value)
+        return value
+
+    def _set_all(self, **values: Any) -> None:
+        """Assign several attributes in a constructor, in a fifth of the time."""
+        self.__dict__.update(values)
+
+
+class Valued(Immutable):
+    """Base of objects that are equal, and have one hash, if their values are.
+
+    A class names the attributes that are its value in `_value`.
+    """
+
+    _value: tuple[str, ...] = ()
+
+    def _key(self) -> tuple[Any, ...]:
+        return tuple(_comparable(getattr(self, name)) for name in self._value)
+
+    def __eq__(self, other: object) -> bool:
+        if self is other or not self._value:
+            return self is other
+        return (
+            isinstance(other, Valued) and type(self) is type(other) and self._key() == other._key()
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, self._key())) if self._value else object.__hash__(self)
+
+
+def _comparable(value: Any) -> Any:
+    """An array as its shape and bytes, in which both zeros are one; anything else as it is."""
+    if not isinstance(value, np.ndarray):
+        return tuple(map(_comparable, value)) if isinstance(value, (tuple, list)) else value
+    return value.shape, np.ascontiguousarray(value + 0.0).tobytes()
+
+
+def _refrozen(value: Any) -> Any:
+    return frozen(value) if isinstance(value, np.ndarray) else value
+
+
+# --------------------------------------------------------------------------------------------------
+# Memory for results, of large pages where that is cheaper, and views with other orders of axes.
+
+# Bytes of a large page, and the least size of an array for which numpy requests such pages.
+_PAGE = 1 << 21
+_LARGE = 1 << 22
+_DOUBLE = 8
+
+
+def new_array(*shape: int) -> FloatArray:
+    """An array of doubles whose entries are not set yet.
+
+    The first write to each page of new memory costs 0.5 ns a byte with the usual pages of 4 KB, and
+    0.1 ns with large ones (benchmarks/memory.py).  numpy requests large pages from Linux, which
+    needs them at multiples of their size: in an array that begins elsewhere the pages at both
+    ends stay small, a quarter of an array of 8 MB.
+    """
+    count = math.prod(shape)
+    if count * _DOUBLE < _LARGE:
+        return np.empty(shape)
+    # so much longer that the first and the last large page lie within the memory
+    memory = np.empty(count + 2 * _PAGE // _DOUBLE)
+    first = -memory.ctypes.data % _PAGE // _DOUBLE
+    return memory[first : first + count].reshape(shape)
+
+
+def components_last(array: FloatArray) -> FloatArray:
+    """A view (..., k) of an array (k, ...), as ``numpy.moveaxis(array, 0, -1)``, by few calls."""
+    return array.T if array.ndim <= 2 else array.transpose(*range(1, array.ndim), 0)
+
+
+def components_first(array: FloatArray) -> FloatArray:
+    """A view (k, ...) of an array (..., k), as ``numpy.moveaxis(array, -1, 0)``, by few calls."""
+    return array.T if array.ndim <= 2 else array.transpose(-1, *range(array.ndim - 1))

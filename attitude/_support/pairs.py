@@ -1,0 +1,64 @@
+"""Sums and products of float64 arrays in two doubles, exact or to 2 eps squared.
+
+A pair (hi, lo) stands for hi + lo with |lo| at most half a unit in the last place of hi; hi and lo
+are floats or arrays.  `solution.twofloat` has the same functions for compiled code.
+
+Source: Dekker, Numer. Math. 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+
+    Doubles: TypeAlias = float | FloatArray
+    Pair: TypeAlias = tuple[Any, Any]
+
+
+def two_sum(a: Doubles, b: Doubles) -> Pair:
+    """a + b as the rounded sum and its rounding error, exactly."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
+def add(pair: tuple[Doubles, Doubles], term: Doubles, low: Doubles = 0.0) -> Pair:
+    """The sum (hi, lo) of a pair and term + low, to 2 eps squared of the largest of them."""
+    total, error = two_sum(pair[0], term)
+    return two_sum(total, error + (pair[1] + low))
+
+
+def product(a: Doubles, b: Doubles) -> Pair:
+    """a b as the rounded product and its rounding error, exactly; |a| and |b| below 1e299."""
+    p = a * b
+    (a, a_low), (b, b_low) = _halves(a), _halves(b)
+    return p, ((a * b - p) + a * b_low + a_low * b) + a_low * b_low
+
+
+def times(a: tuple[Doubles, Doubles], b: tuple[Doubles, Doubles]) -> Pair:
+    """The product of two pairs, to 8 eps squared."""
+    p, e = product(a[0], b[0])
+    return two_sum(p, e + (a[0] * b[1] + a[1] * b[0]))
+
+
+def root(a: tuple[Doubles, Doubles]) -> Pair:
+    """The square root of a pair a > 0, to 4 eps squared."""
+    r = a[0] ** 0.5
+    p, e = product(r, r)
+    return two_sum(r, (((a[0] - p) - e) + a[1]) / (2.0 * r))
+
+
+def quotient(a: tuple[Doubles, Doubles], b: tuple[Doubles, Doubles]) -> Pair:
+    """The quotient a / b of two pairs, to 8 eps squared."""
+    q = a[0] / b[0]
+    p, e = product(q, b[0])
+    return two_sum(q, ((((a[0] - p) - e) + a[1]) - q * b[1]) / b[0])
+
+
+def _halves(x: Doubles) -> Pair:
+    """x as two numbers of 26 bits each."""
+    big = 134217729.0 * x
+    high = big - (big - x)
+    return high, x - high

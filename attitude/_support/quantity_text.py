@@ -1,0 +1,114 @@
+"""Numbers followed by a unit, as text: one grammar for arguments, files and the command line.
+
+`validation.real` reads every text with it.
+
+>>> numbers_and_unit("14.51, 33.529, -98.709 deg/day", "rate")
+(['14.51', '33.529', '-98.709'], 'deg/day')
+>>> str(unit_of("rpm", "rate"))
+'cycle / min'
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING
+
+from attitude._support.quoting import quoted
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from astropy.units import UnitBase
+
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_BETWEEN = r"(?:\s*,\s*|\s+)"
+_NUMBERS = re.compile(rf"\s*({_NUMBER}(?:{_BETWEEN}{_NUMBER})*)\s*([^-+.,0-9\s].*)?")
+# Common spellings that astropy does not read.
+_SPELLINGS = {
+    "seconds": "s",
+    "minutes": "min",
+    "hours": "h",
+    "days": "day",
+    "weeks": "week",
+    "years": "yr",
+    "degrees": "deg",
+    "radians": "rad",
+    "rpm": "cycle/min",
+    "rev": "cycle",
+    "revolutions": "cycle",
+}
+# Common units with the factors by which astropy converts them, to the bit: reading them does not
+# import astropy, which takes 0.1 s.
+_TIMES = {"s": 1.0, "min": 60.0, "h": 3600.0, "hour": 3600.0, "d": 86400.0, "day": 86400.0}
+_TURNS = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "cycle": 2.0 * math.pi}
+_COMMON = {
+    "rad": {**_TURNS, "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0},
+    "s": {**_TIMES, "ms": 1e-3, "week": 604800.0, "yr": 31557600.0},
+    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3},
+    "m/s": {"m/s": 1.0, "km/s": 1e3},
+    "kg": {"kg": 1.0},
+    "kg m2": {"kg m2": 1.0, "kg m^2": 1.0},
+    "rad/s": {
+        f"{turn}/{time}": size / each
+        for turn, size in _TURNS.items()
+        for time, each in _TIMES.items()
+    },
+}
+_WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
+
+
+def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
+    """The numbers of a text, as they are written, and its unit, "" if it has none.
+
+    `name` is the name of the value in the error message.
+    """
+    found = _NUMBERS.fullmatch(text)
+    if found is None:
+        raise AttitudeError(
+            f"{name} is {quoted(text)}, which is not a number with a unit that astropy knows; "
+            'write it like "14.5 deg/day" or "14.51, 33.529, -98.709 deg/day".'
+        )
+    numbers, unit = found.groups()
+    return re.split(_BETWEEN, numbers), (unit or "").strip()
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is one or several numbers followed by a word, such as "3 d"."""
+    found = _NUMBERS.fullmatch(text)
+    unit = found and found.group(2)
+    return unit is not None and re.search(r"(?<![A-Za-z*^-])[0-9]", unit) is None
+
+
+def common_factor(text: str, target: str | None) -> float | None:
+    """What converts numbers in a common unit to `target`; None for a unit to be read by `unit_of`.
+
+    >>> common_factor("km", "m"), common_factor("deg", "s")
+    (1000.0, None)
+    """
+    return _COMMON.get(target or "", {}).get(_spelled(text).replace(" / ", "/"))
+
+
+def _spelled(text: str) -> str:
+    return _WORD.sub(lambda word: _SPELLINGS[word.group()], text)
+
+
+def unit_of(text: str, name: str) -> UnitBase:
+    """The astropy unit with a name; plurals, "rpm" and "rev" are known too.
+
+    `name` is the name of the value in the error message.
+    """
+    from astropy import units
+
+    guess = None
+    try:
+        found = units.Unit(_spelled(text))
+        if isinstance(found, units.UnitBase):  # no structure of units, no logarithm of one
+            return found
+    except (ValueError, TypeError, ArithmeticError, RecursionError) as err:
+        # Only the guess in astropy's message helps here.
+        guess = re.search(r"Did you mean (.{1,60}?)\?", str(err))
+    raise AttitudeError(
+        f"{name} is in {quoted(text)}, which is not a unit that astropy knows"
+        + (f" (did you mean {guess.group(1)}?)." if guess else ".")
+    ) from None

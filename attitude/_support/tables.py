@@ -1,0 +1,102 @@
+"""Tables of astropy whose columns of vectors are written to CSV as a column for each component.
+
+Importing this module imports astropy, so modules import it inside the functions that make tables.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any, ClassVar
+
+import numpy as np
+from astropy.table import QTable
+
+from attitude.errors import AttitudeError
+
+
+class FlatTable(QTable):
+    """A QTable; `write` to CSV splits columns of vectors, and `to_pandas` too.
+
+    Attributes
+    ----------
+    flat_names : dict
+        Names of the components by the name of a column; otherwise name_0, name_1 and so on.
+    """
+
+    flat_names: ClassVar[dict[str, tuple[str, ...]]] = {
+        "wxyz": ("w", "x", "y", "z"),
+        "angular_velocity": ("omega_x", "omega_y", "omega_z"),
+        "sigma": ("sigma_x", "sigma_y", "sigma_z"),
+        "sigma_angular_velocity": ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z"),
+    }
+
+    def flat(self) -> QTable:
+        """The table with one column for each component of vectors.
+
+        The names of columns in other units than SI end in the unit, as in "elevation [deg]".
+        """
+        found = QTable(meta=self.meta)
+        for name in self.colnames:
+            column = self[name]
+            unit = _unit_in_name(column)
+            if len(column.shape) == 1:
+                found[name + unit] = column
+                continue
+            width = int(np.prod(column.shape[1:]))
+            rows = column.reshape(len(self), width)
+            known = self.flat_names.get(name, ())
+            names = known if len(known) == width else [f"{name}_{k}" for k in range(width)]
+            for k, part in enumerate(names):
+                found[part + unit] = rows[:, k]
+        return found
+
+    def write(self, *given: Any, **options: Any) -> None:
+        """As `astropy.table.Table.write`; to CSV the columns of `flat`."""
+        kind = options.get("format", "")
+        if not kind and given and isinstance(given[0], (str, os.PathLike)):
+            kind = os.path.splitext(os.fspath(given[0]))[1].lstrip(".")
+        plain = self.flat() if str(kind).lower().split(".")[-1] == "csv" else QTable(self)
+        plain.write(*given, **options)
+
+    def to_pandas(self, *given: Any, **options: Any) -> Any:
+        """A pandas DataFrame: times as UTC, the columns of `flat`, units in ``.attrs``."""
+        try:
+            import pandas
+        except ImportError as err:
+            raise AttitudeError(
+                "a DataFrame needs pandas, which is not installed; run pip install pandas, or use "
+                ".table()."
+            ) from err
+        from astropy.time import Time
+
+        columns, units = {}, {}
+        plain = self.flat()
+        for name in plain.colnames:
+            column = plain[name]
+            if isinstance(column, Time):
+                columns[name] = pandas.to_datetime(_utc(column), utc=True)
+                continue
+            unit = getattr(column, "unit", None)
+            if unit is not None:
+                units[name] = str(unit)
+            columns[name] = np.array(getattr(column, "value", column))
+        frame = pandas.DataFrame(columns, *given, **options)
+        frame.attrs.update(units=units)
+        return frame
+
+
+def _unit_in_name(column: Any) -> str:
+    """The unit of a column in brackets if numbers in it are not those in SI units, radians, mag."""
+    unit = getattr(column, "unit", None)
+    if unit is None or unit.decompose().scale == 1.0:
+        return ""
+    return f" [{unit}]"
+
+
+def _utc(time: Any) -> Any:
+    """Times as datetime64 of UTC; NaT where masked."""
+    known = ~np.asarray(np.ma.getmaskarray(np.ma.asarray(time.mask)) | time.mask, dtype=bool)
+    found = np.full(time.shape, np.datetime64("NaT"), dtype="datetime64[ns]")
+    if np.any(known):
+        found[known] = np.asarray(time[known].utc.datetime64)
+    return found

@@ -1,0 +1,356 @@
+"""Check the numbers that callers give, once: shape, unit, finiteness.
+
+All other code works on float64 arrays in SI units and radians.  No function here changes a value
+except by converting it to the unit of the result.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import numbers
+from collections.abc import Collection, Sequence
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from attitude._support import quantity_text
+from attitude._support.quoting import quoted
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from attitude._support.annotations import BoolArray, FloatArray, Real, Reals
+
+
+Choice = TypeVar("Choice")
+
+# Types of entries that need no conversion of unit and no check.
+_NUMBERS = {int, float}
+# Up to so many numbers, a sum of Python's floats is faster than a function of numpy.
+_FEW = 16
+
+
+def real(
+    value: Reals,
+    name: str,
+    *,
+    shape: Sequence[int | EllipsisType] | None = None,
+    unit: str | None = None,
+    finite: bool = True,
+) -> FloatArray:
+    """The value as a new float64 array."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        array: FloatArray = value.copy("K")
+    else:
+        array = _floats(value, name, unit)
+    if shape is not None and array.shape != shape and not _fits(array.shape, shape):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
+    if finite and not is_finite(array):
+        bad = array[~np.isfinite(array)].flat[0]
+        raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
+    return array
+
+
+def is_finite(array: FloatArray) -> bool:
+    """Whether all numbers are finite; of few numbers in a fifth of numpy's time."""
+    if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
+        return True
+    return bool(np.isfinite(array).all())
+
+
+def rows(value: Reals, name: str, width: int, *, unit: str | None = None) -> FloatArray:
+    """The value as a float64 array (..., width), not copied if it is one already.
+
+    NaN and infinity pass: the compiled solution checks its input.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        array: FloatArray = value
+    else:
+        array = _floats(value, name, unit)
+    if array.shape[-1:] != (width,):
+        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled((..., width))}.")
+    return array
+
+
+def seconds(value: Reals, name: str) -> FloatArray:
+    """The value as a float64 array of seconds, not copied if it is one already; NaN is allowed."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    if type(value) is float:
+        return np.array(value)
+    return _floats(value, name, "s")
+
+
+def number(value: Real, name: str, *, unit: str | None = None) -> float:
+    """One finite number as a float in `unit`; see `real`."""
+    if type(value) is float and -math.inf < value < math.inf:
+        return value
+    return float(real(value, name, shape=(), unit=unit))
+
+
+def positive(value: Real, name: str, *, unit: str | None = None) -> float:
+    """One finite number greater than zero as a float in `unit`; see `real`."""
+    given = number(value, name, unit=unit)
+    if not given > 0.0:
+        raise AttitudeError(f"{name} is {shown(given)}; it must be greater than zero.")
+    return given
+
+
+def count(value: object, name: str, least: int = 1) -> int:
+    """A whole number of at least `least` as an int; AttitudeError for anything else."""
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= least:
+        return int(value)
+    raise AttitudeError(f"{name} is {shown(value)}; give a whole number, at least {least}.")
+
+
+def generator(seed: int | np.random.Generator, name: str = "seed") -> np.random.Generator:
+    """A numpy Generator of a seed, or the one that is given."""
+    try:
+        return np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise AttitudeError(
+            f"{name} is {shown(seed)}; give a whole number, at least 0, or a numpy Generator."
+        ) from None
+
+
+def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
+    """The value itself if it is among the allowed ones, else an AttitudeError."""
+    if value not in allowed:
+        listed = ", ".join(repr(choice) for choice in allowed)
+        raise AttitudeError(f"{name} is {shown(value)}; it must be one of {listed}.")
+    return value
+
+
+def flag(value: object, name: str) -> bool:
+    """A truth value as a bool: True, False, those of numpy, 1 or 0."""
+    if isinstance(value, (bool, np.bool_, int)) and value in (0, 1):
+        return bool(value)
+    raise AttitudeError(f"{name} is {shown(value)}; it must be True or False.")
+
+
+def broadcast(array: FloatArray, name: str, shape: tuple[int, ...], whose: str) -> FloatArray:
+    """The array broadcast to a shape, read-only; AttitudeError where it cannot be."""
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError as err:
+        raise AttitudeError(
+            f"{name} has shape {array.shape}; give a single number, or one for each {whose}, "
+            f"{shape}."
+        ) from err
+
+
+def refuse_class(value: object, name: str) -> None:
+    """AttitudeError for a class where an object is expected."""
+    if isinstance(value, type):
+        raise AttitudeError(
+            f"{name} is the class {value.__name__}; give an object, made by {value.__name__}(...)."
+        )
+
+
+def unit_vector(value: Reals, name: str) -> FloatArray:
+    """The vector (3,) of length one along a value; AttitudeError for a vector of length zero.
+
+    >>> unit_vector((0, 3e-300, -4e-300), "axis")
+    array([ 0. ,  0.6, -0.8])
+    """
+    vector = real(value, name, shape=(3,))
+    size = np.max(np.abs(vector))
+    if size == 0.0:
+        raise AttitudeError(
+            f"{name} is zero, which has no direction; give a vector of any other length."
+        )
+    vector = vector / size  # so that its square neither overflows nor underflows
+    direction: FloatArray = vector / np.sqrt(vector @ vector)
+    return direction
+
+
+def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
+    if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
+        return _doubles(value, name)
+    if isinstance(value, str):
+        found = _common(value, name, unit)
+        if found is not None:
+            return found
+    mask = _mask_of(value)
+    if mask is not None and np.any(mask):
+        raise AttitudeError(
+            f"{name} has masked entries; give a number for each, or leave them out."
+        )
+    if isinstance(value, str) or _holds(value, str) or _holds_quantities(value):
+        value = _quantity(value, name)
+    elif getattr(value, "unit", None) is not None and not hasattr(value, "to_value"):
+        value = value.quantity if hasattr(value, "quantity") else value  # a column of a table
+    if hasattr(value, "unit") and hasattr(value, "to_value"):
+        value = _in_unit(value, name, unit)
+    try:
+        array = np.asarray(value)
+    except ValueError as err:
+        raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
+    except TypeError as err:
+        raise AttitudeError(f"{name} is {shown(value)}; give real numbers.") from err
+    if array.dtype.kind == "O" and all(map(_is_real, array.flat)):
+        return _doubles(array, name)
+    if array.dtype.kind not in "fiu":
+        raise AttitudeError(
+            f"{name} is {shown(value)}; give real numbers"
+            + (f" in {unit}, or a Quantity." if unit else ".")
+        )
+    return np.array(array, dtype=np.float64)
+
+
+def _is_real(entry: object) -> bool:
+    """Whether an entry of an array of objects is a number."""
+    return isinstance(entry, numbers.Real) and not isinstance(entry, (bool, np.bool_))
+
+
+def _doubles(value: Any, name: str) -> FloatArray:
+    """Numbers of Python as doubles; AttitudeError for whole numbers beyond their range."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        raise AttitudeError(
+            f"{name} is {shown(value)}, beyond the range of doubles; give smaller numbers."
+        ) from None
+
+
+def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
+    """Numbers of a text without a unit, or with a common one that converts; None for others."""
+    words, own = quantity_text.numbers_and_unit(text, name)
+    factor = quantity_text.common_factor(own, unit) if own else 1.0
+    if factor is None:
+        return None
+    found = np.array([float(word) for word in words])
+    return (found if len(found) > 1 else found[0:1].reshape(())) * factor
+
+
+def _mask_of(value: Any) -> BoolArray | None:
+    """The mask of numpy's and of astropy's masked arrays, or None."""
+    if isinstance(value, np.ma.MaskedArray):
+        return np.ma.getmaskarray(value)
+    return np.asarray(value.mask) if hasattr(value, "unmasked") else None
+
+
+def _holds(value, kind):
+    return isinstance(value, (list, tuple)) and any(isinstance(item, kind) for item in value)
+
+
+def _holds_quantities(value):
+    return isinstance(value, (list, tuple)) and any(
+        hasattr(item, "to_value") or _holds_quantities(item) for item in value
+    )
+
+
+def _quantity(value: Any, name: str) -> Any:
+    """Text, or a list of text, Quantities and numbers, as an astropy Quantity."""
+    from astropy import units
+
+    if isinstance(value, str):
+        words, unit = quantity_text.numbers_and_unit(value, name)
+        found = [float(word) for word in words]
+        return units.Quantity(
+            found if len(found) > 1 else found[0], quantity_text.unit_of(unit, name) if unit else ""
+        )
+    try:
+        if isinstance(value, (list, tuple)):
+            # Each entry may have a unit of its own.
+            return units.Quantity([_quantity(item, name) for item in value])
+        return units.Quantity(value)
+    except AttitudeError:
+        raise
+    except (TypeError, ValueError):
+        raise AttitudeError(
+            f"{name} is {shown(value)}, which are not numbers with units that convert to each "
+            'other; write it like "14.5 deg/day".'
+        ) from None
+
+
+def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
+    """The numbers of a Quantity in a unit; without a unit, of a dimensionless Quantity."""
+    from astropy import units
+
+    if unit is None:
+        if quantity.unit.is_equivalent(units.dimensionless_unscaled):
+            return quantity.to_value(units.dimensionless_unscaled)
+        raise AttitudeError(
+            f"{name} is in {quoted(quantity.unit, mark='')}; it must be a pure number."
+        )
+    if quantity.unit == units.dimensionless_unscaled:
+        return quantity.value
+    target = units.Unit(unit)
+    try:
+        return quantity.to_value(target)
+    except ValueError:  # another dimension, or an unknown name that astropy kept from a file
+        raise AttitudeError(
+            f"{name} is in {quoted(quantity.unit, mark='')}; give it in {unit} or a unit that "
+            "converts to it."
+        ) from None
+
+
+def _fits(given, allowed):
+    if allowed and allowed[0] is Ellipsis:
+        tail = allowed[1:]
+        return len(given) >= len(tail) and (not tail or given[-len(tail) :] == tuple(tail))
+    return given == tuple(allowed)
+
+
+def _spelled(shape: Sequence[int | EllipsisType]) -> str:
+    if tuple(shape) == ():
+        return "a single number"
+    return "(" + ", ".join("..." if n is Ellipsis else str(n) for n in shape) + ")"
+
+
+def shown(value: object) -> str:
+    """A value for an error message: its repr on one line, at most 60 characters."""
+    return quoted(value)
+
+
+# --------------------------------------------------------------------------------------------------
+# Calls that fail: of arguments that do not exist, and of packages that are not installed.
+
+# What pip installs, and where: no package index has the package before its release.  From then on
+# "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.
+SOURCE: str = "."
+WHERE: str = ", in a checkout of this project"
+
+
+def installing(extra: str) -> str:
+    """The command that installs the packages of an extra, for the end of a sentence.
+
+    >>> installing("jax")
+    'pip install ".[jax]", in a checkout of this project'
+    """
+    return f'pip install "{SOURCE}[{extra}]"{WHERE}'
+
+
+def check_call(
+    name: str,
+    given: Sequence[Any],
+    named: Mapping[str, Any],
+    *,
+    allowed: Sequence[str],
+    hints: Mapping[str, str],
+    example: str,
+) -> None:
+    """AttitudeError for too many arguments, and for names that the call does not have."""
+    if len(given) <= len(allowed) and (not named or named.keys() <= set(allowed)):
+        return
+    if len(given) > len(allowed):
+        raise AttitudeError(
+            f"{name} is called with {len(given)} arguments; it takes {', '.join(allowed)}, as in "
+            f"{example}."
+        )
+    wrong = next(each for each in named if each not in allowed)
+    advice = hints.get(wrong, f"it takes {', '.join(allowed)}")
+    raise AttitudeError(f"{name} has no argument {wrong}; {advice}, as in {example}.")
+
+
+def show_arguments(cls: type) -> None:
+    """Let `inspect.signature` find the arguments of ``__init__`` where ``__new__`` takes any."""
+    known = inspect.signature(vars(cls)["__init__"])
+    arguments = list(known.parameters.values())[1:]
+    cls.__signature__ = known.replace(  # type: ignore[attr-defined]
+        parameters=arguments, return_annotation=inspect.Signature.empty
+    )

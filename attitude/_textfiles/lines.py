@@ -1,0 +1,199 @@
+"""Text files by line, as a whole, or by their first bytes; errors name the file and the line.
+
+A line ends in a line feed, a carriage return or both.  Text is UTF-8, with or without a byte order
+mark.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, BinaryIO, TypeAlias
+
+import numpy as np
+
+from attitude._support.quoting import quoted
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+# Longest line that is read, bytes; binary and broken files have longer ones.
+LONGEST: int = 20_000
+_RECOGNIZED = 4096
+
+# Makes the error for a line of a file from a sentence and the line's number; None: the last line.
+Fault: TypeAlias = Callable[[str, int | None], AttitudeError]
+
+
+class Lines:
+    """Iterator over the lines of an open file as bytes, without their line ends.
+
+    Attributes
+    ----------
+    path : str
+        Name of the file in error messages.
+    number : int
+        Number of the last line that was read, counted from 1; 0 before the first.
+    """
+
+    def __init__(self, file: BinaryIO | _ReturnsAsFeeds, path: str | os.PathLike[str]):
+        self._file = file
+        self.path: str = os.fspath(path)
+        self.number: int = 0
+
+    def __iter__(self) -> Iterator[bytes]:
+        return self
+
+    def __next__(self) -> bytes:
+        line = self._file.readline(LONGEST + 1)
+        if not line:
+            raise StopIteration
+        self.number += 1
+        if len(line) > LONGEST:
+            raise self.fault(f"the line is longer than {LONGEST} characters; is it a text file?")
+        return line.rstrip(b"\r\n")
+
+    def fault(self, sentence: str, line: int | None = None) -> AttitudeError:
+        """An AttitudeError that begins with the name of the file and the number of the line."""
+        return AttitudeError(f"{self.path}, line {line or self.number or 1}: {sentence}")
+
+    def text(self, line: bytes) -> str:
+        """A line as text; AttitudeError if it is not UTF-8 or holds zero bytes."""
+        try:
+            text = line.decode("utf-8")
+        except UnicodeDecodeError as err:
+            raise self.fault("it is not UTF-8 text; is it a text file?") from err
+        if "\x00" in text:
+            raise self.fault("it holds zero bytes; is it a text file?")
+        return text.removeprefix("\ufeff")
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Lines]:
+    """The `Lines` of a file, which is closed at the end of the block."""
+    try:
+        with open(path, "rb") as file:
+            start = file.peek(1)
+            returns_alone = b"\r" in start and b"\n" not in start
+            yield Lines(_ReturnsAsFeeds(file) if returns_alone else file, path)
+    except OSError as err:
+        raise unreadable(path, err) from err
+
+
+class _ReturnsAsFeeds:
+    """An open binary file whose lines end in carriage returns alone, read with line feeds."""
+
+    def __init__(self, file: BinaryIO):
+        # Latin-1 maps each byte to one character and back.
+        self._text = io.TextIOWrapper(file, encoding="latin-1", newline=None)
+
+    def readline(self, size: int) -> bytes:
+        return self._text.readline(size).encode("latin-1")
+
+
+def of_text(text: str, name: str) -> Lines:
+    """The `Lines` of a text; `name` is the name of the file in error messages."""
+    return Lines(io.BytesIO("\n".join(text.splitlines()).encode("utf-8", "surrogatepass")), name)
+
+
+def whole(path: str | os.PathLike[str], advice: str, encoding: str = "UTF-8") -> str:
+    """The text of a file, its lines ended by line feeds."""
+    try:
+        with open(path, "rb") as file:
+            text = file.read().decode("utf-8-sig" if encoding == "UTF-8" else encoding)
+    except OSError as err:
+        raise AttitudeError(
+            f"{os.fspath(path)}: cannot be read ({err.strerror or err}); {advice}."
+        ) from err
+    except UnicodeError as err:
+        raise AttitudeError(
+            f"{os.fspath(path)}: is not text in {encoding} (byte {getattr(err, 'start', 0)}); "
+            f"{advice}."
+        ) from err
+    except (LookupError, TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"encoding is {cut(encoding)}, which Python does not know; give one such as 'latin-1'."
+        ) from err
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def beginning(path: str | os.PathLike[str]) -> bytes:
+    """The first 4096 bytes of a file without leading blanks: enough to recognize its format."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(_RECOGNIZED).lstrip(b"\xef\xbb\xbf \t\r\n")
+    except OSError as err:
+        raise unreadable(path, err) from err
+
+
+def packaged(name: str) -> str:
+    """The text of a data file of this package, by its path below ``attitude/``."""
+    from importlib import resources
+
+    return resources.files("attitude").joinpath(name).read_text("utf-8")
+
+
+def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:
+    """The AttitudeError for a file that the system refuses to read."""
+    return AttitudeError(f"{os.fspath(path)!r} cannot be read: {err.strerror or err}.")
+
+
+def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArray[np.float64]:
+    """Columns of numbers (N, columns) from the entries of N lines."""
+    try:
+        if b"_" in b"".join(tokens):  # which Python takes for a separator of digits
+            raise ValueError("underscore")
+        return np.array([list(map(float, tokens[place::step])) for place in places]).T
+    except ValueError:
+        for line in range(len(tokens) // step):
+            for column, place in enumerate(places):
+                if not is_number(tokens[line * step + place]):
+                    raise NoNumber(line, column, tokens[line * step + place]) from None
+    # An underscore elsewhere in the line, in an epoch or a name, is allowed.
+    return np.array([list(map(float, tokens[place::step])) for place in places]).T
+
+
+# Characters of a value that a sentence quotes.
+_QUOTED = 40
+
+
+def cut(value: object, mark: str | None = None) -> str:
+    """A value as a sentence quotes it: at most 40 characters.
+
+    In the quotation marks of Python, or in `mark`, which may be empty.
+
+    >>> cut("SC_BODY_1"), cut("x" * 50, "")
+    ("'SC_BODY_1'", 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...')
+    """
+    return quoted(value, _QUOTED, mark)
+
+
+class NoNumber(Exception):
+    """An entry of a column that is not a number.
+
+    Attributes
+    ----------
+    line, column : int
+        Its line and its column among those that `numbers` was given, counted from 0.
+    shown : str
+        The entry in quotes, at most 40 characters of it.
+    """
+
+    def __init__(self, line: int, column: int, token: bytes):
+        super().__init__(line, column, token)
+        self.line: int = line
+        self.column: int = column
+        self.shown: str = repr(token[:40].decode("ascii", "replace"))
+
+
+def is_number(token: bytes) -> bool:
+    """Whether bytes are a number as Python reads it, without underscores between digits."""
+    try:
+        float(token)
+    except ValueError:
+        return False
+    return b"_" not in token

@@ -1,0 +1,429 @@
+"""Equally spaced epochs of any number, computed block by block.
+
+If start or stop is a date, the steps are seconds of UTC (leap seconds count), so that 00:00 is
+followed by 01:00; if both count from the epoch, they are seconds of TDB, as in
+``motion.at(seconds)``.  The two differ by microseconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude._support import pairs, quantity_text
+from attitude.epochs import _inputs, _instants, _time_scales
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+    from attitude.catalog import Entry
+    from attitude.motions._free_rotation import FreeRotation
+    from attitude.paths._path import Path
+
+    Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
+
+
+# A longer table is a mistake: a terabyte of text.
+_MOST_ROWS = 10**10
+_SHORTEST = Fraction(1, 10**9)
+# Seconds since J2000 of the years 0001 to 9999.
+_FIRST, _LAST = -63082281600.0, 252455529600.0
+# The stop is included if a whole number of steps misses it by no more, in steps.
+_ROUNDING = Fraction(1, 10**9)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Epochs start + k step, for k from 0 to count - 1.
+
+    Attributes
+    ----------
+    epoch : Instant
+        From which the seconds of `block` count.
+    start : Instant
+    step : Fraction
+        Seconds, negative for times that run backwards.
+    count : int
+    uniform_in : str
+        "utc" or "tdb": the time scale of the steps.
+    """
+
+    epoch: _instants.Instant
+    start: _instants.Instant
+    step: Fraction
+    count: int
+    uniform_in: str
+
+    def block(self, first: int, count: int) -> Pair:
+        """TDB seconds since the epoch of at most `count` epochs, from number `first` on.
+
+        Shapes: returns hi, lo (N,).
+        """
+        number = np.arange(first, min(first + count, self.count), dtype=np.float64)
+        elapsed = _times(number, self.step)
+        offset = pairs.add(
+            (self.start.seconds, self.start.low), -self.epoch.seconds, -self.epoch.low
+        )
+        seconds = pairs.add(offset, *elapsed)
+        if self.uniform_in == "tdb":
+            return seconds
+        tt0 = _tt(self.start)
+        then = _time_scales.difference_at(*pairs.add(tt0, *elapsed))
+        change = then - _time_scales.difference_at(np.float64(tt0[0]), np.float64(tt0[1]))
+        # The difference from an array and from one number may differ by 5e-15 s.
+        return pairs.add(seconds, np.where(number == 0.0, 0.0, change))
+
+    @property
+    def digits(self) -> int:
+        """Decimals of a second that the dates in UTC need: 0, 3, 6 or 9."""
+        if self.uniform_in == "tdb" and self.count > 1:
+            return 9
+        step = self.step if self.count > 1 else Fraction(0)
+        decimals = re.search(r"\.(\d+)$", self.start.utc_iso)
+        fraction = Fraction("0." + decimals.group(1)) if decimals else Fraction(0)
+        for digits in (0, 3, 6):
+            if (fraction * 10**digits).denominator == (step * 10**digits).denominator == 1:
+                return digits
+        return 9
+
+
+def grid(epoch: _instants.Instant, start: str, stop: str, step: str) -> Grid:
+    """The Grid of the texts of --start, --stop and --step."""
+    pace = duration(step, "--step")
+    if pace == 0:
+        raise AttitudeError('--step is zero; give the time between two rows, like "10 s" or "1 h".')
+    if abs(pace) < _SHORTEST:
+        raise AttitudeError(
+            f"--step is {step}; give at least 1e-9 s, the shortest step that dates resolve."
+        )
+    first, last = _moment(start, "--start"), _moment(stop, "--stop")
+    dated = isinstance(first, _instants.Instant) or isinstance(last, _instants.Instant)
+    uniform_in = "utc" if dated else "tdb"
+    begin = _instant(first, epoch, uniform_in, "--start", start)
+    end = _instant(last, epoch, uniform_in, "--stop", stop)
+    if isinstance(first, Fraction) and isinstance(last, Fraction):
+        span = last - first
+    else:
+        span = _exact(_tt(end)) - _exact(_tt(begin))
+    if span * pace < 0 and abs(span) > _ROUNDING:
+        where = "before" if span < 0 else "after"
+        raise AttitudeError(
+            f"--stop {stop} lies {where} --start {start}, but --step is {step}; exchange the two, "
+            "or change the sign of the step."
+        )
+    count = math.floor(span / pace + _ROUNDING) + 1
+    if count > _MOST_ROWS:
+        raise AttitudeError(
+            f"--step {step} makes {count} rows, more than {_MOST_ROWS}; take a longer step."
+        )
+    return Grid(epoch, begin, pace, max(count, 1), uniform_in)
+
+
+def one(epoch: _instants.Instant, text: str, name: str) -> _instants.Instant:
+    """The Instant of one text, as --start of `grid`; the name begins error messages."""
+    return _instant(_moment(text, name), epoch, "tdb", name, text)
+
+
+def duration(text: str, name: str) -> Fraction:
+    """Seconds as an exact fraction, of text such as "10", "0.1 s" or "3 d"."""
+    numbers, unit = quantity_text.numbers_and_unit(text, name)
+    if len(numbers) != 1:
+        raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
+    length = Fraction(numbers[0])
+    factor = quantity_text.common_factor(unit, "s")
+    if factor is not None:
+        return length * Fraction(repr(factor))
+    if unit:
+        from astropy import units
+
+        try:
+            # The shortest decimal of the factor: 0.001 s for a ms, not the double nearest to it.
+            length *= Fraction(repr(float(quantity_text.unit_of(unit, name).to("s"))))
+        except units.UnitConversionError:
+            raise AttitudeError(
+                f'{name} is {text!r}; give a time, like "10 s", "1 h" or "3 d".'
+            ) from None
+    return length
+
+
+def _moment(text: str, name: str) -> _instants.Instant | Fraction:
+    """A date as Instant, a time after the epoch as Fraction."""
+    if re.match(r"\s*\d{4}-\d", text):
+        return _inputs.instant(text, name)
+    try:
+        return duration(text, name)
+    except AttitudeError as err:
+        if re.match(r"\s*[-+.]?\d", text):
+            raise
+        raise AttitudeError(
+            f'{name} is {text!r}; give a date in UTC like "2026-01-01T00:00:00", or a time after '
+            'the epoch like 3600 or "3 d".'
+        ) from err
+
+
+def _instant(
+    moment: _instants.Instant | Fraction, epoch: _instants.Instant, scale: str, name: str, text: str
+) -> _instants.Instant:
+    if isinstance(moment, _instants.Instant):
+        found = moment
+    else:
+        # Checked before it becomes a float: 10**400 has none.
+        if abs(moment) > Fraction(_LAST - _FIRST):
+            raise _out_of_calendar(name, text)
+        hi = float(moment)
+        lo = float(moment - Fraction(hi))
+        if scale == "tdb":
+            found = epoch.after(hi, lo)
+        elif moment == 0:
+            found = epoch
+        else:
+            tt = pairs.add(_tt(epoch), hi, lo)
+            tdb = _time_scales.tdb_from("tt", np.float64(tt[0]), np.float64(tt[1]))
+            found = _instants.Instant(float(tdb[0]), float(tdb[1]))
+    if not _FIRST <= found.seconds < _LAST:
+        raise _out_of_calendar(name, text)
+    return found
+
+
+def _out_of_calendar(name: str, text: str) -> AttitudeError:
+    return AttitudeError(
+        f"{name} is {text}, which leads out of the years 0001 to 9999; give an epoch within them."
+    )
+
+
+def _tt(instant: _instants.Instant) -> tuple[float, float]:
+    """TT seconds since J2000."""
+    hi, lo = _time_scales.tt_from_tdb(np.float64(instant.seconds), np.float64(instant.low))
+    return float(hi), float(lo)
+
+
+def _exact(pair: tuple[float, float]) -> Fraction:
+    return Fraction(float(pair[0])) + Fraction(float(pair[1]))
+
+
+def _times(number: FloatArray, step: Fraction) -> Pair:
+    """The products of whole numbers below 2**34 and a fraction, as a pair without loss."""
+    # 19 bits of the step at a time, so that each product with a number of 34 bits is exact.
+    hi, lo, rest = 0.0 * number, 0.0 * number, step
+    while rest:
+        part = _leading(rest)
+        rest -= Fraction(part)
+        hi, lo = pairs.add((hi, lo), number * part)
+        if abs(rest) * 2**140 < abs(step):
+            break
+    return hi, lo
+
+
+def _leading(fraction: Fraction) -> float:
+    """The leading 19 bits."""
+    mantissa, exponent = math.frexp(float(fraction))
+    return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
+
+
+# --------------------------------------------------------------------------------------------------
+# ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit.
+
+
+def add_orbit_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options --orbit and --orbit-of."""
+    parser.add_argument(
+        "--orbit",
+        metavar="FILE",
+        help="OEM, TLE, OMM or SPK: the path of the body about the center that it names, where "
+        "attitudes of IN or OUT are relative to axes of the orbit (LVLH, RTN)",
+    )
+    parser.add_argument(
+        "--orbit-of",
+        metavar="NAME",
+        help="the target of an SPK (name or NAIF number), or one satellite of several in a TLE or "
+        "OMM (name or catalogue number)",
+    )
+
+
+def path_of(arguments: argparse.Namespace) -> Path | None:
+    """The path given by the options; None without them."""
+    file, name = arguments.orbit, arguments.orbit_of
+    if file is None:
+        if name is not None:
+            raise AttitudeError("--orbit-of names a body of an orbit; give the file with --orbit.")
+        return None
+    from attitude import paths
+    from attitude.paths import _oem_file, _spk
+
+    kind = _kind(file)
+    if kind == "oem":
+        if name is not None:
+            raise AttitudeError(
+                "--orbit-of has no meaning for an OEM, which holds one body; leave it out."
+            )
+        found = _oem_file.oem(file)
+    elif kind == "spk":
+        if name is None:
+            raise AttitudeError(
+                f"--orbit {file!r} is an SPK, which may hold many bodies; give the one whose "
+                "attitudes are converted with --orbit-of, by its name or NAIF number."
+            )
+        found = _spk.spk(file, int(name) if re.fullmatch(r"-?[0-9]+", name) else name)
+    else:
+        found = getattr(paths, kind)(file, name=name)
+    if found.center == "ssb":
+        raise AttitudeError(
+            f"--orbit {file!r} gives {found.name} relative to the barycenter of the solar system; "
+            "give a file whose center is the body at the focus of the orbit."
+        )
+    return found
+
+
+def _kind(file: str) -> str:
+    """The format of a file of an orbit, from its beginning."""
+    from attitude._textfiles.lines import beginning
+
+    start = beginning(file)
+    for mark, kind in (
+        (rb"DAF/SPK|NAIF/DAF", "spk"),
+        (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),
+        (rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b", "omm"),
+        (rb"(.*\n)?1 .*\n2 ", "tle"),
+    ):
+        if re.match(mark, start, re.DOTALL):
+            return kind
+    raise AttitudeError(
+        f"--orbit {file!r} is in no known format; give an OEM in keyword = value notation, "
+        "two-line elements, an OMM or an SPK."
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# The motion that a command is run for: that of a file, or a completed entry of the catalogue.
+
+# Option of the command line, keyword of catalog.load, unit, help.
+_NUMBERS = (
+    ("--moments", "moments", None, "three moments about the body axes, or their ratios"),
+    ("--P-psi", "P_psi", "s", 'period, such as "6.58 h"'),
+    ("--P-phi", "P_phi", "s", 'period, such as "7.35 h"'),
+    ("--pole", "pole", "rad", 'longitude and latitude, such as "250, -75 deg"'),
+    ("--phi0", "phi0", "rad", 'angle at the epoch, such as "152 deg"'),
+    ("--psi0", "psi0", "rad", 'angle at the epoch, such as "-3 deg"'),
+    ("--wxyz", "wxyz", None, "attitude from body axes to the frame"),
+    ("--angular-velocity", "angular_velocity", "rad/s", 'such as "1, 0, 3 deg/s", body axes'),
+)
+_WORDS = (
+    ("--mode", "mode", "LAM or SAM"),
+    ("--convention", "convention", "L or S: phi of the long or the short axis"),
+    ("--theta-branch", "theta_branch", "acute or obtuse, where psi librates"),
+    ("--epoch", "epoch", "date in UTC"),
+    ("--frame", "frame", "frame of the pole or of wxyz"),
+)
+
+
+class Target(NamedTuple):
+    """A motion with its labels.
+
+    Attributes
+    ----------
+    motion : FreeRotation
+    name : str
+        Of the entry or in the spin file; the file itself if the file has none.
+    source, note : str or None
+    given : tuple of str
+        Options whose values replace or complete those of the entry.
+    """
+
+    motion: FreeRotation
+    name: str
+    source: str | None
+    note: str | None
+    given: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """The name, and which numbers are not those of its sources."""
+        if not self.given:
+            return self.name
+        return f"{self.name}, with {', '.join(self.given)} as given here"
+
+
+_FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
+
+
+def add_target_arguments(parser: argparse.ArgumentParser, files: str = _FILES) -> None:
+    """Add NAME|FILE, and the options that complete an entry of the catalogue."""
+    parser.add_argument(
+        "target", metavar="NAME|FILE", help=f"name in the catalogue (or a part of it), or {files}"
+    )
+    group = parser.add_argument_group("values that an entry of the catalogue lacks")
+    for option, name, _, text in _NUMBERS:
+        group.add_argument(option, dest=name, metavar="NUMBERS", nargs="+", help=text)
+    for option, name, text in _WORDS:
+        group.add_argument(option, dest=name, metavar="WORD", help=text)
+
+
+def is_file(text: str) -> bool:
+    """Whether a target is a file: one that exists, or a name of the form of a path."""
+    from attitude import catalog
+
+    written_so = re.search(r"\.[A-Za-z]\w*$|[/\\]", text) is not None
+    return os.path.isfile(text) or (written_so and not catalog.has(text))
+
+
+def opened(arguments: argparse.Namespace) -> Target:
+    """The Target of parsed arguments."""
+    if is_file(arguments.target):
+        return _from_file(arguments)
+    from attitude import catalog
+
+    entry = catalog.entry(arguments.target)
+    given = tuple(_completing(arguments))
+    sources = "; ".join(entry.sources)
+    return Target(entry.motion(**_given(arguments)), entry.name, sources, entry.note, given)
+
+
+def incomplete(arguments: argparse.Namespace) -> Entry | None:
+    """The entry of the catalogue, if values are missing in it and no option gives one."""
+    if is_file(arguments.target) or _completing(arguments):
+        return None
+    from attitude import catalog
+
+    entry = catalog.entry(arguments.target)
+    return entry if entry.missing else None
+
+
+def _from_file(arguments: argparse.Namespace) -> Target:
+    from attitude.formats import detect
+
+    useless = _completing(arguments)
+    if useless:
+        raise AttitudeError(
+            f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
+            "spin file."
+        )
+    found = detect.read_state(arguments.target)
+    return Target(found.motion, found.name or arguments.target, found.source, found.note)
+
+
+def _given(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of the options."""
+    from attitude._support import validation
+
+    given: dict[str, Any] = {}
+    for option, name, unit, _ in _NUMBERS:
+        words = getattr(arguments, name)
+        if words is not None:
+            found = validation.real(" ".join(words), option, unit=unit)
+            given[name] = found[()] if found.size > 1 else float(found.reshape(()))
+    for _, name, _ in _WORDS:
+        given[name] = getattr(arguments, name)
+    return given
+
+
+def _completing(arguments: argparse.Namespace) -> list[str]:
+    """The options given that complete an entry of the catalogue."""
+    options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]
+    return [option for option, name in options if getattr(arguments, name) is not None]

@@ -1,0 +1,1311 @@
+"""Many freely rotating bodies, each evaluated at epochs of its own or at shared ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import regime as solver_regime
+from attitude._solver import sensitivities
+from attitude._solver.regime import Regime
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.blocks import ProgressBar, in_blocks
+from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
+from attitude.ensemble._arcs import ArcsEnsemble
+from attitude.ensemble._evaluation import EnsembleHistory, MemberDerivatives, MemberGrid, MemberRows
+from attitude.ensemble._members import BLOCK, NO_MODE, Kept, Members
+from attitude.ensemble._torqued import TorquedEnsemble
+from attitude.epochs import _instants
+from attitude.errors import AttitudeError
+from attitude.formats import tables
+from attitude.frames import quaternion
+from attitude.light_curve._magnitudes import SUN_V
+from attitude.motions import _published
+from attitude.motions._body import Body
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._spin import Spin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from astropy.table import QTable
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray, Real, Reals
+    from attitude.ensemble._members import Inertia
+    from attitude.light_curve._visibility import Visibility
+    from attitude.scattering._law import Law
+    from attitude.scene._scene import Scene
+    from attitude.torques._schemes import Scheme
+
+
+# --------------------------------------------------------------------------------------------------
+# The states of N freely rotating bodies: construction, members, parts and joined ensembles.
+
+_KEPT = (
+    *("wxyz", "angular_velocity", "frame", "names", "on_error"),
+    *("_inertia", "_members", "_low", "_start", "_bad"),
+)
+
+
+# --------------------------------------------------------------------------------------------------
+# Attitudes of the members of an ensemble: whole answers and blocks of them.
+
+
+def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
+    """The name of member k of a part whose first member is `first`."""
+    return label(first + k)
+
+
+# --------------------------------------------------------------------------------------------------
+# Modes, periods, ranges and invariants of the members of an ensemble, as arrays.
+
+
+def _periods(rates: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return frozen(np.abs(1.0 / rates))
+
+
+# --------------------------------------------------------------------------------------------------
+# Brightness and magnitudes of the members of an ensemble.
+
+
+# --------------------------------------------------------------------------------------------------
+# Percentiles, histograms and coverage of quantities, without an array of members and epochs.
+
+# Numbers held at a time: 8 MB for each thread.
+_HELD = 1 << 20
+# Epochs that are evaluated together at least, since each part costs a set-up of all members.
+_FEWEST = 16
+# Members that are evaluated together: their attitudes stay in the second-level cache.
+_FEW = 256
+
+
+class Coverage(NamedTuple):
+    """How long, and with what gaps, a quantity of each member is within its bounds.
+
+    Attributes
+    ----------
+    fraction : (N,) array
+        Of the span of epochs: intervals with both ends within count whole, with one end half.
+    longest_gap : (N,) array
+        s; the longest time between two epochs within that follow each other, or between such an
+        epoch and an end of the span; the whole span where none is within.
+    """
+
+    fraction: FloatArray
+    longest_gap: FloatArray
+
+
+def _percentiles(values: FloatArray, percentages: FloatArray, finished: Any) -> FloatArray:
+    """Percentiles (P, T) of rows (T, N), which are reordered."""
+    unknown = np.isnan(values).any(axis=1)
+    if unknown.any():
+        out = np.full((len(percentages), len(values)), np.nan)
+        out[:, ~unknown] = _percentiles(values[~unknown], percentages, finished)
+        for k in np.flatnonzero(unknown):
+            row = values[k][~np.isnan(values[k])]
+            if len(row):
+                out[:, [k]] = _percentiles(row[None], percentages, finished)
+        return out
+    place = percentages / 100.0 * (values.shape[1] - 1)
+    below = np.floor(place).astype(np.int64)
+    ranks = np.concatenate([below, np.minimum(below + 1, values.shape[1] - 1)])
+    # the numbers of two members, of which a quantity may be known by another that grows with it
+    lower, upper = np.split(finished(_of_ranks(values, ranks)), 2, axis=1)
+    found: FloatArray = lower + (upper - lower) * (place - below)
+    return found.T
+
+
+def _of_ranks(values: FloatArray, ranks: IntArray) -> FloatArray:
+    """The numbers (T, R) of given ranks in rows (T, N): a third of the time of a partition."""
+    from attitude.ensemble._quantities import BINS, candidates
+
+    out = np.empty((len(values), len(ranks)))
+    memory = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
+    found, places = np.empty(values.shape[1] + 1), np.empty(len(ranks), dtype=np.int64)
+    for k, row in enumerate(values):
+        count = candidates(row, ranks, *memory, found, places)
+        out[k] = np.sort(found[:count])[places]
+    return out
+
+
+def _covered(within: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Fraction of the span and longest gap (n,) of flags (n, T) at ascending times (1 or n, T)."""
+    steps, span = np.diff(times), times[:, -1] - times[:, 0]
+    ends = 0.5 * (within[:, 1:].astype(np.float64) + within[:, :-1])
+    fraction = np.sum(ends * steps, axis=1) / span
+    # The last time within up to each epoch, and the first one from it on.
+    first, last = times[:, :1], times[:, -1:]
+    seen = np.where(within, times, first)
+    before = np.maximum.accumulate(seen, axis=1)
+    gap = np.max(times[:, 1:] - before[:, :-1], axis=1, where=within[:, 1:], initial=0.0)
+    final = np.where(within.any(axis=1), last[:, 0] - before[:, -1], span)
+    return fraction, np.maximum(gap, final)
+
+
+# --------------------------------------------------------------------------------------------------
+# Where ensembles come from and go to: published periods, tables and files, random draws.
+
+
+def _listed_names(names: Any) -> list[str] | None:
+    return None if names is None else [str(each) for each in np.asarray(names).ravel().tolist()]
+
+
+class Ensemble(Immutable):
+    """The free rotations of N bodies, as arrays.
+
+    Parameters
+    ----------
+    body : Body, or N of them
+        Or moments=, or tensors=.
+    wxyz : (4,) or (N, 4) array_like
+        Quaternions from body axes to `frame`, scalar first; of any length.
+    angular_velocity : (3,) or (N, 3) array_like
+        rad/s over the body axes, or a Quantity.
+    epoch : one epoch, or N
+        As for `Spin`: ISO text in UTC, astropy or skyfield Time, datetime, datetime64.
+    frame : str
+        As for `Spin`.
+    names : N of str, optional
+        Names of the members, which differ from each other.
+    moments : (3,) or (N, 3) array_like
+        Principal moments about the body axes, kg m2.
+    tensors : (3, 3) or (N, 3, 3) array_like
+        Inertia tensors in body axes, kg m2; their doubles are taken as exact, as by `Body`.
+    relative : bool
+        True if the unit of moments or tensors is unknown.
+    on_error : "raise" or "nan"
+        "nan" keeps members with a state that no body has: their attitudes, periods and brightness
+        are NaN, their mode is -1; and epochs beyond the reach of a member give NaN.
+
+    Attributes
+    ----------
+    wxyz : (N, 4) array
+        As given.
+    angular_velocity : (N, 3) array
+        rad/s over the body axes.
+    names : (N,) array of str, or None
+    frame, on_error : str
+
+    Raises
+    ------
+    AttitudeError
+        For members that are not physical, the first of which is named; arrays of different
+        lengths; names given twice.
+
+    Notes
+    -----
+    Attitudes have the bits of `FreeRotation.at`, whatever the ensemble, the order of rows and the
+    number of threads.  Constants of a member are computed anew in each call, in 1.1 us, and are
+    not kept.  benchmarks/ensembles.py measures the cost.
+
+    >>> tops = Ensemble(
+    ...     moments=[(10, 20, 26), (1, 2, 2.5)], wxyz=(1, 0, 0, 0),
+    ...     angular_velocity=[(1, 15, 1), (0.2, 0.1, 0)], epoch="2026-01-01",
+    ... )
+    >>> tops.at([0.0, 30.0, 60.0]).wxyz.shape
+    (2, 3, 4)
+    >>> tops.at([60.0, 5.0, 6.0], member=[0, 1, 1]).wxyz[0].round(6)
+    array([ 0.006059,  0.14546 , -0.019617,  0.989151])
+    >>> tops[0].mode.name, tops.period_psi.round(6)
+    ('SHORT_AXIS', array([ 2.347113, 55.168519]))
+    """
+
+    def arcs(self, changes: Any) -> ArcsEnsemble:
+        """The same states with impulses or changes of inertia: an `ArcsEnsemble`."""
+        return ArcsEnsemble(self, changes)
+
+    def torqued(
+        self, torques: Any, step: Real, scheme: str | Scheme = "kick-rotate-kick"
+    ) -> TorquedEnsemble:
+        """The same states under torques, with one scheme and one step: a `TorquedEnsemble`."""
+        return TorquedEnsemble(self, torques, step, scheme)
+
+    wxyz: FloatArray
+    angular_velocity: FloatArray
+    frame: str
+    names: NDArray[np.str_] | None
+    on_error: str
+
+    def __init__(
+        self,
+        body: Body | Sequence[Body] | None = None,
+        wxyz: Reals | None = None,
+        angular_velocity: Reals | None = None,
+        epoch: Epochs | None = None,
+        frame: str = "icrf",
+        names: Sequence[str] | None = None,
+        *,
+        moments: Reals | None = None,
+        tensors: Reals | None = None,
+        relative: bool = False,
+        on_error: str = "raise",
+    ) -> None:
+        self._inertia: Inertia
+        self._members: Members
+        self._low: FloatArray | None
+        self._start: FloatArray
+        self._bad: IntArray
+        if wxyz is None or angular_velocity is None:
+            missing = "wxyz" if wxyz is None else "angular_velocity"
+            raise AttitudeError(f"{missing} is missing; give one row, or one for each member.")
+        relative = validation.flag(relative, "relative")
+        rates = _members.rows(angular_velocity, "angular_velocity", 3, "rad/s")
+        attitudes = _members.rows(wxyz, "wxyz", 4, None)
+        start = _members.of_members(epoch)
+        given = [each for each in (body, moments, tensors) if each is not None]
+        if len(given) != 1:
+            raise AttitudeError(
+                "an Ensemble takes one of body=, moments= (N, 3) and tensors= (N, 3, 3)."
+            )
+        if moments is not None:
+            found = _members.of_moments(moments, relative)
+        elif body is not None:
+            found = _members.of_bodies(
+                [body] if isinstance(body, Body) else list(_members.listed(body))
+            )
+        else:
+            assert tensors is not None
+            found = _members.of_tensors(tensors, relative)
+        sizes = {
+            {2: "moments", 3: "tensors"}[found.array.ndim] if body is None else "body": found.size,
+            "wxyz": len(attitudes),
+            "angular_velocity": len(rates),
+            "epoch": start.shape[1],
+        }
+        count = _members.count(sizes, names)
+        rates = np.broadcast_to(rates, (count, 3))
+        attitudes = np.broadcast_to(attitudes, (count, 4))
+        self._fill(found, attitudes, None, rates, start, frame, names, on_error)
+
+    def _fill(
+        self,
+        given: _members.Given,
+        wxyz: FloatArray,
+        low: FloatArray | None,
+        rates: FloatArray,
+        start: FloatArray,
+        frame: str,
+        names: Any,
+        on_error: str,
+    ) -> None:
+        """Set the attributes of members, and check them."""
+        self._set("on_error", validation.one_of(on_error, "on_error", ("raise", "nan")))
+        self._set("frame", frames.known(frame))
+        self._set("_start", frozen(start))
+        self._set("_low", low)
+        self._set("names", _members.known_names(names, len(wxyz)))
+        attitude = _members.to_icrf(self.frame, wxyz, low)
+        found, resolved = given.resolved(rates, on_error == "raise")
+        self._set("_inertia", found)
+        self._set("_members", Members(found.moments, found.principal, *resolved, *attitude))
+        self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
+        self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
+        self._check()
+
+    def _check(self) -> None:
+        """Find the members that are not physical, and refuse them unless `on_error` is "nan"."""
+        self._set("_bad", frozen(self._members.faults()))
+        if self.on_error == "raise" and len(self._bad):
+            first = int(self._bad[0])
+            others = len(self._bad) - 1
+            more = f" Of the {len(self)} members {others} more are wrong." if others else ""
+            raise AttitudeError(f"{self.label(first)}: {self._members.fault(first)}{more}")
+
+    @classmethod
+    def _of(cls, **values: Any) -> Self:
+        """An ensemble with given attributes, which are those of checked members."""
+        made = cls.__new__(cls)
+        made.__setstate__(values)
+        return made
+
+    @classmethod
+    def of(cls, motions: Iterable[FreeRotation], names: Sequence[str] | None = None) -> Self:
+        """The ensemble of motions.
+
+        Parameters
+        ----------
+        motions : iterable of FreeRotation
+            Their frames are those of the spins; several frames become ICRF.  Covariances of spins
+            are left out.
+        names : sequence of str, optional
+
+        Raises
+        ------
+        AttitudeError
+            For other objects, and for no motions.
+        """
+        given = list(_members.listed(motions))
+        for k, motion in enumerate(given):
+            if not isinstance(motion, FreeRotation):
+                raise AttitudeError(
+                    f"motion {k} is {validation.shown(motion)}; give FreeRotations."
+                )
+        if not given:
+            raise AttitudeError("no motions are given; give at least one FreeRotation.")
+        bodies = [motion.body for motion in given]
+        found = _members.of_bodies(bodies[:1] if all(b is bodies[0] for b in bodies) else bodies)
+        spins = [motion.spin for motion in given]
+        frame = spins[0].frame if len({spin.frame for spin in spins}) == 1 else "icrf"
+        turned = any(spin.frame != frame for spin in spins)
+        wxyz = np.array([spin.wxyz_icrf if turned else spin.wxyz for spin in spins])
+        low = np.array([(s.wxyz_icrf_as_pairs if turned else s.wxyz_as_pairs)[:, 1] for s in spins])
+        low[[not spin.is_rounded for spin in spins]] = 0.0
+        rates = np.array([spin.angular_velocity for spin in spins])
+        start = np.array([[s.epoch.seconds, s.epoch.low] for s in spins]).T.copy()
+        if np.all(start == start[:, :1]):
+            start = start[:, :1].copy()
+        made = cls.__new__(cls)
+        second = low if low.any() else None
+        made._fill(found, wxyz, second, rates, start, frame, names, "raise")
+        return made
+
+    def _with_low(self, low: FloatArray) -> Self:
+        """The same members, whose attitudes of unit length have second doubles (N, 4)."""
+        if not low.any():
+            return self
+        made, attitude = self[:], _members.to_icrf(self.frame, self.wxyz, low)
+        made._set("_low", frozen(low))
+        made._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
+        return made
+
+    @classmethod
+    def concatenated(cls, ensembles: Iterable[Self]) -> Self:
+        """The members of several ensembles, one after the other; also ``first + second``.
+
+        Raises
+        ------
+        AttitudeError
+            For other objects, no ensembles, several frames, names of some of them only, and
+            relative moments beside moments in kg m2.
+        """
+        parts = list(_members.listed(ensembles))
+        for part in parts:
+            if not isinstance(part, Ensemble):
+                raise AttitudeError(f"{validation.shown(part)} is no Ensemble; give ensembles.")
+        if not parts:
+            raise AttitudeError("no ensembles are given; give at least one.")
+        if len({part.frame for part in parts}) > 1:
+            named = ", ".join(sorted({part.frame for part in parts}))
+            raise AttitudeError(f"the ensembles have the frames {named}; give ensembles of one.")
+        if len({part.names is None for part in parts}) > 1:
+            raise AttitudeError("only some of the ensembles have names; give names to all or none.")
+        counts = [len(part) for part in parts]
+        first = np.cumsum([0, *counts[:-1]])
+        wrong = np.concatenate([part._bad + at for part, at in zip(parts, first, strict=True)])
+        names = None if parts[0].names is None else np.concatenate([part.names for part in parts])
+        return cls._of(
+            wxyz=np.concatenate([part.wxyz for part in parts]),
+            angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
+            frame=parts[0].frame,
+            names=_members.known_names(names, sum(counts)),
+            on_error="nan" if any(part.on_error == "nan" for part in parts) else "raise",
+            _inertia=_members.joined_inertia([part._inertia for part in parts], counts),
+            _members=_members.joined([part._members for part in parts]),
+            _low=_members.joined_rows([(part._low, part.wxyz) for part in parts]),
+            _start=_members.joined_epochs([part._start for part in parts], counts),
+            _bad=wrong,
+        )
+
+    def __add__(self, other: Self) -> Self:
+        return type(self).concatenated([self, other])
+
+    def __len__(self) -> int:
+        return len(self.wxyz)
+
+    def __getitem__(self, index: Any) -> Any:
+        """A FreeRotation for a number or a name; an Ensemble for a slice, mask or index array."""
+        if isinstance(index, (str, int, np.integer)) and not isinstance(index, bool):
+            return self._member(self.number(index if isinstance(index, str) else int(index)))
+        which = self._chosen(index)
+        numbers = np.arange(len(self))[which]
+        return self._of(
+            wxyz=self.wxyz[which],
+            angular_velocity=self.angular_velocity[which],
+            frame=self.frame,
+            names=None if self.names is None else self.names[which],
+            on_error=self.on_error,
+            _inertia=self._inertia.taken(which),
+            _members=self._members.taken(which),
+            _low=None if self._low is None else self._low[which],
+            _start=self._start if self._start.shape[1] == 1 else self._start[:, which],
+            _bad=np.flatnonzero(np.isin(numbers, self._bad)) if len(self._bad) else self._bad,
+        )
+
+    def _chosen(self, index: Any) -> Any:
+        """A slice, or an array of numbers, of members."""
+        if isinstance(index, slice):
+            return index
+        array = np.asarray(index)
+        if array.size == 0:
+            array = array.astype(np.int64)
+        if array.dtype.kind == "U":
+            return np.array([self.number(each) for each in array.ravel()], dtype=np.int64)
+        if array.ndim != 1 or array.dtype.kind not in "biu":
+            raise AttitudeError(
+                f"members are chosen by {validation.shown(index)}; give a number or name, a slice, "
+                "a mask (N,), or a row of numbers or names."
+            )
+        if array.dtype.kind == "b":
+            if len(array) != len(self):
+                raise AttitudeError(
+                    f"the mask has {len(array)} entries, the ensemble {len(self)} members."
+                )
+            return np.flatnonzero(array)
+        return self._in_range(array)
+
+    def _in_range(self, array: NDArray[Any]) -> IntArray:
+        """Numbers of members of any shape, those below 0 counted from the end."""
+        bad = np.flatnonzero((array.ravel() < -len(self)) | (array.ravel() >= len(self)))
+        if len(bad):
+            raise AttitudeError(
+                f"member {array.ravel()[bad[0]]} (entry {bad[0]}) is out of range: the ensemble "
+                f"has {len(self)} members, 0 to {len(self) - 1}."
+            )
+        found: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
+        return found
+
+    def number(self, member: int | str) -> int:
+        """The number of a member of a number (below 0: from the end) or a name.
+
+        Raises
+        ------
+        AttitudeError
+            For a number out of range, and a name that no member has.
+        """
+        if isinstance(member, str):
+            found = -1 if self.names is None else self._numbers.get(member, -1)
+            if found < 0:
+                raise AttitudeError(
+                    f"no member is called {member!r}"
+                    + ("; the ensemble has no names." if self.names is None else ".")
+                )
+            return found
+        if not isinstance(member, (int, np.integer)) or isinstance(member, bool):
+            raise AttitudeError(f"member is {validation.shown(member)}; give a number or a name.")
+        if not -len(self) <= member < len(self):
+            raise AttitudeError(
+                f"member {member} is out of range: the ensemble has {len(self)} members."
+            )
+        return int(member) % len(self)
+
+    @property
+    def _numbers(self) -> dict[str, int]:
+        """The number of each name."""
+        if "_by_name" not in self.__dict__:
+            assert self.names is not None
+            self._set("_by_name", {name: k for k, name in enumerate(self.names.tolist())})
+        found: dict[str, int] = self.__dict__["_by_name"]
+        return found
+
+    def label(self, k: int) -> str:
+        """The name of member k in error messages."""
+        where = f"member {k} of {len(self)}"
+        return where if self.names is None else f"{where} ({str(self.names[k])!r})"
+
+    def _member(self, k: int) -> FreeRotation:
+        if k in self._bad:
+            raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
+        given = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
+        spin = Spin(*given)
+        if self._low is not None:
+            spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
+            spin._set("wxyz", frozen(self.wxyz[k].copy()))
+        return FreeRotation(self._inertia.body(k), spin)
+
+    def epoch_of(self, k: int) -> _instants.Instant:
+        """The epoch from which the seconds of member k count."""
+        return _instants.Instant(*self._start[:, k if self._start.shape[1] > 1 else 0])
+
+    def epochs_of(self, member: IntArray) -> tuple[FloatArray, FloatArray]:
+        """The epochs of members, TDB seconds past J2000 in two doubles, of the shape given."""
+        which = member if self._start.shape[1] > 1 else np.zeros_like(member)
+        return self._start[0][which], self._start[1][which]
+
+    @property
+    def epoch(self) -> _instants.Instant | None:
+        """The epoch that all members share, or None."""
+        return self.epoch_of(0) if self._start.shape[1] == 1 else None
+
+    @property
+    def start_of_seconds(self) -> _instants.Instant:
+        """The epoch that all members share, or J2000."""
+        return self.epoch_of(0) if self._start.shape[1] == 1 else _instants.Instant(0.0)
+
+    @property
+    def is_physical(self) -> NDArray[np.bool_]:
+        """(N,) whether each member has a state that a body can have."""
+        found = np.ones(len(self), dtype=bool)
+        found[self._bad] = False
+        return found
+
+    if TYPE_CHECKING:
+
+        def grid_of(self, t: Any, low: Any = None) -> MemberGrid:
+            """Defined by `attitudes.Evaluated`."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: self.__dict__[name] for name in _KEPT}
+
+    def __repr__(self) -> str:
+        start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
+        return f"<{type(self).__name__} of {len(self)} members, from {start}>"
+
+    def at(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        angular_velocity: bool = False,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        rates_out: FloatArray | None = None,
+    ) -> EnsembleHistory:
+        """The attitudes of the members at some epochs.
+
+        Parameters
+        ----------
+        t : (T,) or (N, T) array_like; with `member` of any shape S
+            Seconds since the epoch of the member, or epochs, as for `FreeRotation.at`.  Arrays of
+            float64 are not copied: leave them unchanged as long as the answer is in use.
+        member : int, name, or array_like of shape S, optional
+            The member of each epoch: numbers 0 to N - 1, or names.  Rows of one member that stand
+            together are fastest; rows in another order take 0.1 us more each.
+        low : array_like, optional
+            With plain seconds: a second double; t + low are the seconds.
+        angular_velocity : bool
+            Compute `EnsembleHistory.angular_velocity` in the same pass.
+        threads : int
+            Number of threads; the bits of the answer do not depend on it.
+        out, rates_out : float64 arrays (S, 4) and (S, 3), optional
+            Filled with attitudes and angular velocities; S is (N, T) without `member`.  Arrays
+            whose memory is component-major, (N, 4, T) or (4, *S), are filled in place.
+
+        Returns
+        -------
+        EnsembleHistory
+            Of shape (N, T), (N,) for a single epoch, or S.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read or lie more than 5e16 turns away, shapes that do not fit,
+            members out of range.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
+        return self._history(found, outs, threads)
+
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        angular_velocity: bool = False,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        rates_out: FloatArray | None = None,
+    ) -> FloatArray | tuple[FloatArray, FloatArray]:
+        """The derivatives of attitudes by the states and the moments, in closed form.
+
+        Parameters
+        ----------
+        t, member, low, threads
+            As of `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
+        angular_velocity : bool
+            Whether the derivatives of the angular velocity are returned too.
+        out, rates_out : float64 arrays (S, 3, 9), optional
+            Filled; as of `at`.
+
+        Returns
+        -------
+        attitude : (S, 3, 9) array
+            Rotation vector (rad, ICRF axes) of the change of attitude for a unit change of the
+            attitude at the epoch (3, rotation vector, rad, ICRF axes), the angular velocity
+            (3, rad/s, body axes) and the principal moments (3, in the unit of the member).
+        omega : (S, 3, 9) array
+            Of the angular velocity, body axes; only with `angular_velocity`.
+
+        Raises
+        ------
+        AttitudeError
+            As `at`, and for rods; with ``on_error="nan"`` their derivatives are NaN.
+
+        Notes
+        -----
+        The bits and the accuracy of `FreeRotation.sensitivity_at`.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
+        memory = [found.memory(*each, 3, sensitivities.PARAMETERS) for each in outs]
+        filled = memory[0], memory[1] if both else None
+        changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
+        if isinstance(found, MemberGrid):
+            changes.grid(found.t, found.t_low, *filled, threads)
+        else:
+            _evaluation.ragged(changes, *found.flat(), found.order, *filled, threads)
+        views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
+        return (views[0], views[1]) if both else views[0]
+
+    def blocks(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        rows: int = 1 << 18,
+        angular_velocity: bool = False,
+        threads: int = 1,
+    ) -> Iterator[tuple[Any, EnsembleHistory]]:
+        """The answer of `at` in parts of at most `rows` attitudes, made one after the other.
+
+        Parameters
+        ----------
+        t, member, low, angular_velocity, threads
+            As of `at`.
+        rows : int
+            An attitude takes 32 bytes, 56 with its rates.
+
+        Yields
+        ------
+        place : slice, or pair of slices
+            ``history.wxyz`` is ``at(t, member).wxyz[place]``.
+        history : EnsembleHistory
+
+        Raises
+        ------
+        AttitudeError
+            As `at`.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity")
+        outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
+        parts = found.parts(validation.count(rows, "rows"))
+        return ((place, self._history(part, outs, threads)) for place, part in parts)
+
+    def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
+        """The history of some epochs, in the output arrays (out, name, width) if they are given."""
+        memory = [found.memory(*each) for each in outs]
+        self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
+        views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
+        whole = cast("Ensemble", self)
+        history = EnsembleHistory(whole, found.member, found.seconds, found.low, views[0])
+        if len(views) > 1:
+            history.__dict__["angular_velocity"] = views[1]
+        return history
+
+    def evaluated(
+        self, member: IntArray, seconds: FloatArray, low: FloatArray | None
+    ) -> FloatArray:
+        """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
+        found = MemberRows(len(self), member, seconds, low)
+        wxyz, rates = (np.empty((width, seconds.size)) for width in (4, 3))
+        self._fill_rows(found, wxyz, rates, 1)
+        return found.shaped(rates, None)
+
+    def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
+        """The epochs of all members, given as for `at`; AttitudeError for a single epoch."""
+        found = self._epochs(t, low, None)
+        if not isinstance(found, MemberGrid) or found.scalar:
+            raise AttitudeError("t is one epoch; give (T,) or (N, T).")
+        return found
+
+    def _epochs(self, t: Any, low: Any, member: ArrayLike | None) -> MemberGrid | MemberRows:
+        """The epochs of all members, or of the rows of given ones."""
+        if member is None:
+            return MemberGrid(len(self), *_members.shared(self._start, t, low, len(self)))
+        known, in_runs = self._members_of(member)
+        seconds, lows, who = _members.of_rows(self._start, t, low, known)
+        return MemberRows(len(self), who, seconds, lows, in_runs)
+
+    def _fill_rows(
+        self,
+        found: MemberGrid | MemberRows,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        threads: int,
+    ) -> None:
+        """Fill component-major memory with attitudes and, unless it is None, rates."""
+        raises = self.on_error == "raise"
+        if isinstance(found, MemberGrid):
+            members, label, epochs = self._members, self.label, (found.t, found.t_low)
+            if found.count < len(members):
+                members = members.taken(slice(found.first, found.first + found.count))
+                label = partial(_shifted, self.label, found.first)
+            _evaluation.grid(members, label, *epochs, wxyz, rates, threads, raises)
+        else:
+            runs = _evaluation.Runs(self._members, self.label, raises)
+            _evaluation.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
+
+    def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
+
+        AttitudeError for those out of range.
+        """
+        try:
+            array = np.asarray(member)
+        except ValueError as err:
+            raise AttitudeError("member is ragged; give one number or name for each row.") from err
+        if array.dtype.kind == "U" or (array.dtype == object and array.size):
+            names = [self.number(each) for each in array.ravel().tolist()]
+            array = np.array(names, dtype=np.int64).reshape(array.shape)
+        if array.size == 0:
+            return np.zeros(array.shape, dtype=np.int64), True
+        if array.dtype.kind not in "iu":
+            raise AttitudeError(
+                f"member is {validation.shown(member)}; give whole numbers or names of members."
+            )
+        found: IntArray = np.asarray(array, dtype=np.int64, order="C")
+        least, greatest, in_runs = _evaluation.survey(found.reshape(-1))
+        if least < 0 or greatest >= len(self):
+            flat = found.reshape(-1)
+            row = int(np.argmax((flat < 0) | (flat >= len(self))))
+            raise AttitudeError(
+                f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
+                f"members, 0 to {len(self) - 1}."
+            )
+        return found, in_runs
+
+    @cached_property
+    def _summary(self) -> tuple[NDArray[Any], FloatArray]:
+        """Rows (N,) of the regimes, and turns per second (2, N) of psi and phi."""
+        rows, rates = None, np.empty((2, len(self)))
+        for first in range(0, max(len(self), 1), BLOCK):
+            part = slice(first, min(first + BLOCK, len(self)))
+            constants, bad = self._members.prepared(part)
+            rates[:, part] = constants["psi_rate"], constants["phi_rate"]
+            found = solver_regime.rows_of(self._members.states(part)[0], constants)
+            for name in found.dtype.names or ():
+                found[name][bad] = NO_MODE if found.dtype[name].kind == "i" else np.nan
+            rows = np.empty(len(self), found.dtype) if rows is None else rows
+            rows[part] = found
+        assert rows is not None
+        return rows, rates
+
+    @cached_property
+    def regime(self) -> Regime:
+        """The `Regime` (N,) of the members: periods, ranges and times in both conventions."""
+        return Regime(self._summary[0].copy())
+
+    @property
+    def mode(self) -> NDArray[np.int64]:
+        """(N,) codes of `Mode`; -1 for a member that is not physical."""
+        found: NDArray[np.int64] = self.regime.mode
+        return found
+
+    @cached_property
+    def period_psi(self) -> FloatArray:
+        """(N,) periods, s, of the rotation about the axis about which the momentum circulates."""
+        return _periods(self._summary[1][0])
+
+    @cached_property
+    def period_phi(self) -> FloatArray:
+        """(N,) mean periods, s, of the axis of `period_psi` about the momentum."""
+        return _periods(self._summary[1][1])
+
+    @property
+    def energy_ratio(self) -> FloatArray:
+        """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
+        found: FloatArray = self.regime.energy_ratio
+        return found
+
+    def nutation(self, convention: str) -> FloatArray:
+        """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
+        return self.regime.nutation(convention)
+
+    @property
+    def wxyz_icrf(self) -> FloatArray:
+        """(N, 4) attitudes at the epochs of the members, body to ICRF, scalar first."""
+        return self._members.wxyz
+
+    @property
+    def principal_moments(self) -> FloatArray:
+        """(1 or N, 3) principal moments, kg m2 or relative, as `Body.moments`."""
+        return self._inertia.moments[..., 0]
+
+    @property
+    def principal_axes(self) -> FloatArray:
+        """(1 or N, 3, 3) principal axes in body axes, as columns."""
+        return self._inertia.axes
+
+    @property
+    def relative(self) -> bool:
+        """Whether the unit of the moments is unknown."""
+        return self._inertia.relative
+
+    @cached_property
+    def momentum(self) -> FloatArray:
+        """(N, 3) angular momenta in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
+        if self._inertia.has_tensors:
+            tensors = self._inertia.tensors()
+            in_body = np.einsum("...ij,...j->...i", tensors, self.angular_velocity)
+        else:
+            in_body = self._inertia.given * self.angular_velocity
+        return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
+
+    @cached_property
+    def energy(self) -> FloatArray:
+        """(N,) kinetic energies, J, or rad2/s2 times the relative unit of inertia."""
+        rates = self._members.rates
+        rates = rates if rates.ndim == 2 else rates[..., 0]
+        return frozen(0.5 * np.sum(self.principal_moments * rates**2, axis=-1))
+
+    def brightness(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        sun: Reals | None = None,
+        observer: Reals | None = None,
+        *,
+        shape: Any,
+        law: str | Law = "lommel-seeliger",
+        shadows: bool | Visibility = True,
+        low: ArrayLike | None = None,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        _magnitudes: tuple[float, bool] | None = None,
+    ) -> FloatArray:
+        """Intensity towards the observer over the Sun's irradiance, straight from the states.
+
+        Parameters
+        ----------
+        t, member, low
+            The epochs at which light leaves the body, as of `at`.
+        sun, observer : (..., 3) array_like
+            Vectors from the body in ICRF, of any length above zero, that broadcast to (S, 3);
+            NaN gives NaN.
+        shape : Ellipsoid, Mesh, N of them, or (3,) or (N, 3) array_like
+            Arrays are semi-axes of ellipsoids along the body axes, m.
+        law, shadows
+            As of `light_curve.brightness`: ellipsoids need a law with a closed form.
+        threads : int
+            Number of threads; the bits of the answer do not depend on it.
+        out : (S) float64 array in C order, optional
+
+        Returns
+        -------
+        (S) array
+            m2/sr.
+
+        Raises
+        ------
+        AttitudeError
+            As `at` and `light_curve.brightness`; for a shape that is missing.
+        """
+        found = self._epochs(t, low, member)
+        to_sun = _light.known_vectors(sun, "sun", found.shape)
+        to_observer = _light.known_vectors(observer, "observer", found.shape)
+        shapes = _light.known_shapes(shape, len(self), self.label)
+        raises = self.on_error == "raise"
+        source = _light.Light(self._members, self.label, shapes, law, shadows, raises)
+        result = _light.output(out, found.shape)
+        flat = result.reshape(-1)
+        # Of the methods below: the Sun at 1 au, and whether at the lengths of the vectors.
+        source.fill(found, to_sun, to_observer, flat, threads, *(_magnitudes or (None, False)))
+        return result
+
+    def reduced_magnitude(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        sun: Reals | None = None,
+        observer: Reals | None = None,
+        *,
+        sun_magnitude: Real = SUN_V,
+        **options: Any,
+    ) -> FloatArray:
+        """Magnitudes (S) at 1 au from Sun and observer: V(1, 1, alpha); inf where nothing is seen.
+
+        Arguments as of `brightness`; `sun_magnitude` is that of the Sun at 1 au, by default in
+        Johnson V.
+        """
+        band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
+        return self.brightness(t, member, sun, observer, _magnitudes=(band, False), **options)
+
+    def magnitude(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        sun: Reals | None = None,
+        observer: Reals | None = None,
+        *,
+        sun_magnitude: Real = SUN_V,
+        **options: Any,
+    ) -> FloatArray:
+        """Apparent magnitudes (S), for vectors to Sun and observer in m or Quantities.
+
+        Arguments as of `reduced_magnitude`.
+        """
+        band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
+        return self.brightness(t, member, sun, observer, _magnitudes=(band, True), **options)
+
+    def percentiles(
+        self,
+        quantity: Any,
+        t: Epochs,
+        percentages: Reals = (5.0, 50.0, 95.0),
+        *,
+        scene: Scene | None = None,
+        low: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> FloatArray:
+        """Percentiles of a quantity over the members, at each epoch.
+
+        Parameters
+        ----------
+        quantity : str, AngleTo or callable
+            The name of a quantity of `scene` with one number at each epoch ("magnitude",
+            "aspect_angle" ...); an `AngleTo(axis, target)`; or a function that takes an
+            EnsembleHistory (n, T) and returns numbers (n, T).
+        t : (T,) or (N, T)
+            As of `at`; with a scene (T,), the epochs at which light is received.
+        percentages : (P,) array_like
+            0 to 100; between two members the numbers are interpolated linearly, as by numpy.
+        scene : Scene, optional
+            Its motion is replaced by each member.
+        threads : int
+            Each takes some 20 MB.
+
+        Returns
+        -------
+        (P, T) array
+            NaN is left out; NaN where no member has a number.
+
+        Raises
+        ------
+        AttitudeError
+            For other quantities, percentages out of range, and as `at`.
+
+        Notes
+        -----
+        Epochs are evaluated in parts of some 1e6 numbers, of at least 16 epochs; constants of up
+        to 35,000 members are kept meanwhile, those of more are set up for each part.
+        """
+        wanted = validation.real(percentages, "percentages")
+        if wanted.ndim != 1 or np.any((wanted < 0.0) | (wanted > 100.0)):
+            raise AttitudeError(f"percentages are {wanted.tolist()}; give a row of 0 to 100.")
+        known, grid = _quantities.known(quantity, scene, self, t, low)
+        length = grid.t.shape[1]
+        out, kept = np.full((len(wanted), length), np.nan), Kept(self._members)
+        size = max(_FEWEST, _HELD // max(len(self), 1))
+
+        def work(begin: int, end: int) -> None:
+            epochs = slice(begin, end)
+            values = np.empty((end - begin, len(self)))
+            for first in range(0, len(self), _FEW):
+                which = slice(first, min(first + _FEW, len(self)))
+                values[:, which] = self._measured(known, grid, kept, which, epochs).T
+            out[:, epochs] = _percentiles(values, wanted, known.finished)
+
+        if len(self):
+            in_blocks(work, length, size, threads, ProgressBar("percentiles"))
+        return out
+
+    def histograms(
+        self,
+        quantity: Any,
+        t: Epochs,
+        edges: Reals,
+        *,
+        scene: Scene | None = None,
+        low: ArrayLike | None = None,
+    ) -> IntArray:
+        """Numbers of members (T, B) in each of B bins, at each epoch.
+
+        Parameters
+        ----------
+        quantity, t, scene, low
+            As of `percentiles`.
+        edges : (B + 1,) array_like
+            Ascending, in the unit of the quantity; a bin holds its lower edge, the last one both.
+
+        Raises
+        ------
+        AttitudeError
+            For edges that do not ascend, and as `percentiles`.
+        """
+        bounds = validation.real(edges, "edges")
+        if bounds.ndim != 1 or len(bounds) < 2 or np.any(np.diff(bounds) <= 0.0):
+            raise AttitudeError(f"edges are {validation.shown(edges)}; give an ascending row.")
+        known, grid = _quantities.known(quantity, scene, self, t, low)
+        bins, length = len(bounds) - 1, grid.t.shape[1]
+        counts = np.zeros(length * bins, dtype=np.int64)
+        bar, done = ProgressBar("histograms"), 0
+        for which, epochs in grid.pieces(_HELD >> 2):
+            values = known.finished(self._measured(known, grid, self._members, which, epochs))
+            place = np.searchsorted(bounds, values, side="right") - 1
+            place[values == bounds[-1]] = bins - 1
+            inside = (place >= 0) & (place < bins) & ~np.isnan(values)
+            row = np.broadcast_to(np.arange(epochs.start, epochs.stop), values.shape)
+            index = (row * bins + place)[inside]
+            counts += np.bincount(index, minlength=len(counts))
+            done += values.size
+            bar(done, len(self) * length)
+        return counts.reshape(length, bins)
+
+    def coverage(
+        self,
+        quantity: Any,
+        t: Epochs,
+        *,
+        least: float = -np.inf,
+        greatest: float = np.inf,
+        scene: Scene | None = None,
+        low: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> Coverage:
+        """The fraction of time for which a quantity is within bounds, and its longest gap.
+
+        Parameters
+        ----------
+        quantity, t, scene, low
+            As of `percentiles`; epochs ascend, and are so close that no crossing is lost.
+        least, greatest : float
+            Bounds, which are within; in the unit of the quantity.  NaN is not within.
+        threads : int
+
+        Returns
+        -------
+        Coverage
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that do not ascend, fewer than two, and as `percentiles`.
+        """
+        known, grid = _quantities.known(quantity, scene, self, t, low)
+        if grid.t.shape[1] < 2 or not np.all(np.diff(grid.t) > 0.0):
+            raise AttitudeError("t does not ascend, or holds fewer than two epochs; give (T,).")
+        fraction, gap = np.empty((2, len(self)))
+        size = max(1, (_HELD >> 2) // grid.t.shape[1])
+        every = slice(0, grid.t.shape[1])
+
+        def work(begin: int, end: int) -> None:
+            which = slice(begin, end)
+            values = known.finished(self._measured(known, grid, self._members, which, every))
+            with np.errstate(invalid="ignore"):
+                within = (values >= least) & (values <= greatest)
+            times = grid.t[which] if len(grid.t) > 1 else grid.t
+            fraction[which], gap[which] = _covered(within, times)
+
+        in_blocks(work, len(self), size, threads, ProgressBar("coverage"))
+        return Coverage(fraction, gap)
+
+    def _measured(
+        self, known: Any, grid: MemberGrid, source: Any, which: slice, epochs: slice
+    ) -> FloatArray:
+        """What a quantity measures of some members at some epochs."""
+        own = which if len(grid.t) > 1 else slice(None)
+        t = np.ascontiguousarray(grid.t[own, epochs])
+        low = None if grid.t_low is None else np.ascontiguousarray(grid.t_low[own, epochs])
+        count, length = which.stop - which.start, epochs.stop - epochs.start
+        wxyz = np.empty((count, 4, length))
+        members = source.taken(which)
+        _evaluation.grid(
+            members, lambda k: self.label(k + which.start), t, low, wxyz, None, 1,
+            self.on_error == "raise",
+        )  # fmt: skip
+        numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
+        lows = None if low is None else np.broadcast_to(low, (count, length))
+        seconds = np.broadcast_to(t, (count, length))
+        whole = cast("Ensemble", self)
+        history = EnsembleHistory(whole, numbers, seconds, lows, np.moveaxis(wxyz, 1, 2))
+        found: FloatArray = known.measured(history, epochs)
+        return found
+
+    @classmethod
+    def from_periods(
+        cls,
+        body: Body | None = None,
+        *,
+        epoch: Epochs,
+        pole: Reals,
+        phi0: Reals,
+        mode: Any = None,
+        convention: Any = None,
+        P_psi: Reals | None = None,
+        P_phi: Reals | None = None,
+        psi0: Reals | None = None,
+        theta_branch: Any = None,
+        P: Reals | None = None,
+        frame: str = "ecliptic",
+        moments: Reals | None = None,
+        relative: bool = True,
+        names: Sequence[str] | None = None,
+        on_error: str = "raise",
+    ) -> Self:
+        """Members from published spin states, each as by `Spin.from_periods`.
+
+        Parameters
+        ----------
+        body : Body
+            Of all members; or moments=.
+        moments : (3,) or (N, 3) array_like
+            Principal moments about the body axes.
+        relative : bool
+            Whether the unit of the moments is unknown; of a body, its own.
+        epoch, pole, phi0, mode, convention, P_psi, P_phi, psi0, theta_branch, P
+            As of `Spin.from_periods`; each one value, or one for each member: pole (N, 2).  P is
+            NaN for members that tumble; P_psi, P_phi and psi0 are NaN for relaxed rotators.
+        frame, names, on_error
+            As of `Ensemble`.
+
+        Raises
+        ------
+        AttitudeError
+            For the first member that no motion has, with its possible range, unless
+            on_error="nan"; and as `Ensemble`.
+        """
+        if (body is None) == (moments is None):
+            raise AttitudeError("from_periods takes either body= or moments= (N, 3).")
+        known = _listed_names(names)
+        states = _published.states_from_periods(
+            body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
+            convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
+            P=P, names=known, on_error=on_error,
+        )  # fmt: skip
+        return cls(
+            body, states.wxyz, states.angular_velocity, epoch, frame, known,
+            moments=moments, relative=relative if body is None else False, on_error=on_error,
+        )  # fmt: skip
+
+    @classmethod
+    def from_table(
+        cls,
+        table: Any,
+        *,
+        frame: str | None = None,
+        relative: bool | None = None,
+        on_error: str = "raise",
+    ) -> Self:
+        """Members from the rows of a table or a file.
+
+        Parameters
+        ----------
+        table : astropy QTable or Table, pandas DataFrame, pyarrow Table, mapping, or file name
+            With the columns of `attitude.ensemble._tables`; files end in .parquet, .ecsv, .fits or
+            .csv.
+        frame, relative : optional
+            By default those of the meta data of the table, else "icrf" and False.
+        on_error
+            As of `Ensemble`.
+
+        Raises
+        ------
+        AttitudeError
+            For columns that are missing or cannot be read, and as `Ensemble`.
+        """
+        origin = _tables.origin_of(table)
+        given = table if origin is None else tables.columns_of(origin)
+        origin = origin or "the table"
+        columns, meta = _tables.columns_of(given, origin)
+        unknown = bool(meta.get("relative", False)) if relative is None else relative
+        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin)
+        axes = str(meta.get("frame", "icrf")) if frame is None else frame
+        low = found.pop("low", None)
+        try:
+            made = cls(**found, frame=axes, relative=unknown, on_error=on_error)
+        except AttitudeError as err:
+            raise AttitudeError(f"{origin}: {err}") from err
+        return made if low is None else made._with_low(low)
+
+    def table(self) -> QTable:
+        """The members as an astropy QTable with the columns of `attitude.ensemble._tables`."""
+        from astropy.table import QTable
+
+        arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}
+        if self._low is not None:
+            arrays["low"] = self._low
+        given = self._inertia.given
+        arrays["tensor" if given.ndim == 3 else "moments"] = np.broadcast_to(
+            given, (len(self), *given.shape[1:])
+        )
+        columns: dict[str, Any] = {} if self.names is None else {"name": np.array(self.names)}
+        start = np.broadcast_to(self._start, (2, len(self)))
+        columns |= {"epoch_seconds": start[0], "epoch_low": start[1], **_tables.of_arrays(arrays)}
+        meta = {"frame": self.frame, "relative": self._inertia.relative}
+        return QTable({name: np.array(each) for name, each in columns.items()}, meta=meta)
+
+    def write(self, path: FilePath) -> None:
+        """Write a file that `from_table` reads back bit for bit: .parquet, .ecsv or .fits.
+
+        The file appears whole or not at all.
+
+        Raises
+        ------
+        AttitudeError
+            For another ending, and a file that cannot be written.
+        """
+        tables.write_columns(path, self.table())
+
+    @classmethod
+    def sample(
+        cls,
+        motion: FreeRotation,
+        count: int,
+        seed: int | np.random.Generator = 0,
+        *,
+        covariance: Reals | Mapping[str, Reals] | None = None,
+        distributions: Mapping[str, Any] | None = None,
+    ) -> Self:
+        """Members drawn about a motion.
+
+        Parameters
+        ----------
+        motion : FreeRotation
+        count : int
+            0 or more.
+        seed : int or numpy Generator
+        covariance : (9, 9) or (6, 6) array_like, or mapping, optional
+            As of `Spin`, over the axes of the spin's frame; by default that of the spin.
+        distributions : mapping, optional
+            In place of a covariance: by name a function of (generator, n) or an object with
+            ``rvs(size=, random_state=)``, such as of scipy.stats, that draws n rows of
+
+            ``attitude``   rotation vectors (n, 3), rad, over the axes of the spin's frame
+            ``wxyz``       attitudes (n, 4) in the frame, in place of `attitude`
+            ``angular_velocity``  (n, 3), rad/s over the body axes
+            ``moments``    (n, 3) principal moments
+
+            What is not named is that of the motion.
+
+        Returns
+        -------
+        Ensemble
+            Its frame is "icrf".  Draws whose moments are no body's are drawn anew.
+
+        Raises
+        ------
+        AttitudeError
+            Without a covariance and distributions, for draws of other shapes, and if 9 of 10 draws
+            are no body's moments.
+        """
+        if not isinstance(motion, FreeRotation):
+            raise AttitudeError(f"motion is {validation.shown(motion)}; give a FreeRotation.")
+        number = validation.count(count, "count", 0)
+        if covariance is not None and distributions is not None:
+            raise AttitudeError("covariance and distributions are both given; give one of them.")
+        drawn = _tables.drawn(motion, number, seed, covariance, distributions)
+        body = motion.body
+        shared: dict[str, Any] = {
+            "epoch": motion.spin.epoch,
+            "wxyz": drawn.wxyz,
+            "angular_velocity": drawn.rates,
+        }
+        if drawn.moments is None:
+            return cls(body, **shared)
+        if body.has_given_axes:
+            return cls(moments=drawn.moments, relative=body.relative, **shared)
+        tensors = _tables.tensors(body, drawn.moments)
+        return cls(tensors=tensors, relative=body.relative, **shared)

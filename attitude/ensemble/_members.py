@@ -1,0 +1,610 @@
+"""The states of N members, as the compiled solution takes them, in ICRF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import codes, evaluation
+from attitude._solver.batches import symmetric_tensors
+from attitude._solver.principal_axes import PrincipalAxes
+from attitude._support import pairs as support_pairs
+from attitude._support import validation
+from attitude._support.arrays import frozen
+from attitude.epochs import _inputs, _instants
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.motions._body import Body
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude._support.annotations import FloatArray, IntArray, Reals
+
+
+# --------------------------------------------------------------------------------------------------
+# Epochs of members, and the epochs at which they are evaluated, as TDB seconds.
+
+_DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64"
+
+
+class Seconds(NamedTuple):
+    """Epochs of members that are seconds already.
+
+    Attributes
+    ----------
+    high, low : (1 or N,) arrays
+        TDB seconds past J2000: high + low.
+    """
+
+    high: FloatArray
+    low: FloatArray
+
+
+def of_members(given: Any) -> FloatArray:
+    """The epochs of members as TDB seconds past J2000 in two doubles, (2, 1) or (2, N)."""
+    if isinstance(given, _instants.Instant):
+        return np.array([[given.seconds], [given.low]])
+    if isinstance(given, Seconds):
+        return np.stack(support_pairs.two_sum(*given))
+    if given is None:
+        raise AttitudeError(f"epoch is missing; give one epoch, or one for each member: {_DATES}.")
+    kind, _, _ = _inputs.entries(given, "epoch", _DATES)
+    if kind in _inputs.LENGTHS:
+        raise AttitudeError(
+            f"epoch is {validation.shown(given)}, a length of time; give one epoch, or one for "
+            f"each member: {_DATES}."
+        )
+    hi, lo = _inputs.past_j2000(given, "epoch")
+    if hi.ndim > 1:
+        raise AttitudeError(f"epoch has shape {hi.shape}; give one epoch, or one for each member.")
+    found = np.stack(support_pairs.two_sum(hi, lo)).reshape(2, -1)
+    bad = np.flatnonzero(~np.isfinite(found[0]))
+    if len(bad):
+        raise AttitudeError(
+            f"epoch {bad[0]} of {found.shape[1]} is missing (NaT, NaN or masked); give a date for "
+            "each member."
+        )
+    return found
+
+
+def shared(
+    start: FloatArray, t: Any, low: ArrayLike | None, count: int
+) -> tuple[FloatArray, FloatArray | None, bool]:
+    """Epochs of all of N members: seconds and their second doubles, (1 or N, T), and if T is one.
+
+    Shapes: start (2, 1), t (T,).
+    """
+    dates = _dates(start, t, low)
+    hi, lo = _plain(start, t, low) if dates is None else dates
+    if hi.ndim > 2 or (hi.ndim == 2 and len(hi) != count):
+        raise AttitudeError(
+            f"t has shape {hi.shape}; give (T,) for all members or ({count}, T), one row for each; "
+            "for other rows give member=."
+        )
+    scalar = hi.ndim == 0
+    hi = np.atleast_2d(hi)
+    lo = None if lo is None else np.atleast_2d(lo)
+    if dates is not None and lo is not None:
+        hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
+    return hi, lo, scalar
+
+
+def received(
+    start: _instants.Instant, shared: _instants.Instant | None, t: Any, low: ArrayLike | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Epochs (T,) of a scene as seconds since `start`, in two doubles."""
+    if shared is None:
+        hi, lo = support_pairs.add(_inputs.past_j2000(t, "t"), -start.seconds, -start.low)
+    else:
+        hi, lo = _inputs.seconds_since(start, t, low)
+    if hi.ndim != 1:
+        raise AttitudeError(f"t has shape {hi.shape}; give (T,), the epochs of a scene.")
+    return hi, lo
+
+
+def of_rows(
+    start: FloatArray, t: Any, low: ArrayLike | None, member: IntArray
+) -> tuple[FloatArray, FloatArray | None, IntArray]:
+    """Epochs of rows of any shape S: seconds, their second doubles and the members, of shape S."""
+    dates = _dates(start, t, low)
+    hi, lo = _plain(start, t, low) if dates is None else dates
+    if hi.shape != member.shape:
+        if hi.ndim and member.ndim:
+            raise AttitudeError(
+                f"t has shape {hi.shape} and member {member.shape}; give one member for each epoch."
+            )
+        shape = hi.shape if hi.ndim else member.shape
+        hi = np.array(np.broadcast_to(hi, shape))
+        member = np.array(np.broadcast_to(member, shape))
+        lo = None if lo is None else np.array(np.broadcast_to(lo, shape))
+    if dates is not None and lo is not None:
+        hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
+    return hi, lo, member
+
+
+def _plain(
+    start: FloatArray, t: Any, low: ArrayLike | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Seconds as given, or since the one epoch of all members."""
+    # Without members any epoch will do.
+    first = _instants.Instant(*start[:, 0]) if start.shape[1] else _instants.Instant(0.0)
+    return _inputs.seconds_since(first, t, low)
+
+
+def _dates(
+    start: FloatArray, t: Any, low: ArrayLike | None
+) -> tuple[FloatArray, FloatArray] | None:
+    """Dates past J2000 if the members have epochs of their own; None for seconds."""
+    if start.shape[1] == 1 or (type(t) is np.ndarray and t.dtype == np.float64):
+        return None
+    kind, _, _ = _inputs.entries(t, "t", _DATES)
+    if kind == "TimeDelta":
+        raise AttitudeError(
+            "t is a TimeDelta, but the members have epochs of their own; give seconds, a Quantity "
+            "or dates."
+        )
+    if kind in _inputs.LENGTHS:
+        return None
+    if low is not None:
+        raise AttitudeError(
+            f"low is given, but t is {validation.shown(t)}; leave out low, the second double of "
+            "plain seconds."
+        )
+    return _inputs.past_j2000(t, "t")
+
+
+# --------------------------------------------------------------------------------------------------
+# The inertia of N bodies as arrays, one row for all of them or one each.
+
+_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
+# Tensors whose principal axes are computed in one call, in 10 ms, between two signals.
+_BLOCK = 512
+
+
+class Given(NamedTuple):
+    """What a caller gave as bodies, one row for all of them or one each.
+
+    Attributes
+    ----------
+    array : (1 or N, 3) or (1 or N, 3, 3) array
+        Principal moments about the body axes, or tensors; kg m2, or relative.
+    relative : bool
+        Whether the unit is unknown.
+    bodies : (1 or N,) array of Body, or None
+        The bodies, if objects were given.
+    """
+
+    array: FloatArray
+    relative: bool
+    bodies: NDArray[np.object_] | None
+
+    @property
+    def size(self) -> int:
+        """1, or the number of bodies."""
+        return self.array.shape[0]
+
+    def resolved(self, omega: FloatArray, raises: bool) -> tuple[Inertia, Resolved]:
+        """The inertia, and angular velocities (N, 3) of its N members over the principal axes."""
+        count = len(self.array)
+        moments, axes = np.zeros((count, 3, 2)), np.broadcast_to(np.eye(3), (count, 3, 3))
+        if self.array.ndim == 2:
+            moments[..., 0] = self.array
+            principal = np.broadcast_to(_IDENTITY, (count, 4))
+            return Inertia(*self, moments, axes, principal), Resolved(omega, None)
+        axes, principal = np.empty((count, 3, 3)), np.empty((count, 4))
+        rates, differences = np.empty((2, len(omega), 3, 2))
+        for first in range(0, len(omega), _BLOCK):
+            part = slice(first, first + _BLOCK)
+            if count > 1 or first == 0:
+                of = part if count > 1 else slice(0, 1)
+                some = symmetric_tensors(self.array[of], first, count, raises=raises)
+                found = PrincipalAxes.of(some)
+                moments[of], axes[of], principal[of] = found.moments, found.axes[..., 0], found.wxyz
+            rates[part], differences[part] = found.over_axes(omega[part].copy())
+        inertia = Inertia(*self, moments, axes, principal)
+        if np.isnan(differences[:, 0, 0]).all() and not rates[..., 1].any():
+            return inertia, Resolved(np.ascontiguousarray(rates[..., 0]), None)
+        return inertia, Resolved(rates, differences)
+
+
+class Resolved(NamedTuple):
+    """Angular velocities of N members over their principal axes.
+
+    Attributes
+    ----------
+    rates : (N, 3, 2) array, or (N, 3) where the low parts are zero
+        rad/s, in pairs of doubles.
+    differences : (N, 3, 2) array or None
+        See `PrincipalAxes.over_axes`; NaN for members without.
+    """
+
+    rates: FloatArray
+    differences: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Inertia:
+    """Moments of N bodies; arrays have the leading axis 1 if all bodies share one inertia.
+
+    Attributes
+    ----------
+    given, relative, bodies
+        As of `Given`.
+    moments : (1 or N, 3, 2) array
+        Principal moments in pairs of doubles.
+    axes : (1 or N, 3, 3) array
+        Columns: the principal axes in body axes.
+    principal : (1 or N, 4) array
+        The unit quaternion from principal to body axes.
+    """
+
+    given: FloatArray
+    relative: bool
+    bodies: NDArray[np.object_] | None
+    moments: FloatArray
+    axes: FloatArray
+    principal: FloatArray
+
+    def __len__(self) -> int:
+        """1, or the number of bodies."""
+        return self.given.shape[0]
+
+    def body(self, k: int) -> Body:
+        """The Body of member k."""
+        k = k if len(self) > 1 else 0
+        if self.bodies is not None:
+            found: Body = self.bodies[k]
+            return found
+        kind = "moments" if self.given.ndim == 2 else "tensor"
+        return Body(**{kind: self.given[k]}, relative=self.relative)
+
+    def taken(self, index: Any) -> Inertia:
+        """The inertia of some of the members."""
+        if len(self) == 1:
+            return self
+        bodies = None if self.bodies is None else self.bodies[index]
+        arrays = (each[index] for each in (self.moments, self.axes, self.principal))
+        return Inertia(self.given[index], self.relative, bodies, *arrays)
+
+    @property
+    def has_tensors(self) -> bool:
+        """Whether the principal axes of any member may differ from its body axes."""
+        return self.given.ndim == 3
+
+    def tensors(self) -> FloatArray:
+        """Inertia tensors (1 or N, 3, 3) in body axes."""
+        return self.given if self.has_tensors else self.given[:, :, None] * np.eye(3)
+
+
+def of_moments(moments: Reals, relative: bool) -> Given:
+    """Principal moments (3,) or (N, 3) about the body axes."""
+    unit = None if relative else "kg m2"
+    given = validation.real(moments, "moments", unit=unit, finite=False)
+    return Given(_leading(given, "moments", (3,)), relative, None)
+
+
+def of_tensors(tensors: Reals, relative: bool) -> Given:
+    """Tensors (3, 3) or (N, 3, 3) in body axes."""
+    unit = None if relative else "kg m2"
+    given = validation.real(tensors, "tensors", unit=unit, finite=False)
+    return Given(_leading(given, "tensors", (3, 3)), relative, None)
+
+
+def of_bodies(bodies: Sequence[Body]) -> Given:
+    """Body objects, one for all members or one each."""
+    for k, each in enumerate(bodies):
+        if not isinstance(each, Body):
+            raise AttitudeError(
+                f"body {k} is {validation.shown(each)}; give one Body, or one for each member."
+            )
+    relative = {each.relative for each in bodies}
+    if len(relative) > 1:
+        raise AttitudeError(
+            "some bodies have relative moments and others have moments in kg m2; give members of "
+            "both kinds as two ensembles."
+        )
+    objects = np.empty(len(bodies), dtype=object)
+    objects[:] = bodies
+    plain = all(each.has_given_axes for each in bodies)
+    given = np.array([each.moments if plain else each.tensor for each in bodies])
+    return Given(
+        given.reshape(len(bodies), *((3,) if plain else (3, 3))), True in relative, objects
+    )
+
+
+def joined_inertia(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
+    """The inertia of ensembles of `counts` members, one after the other."""
+    first = parts[0]
+    if len({each.relative for each in parts}) > 1:
+        raise AttitudeError(
+            "one ensemble has relative moments and another has moments in kg m2; they stay apart."
+        )
+    if all(each is first and len(each) == 1 for each in parts):
+        return first
+    tensors = any(each.has_tensors for each in parts)
+
+    def rows(arrays: Sequence[Any]) -> Any:
+        pairs = zip(arrays, counts, strict=True)
+        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs])
+
+    given = rows([each.tensors() if tensors else each.given for each in parts])
+    bodies = None
+    if all(each.bodies is not None for each in parts):
+        bodies = rows([each.bodies for each in parts])
+    names = "moments", "axes", "principal"
+    arrays = (rows([getattr(each, name) for each in parts]) for name in names)
+    return Inertia(given, first.relative, bodies, *arrays)
+
+
+def _leading(array: FloatArray, name: str, last: tuple[int, ...]) -> FloatArray:
+    """The array with one leading axis."""
+    if array.shape == last:
+        return array[None]
+    if array.ndim == len(last) + 1 and array.shape[1:] == last:
+        return array
+    shape = ", ".join(map(str, last))
+    raise AttitudeError(f"{name} has shape {array.shape}; give ({shape}) or (N, {shape}).")
+
+
+# The constants of so many members are computed together: they stay in the second-level cache.
+BLOCK = 512
+
+
+@dataclass(frozen=True, eq=False)
+class Members:
+    """States from which `evaluation.prepared` makes the constants of members.
+
+    Attributes
+    ----------
+    moments : (1 or N, 3, 2) array
+        Principal moments in pairs of doubles.
+    principal : (1 or N, 4) array
+        Unit quaternion from principal to body axes.
+    rates : (N, 3) or (N, 3, 2) array
+        rad/s over the principal axes; the low parts are zero where only the first doubles are kept.
+    differences : (N, 3, 2) array or None
+        See `Body.differences`; NaN for members without.
+    wxyz, low : (N, 4) arrays
+        Attitudes from body axes to ICRF; `low`, their second doubles, is None if all are zero.
+    """
+
+    moments: FloatArray
+    principal: FloatArray
+    rates: FloatArray
+    differences: FloatArray | None
+    wxyz: FloatArray
+    low: FloatArray | None
+
+    def __len__(self) -> int:
+        """The number of members."""
+        return self.wxyz.shape[0]
+
+    def taken(self, index: Any) -> Members:
+        """Some of the members."""
+        one = len(self.moments) == 1
+        return Members(
+            self.moments if one else self.moments[index],
+            self.principal if len(self.principal) == 1 else self.principal[index],
+            self.rates[index],
+            None if self.differences is None else self.differences[index],
+            self.wxyz[index],
+            None if self.low is None else self.low[index],
+        )
+
+    def states(self, which: slice | IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Moments (B, 3, 2), attitudes (B, 4) and rates (B, 3, 2) of some members."""
+        wxyz, rates = self.wxyz[which], self.rates[which]
+        moments = self.moments
+        if len(moments) == 1:
+            moments = np.broadcast_to(moments, (len(wxyz), 3, 2)).copy()
+        else:
+            moments = moments[which]
+        if rates.ndim == 2:
+            pairs = np.zeros((len(wxyz), 3, 2))
+            pairs[..., 0] = rates
+            rates = pairs
+        return moments, wxyz, rates
+
+    def prepared(
+        self, which: slice | IntArray, *, rates: bool = True
+    ) -> tuple[NDArray[Any], IntArray]:
+        """The constants (B,) of some members, and which of them (K,) are not physical.
+
+        Those are given constants that evaluate to NaN.
+        """
+        moments, wxyz, omega = self.states(which)
+        principal = self.principal if len(self.principal) == 1 else self.principal[which]
+        constants, faults = evaluation.prepared(
+            moments,
+            wxyz,
+            omega,
+            principal,
+            differences=None if self.differences is None else self.differences[which],
+            rates=rates,
+            wxyz_low=None if self.low is None else self.low[which],
+        )
+        if not faults:
+            return constants, _NONE
+        bad = np.flatnonzero(constants["fault"])
+        for name in ("frame", "rates", "psi_rate", "phi_rate"):
+            constants[name][bad] = np.nan
+        constants["form"][bad], constants["mode"][bad] = codes.UNIFORM, NO_MODE
+        return constants, bad
+
+    def faults(self) -> IntArray:
+        """Numbers (K,) of the members that are not physical."""
+        found = [_NONE]
+        for first in range(0, len(self), BLOCK):
+            moments, wxyz, rates = self.states(slice(first, first + BLOCK))
+            bad = evaluation.faults_of(moments, wxyz, rates)
+            if len(bad):
+                found.append(bad + first)
+        return np.concatenate(found)
+
+    def fault(self, k: int) -> str:
+        """The sentence on member k, which is not physical."""
+        which = slice(k, k + 1)
+        constants, _ = self.prepared(which)
+        moments, wxyz, rates = self.states(which)
+        return evaluation.fault_of(constants[0], moments[0], wxyz[0], rates[0])
+
+
+# Members whose constants take 34 MB.
+_MOST_KEPT = 35_000
+# Mode of a member that is not physical.
+NO_MODE = -1
+_NONE: IntArray = np.zeros(0, dtype=np.int64)
+
+
+class Kept:
+    """Members whose constants are kept once prepared, if they are few; for several epochs.
+
+    Parameters
+    ----------
+    members : Members
+    first : int
+        Number of the first one.
+    """
+
+    def __init__(self, members: Members, first: int = 0, constants: Any = None) -> None:
+        self._members, self._first = members, first
+        if constants is None and len(members) <= _MOST_KEPT:
+            parts = [members.prepared(slice(k, k + BLOCK)) for k in range(0, len(members), BLOCK)]
+            constants = [found for found, _ in parts]
+            constants = np.concatenate(constants) if constants else members.prepared(slice(0))[0]
+        self._constants = constants
+
+    def taken(self, which: slice) -> Members | Kept:
+        """Some of the members."""
+        if self._constants is None:
+            return self._members.taken(which)
+        return Kept(self._members, which.start, self._constants)
+
+    def prepared(self, which: slice, *, rates: bool = True) -> tuple[NDArray[Any], IntArray]:
+        """As `Members.prepared`, without the numbers of those that are not physical."""
+        part = slice(self._first + which.start, self._first + which.stop)
+        return self._constants[part], _NONE
+
+
+def joined(parts: Sequence[Members]) -> Members:
+    """The members of several parts, one after the other."""
+    counts = [len(part) for part in parts]
+
+    def rows(arrays: Sequence[FloatArray]) -> FloatArray:
+        first = arrays[0]
+        if len(first) == 1 and all(each is first for each in arrays):
+            return first
+        given = zip(arrays, counts, strict=True)
+        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in given])
+
+    rates = [part.rates for part in parts]
+    if len({each.ndim for each in rates}) > 1:
+        rates = [
+            np.stack([each, np.zeros_like(each)], axis=-1) if each.ndim == 2 else each
+            for each in rates
+        ]
+    differences = None
+    if any(part.differences is not None for part in parts):
+        unknown = [np.full((n, 3, 2), np.nan) for n in counts]
+        both = zip((part.differences for part in parts), unknown, strict=True)
+        differences = np.concatenate([b if a is None else a for a, b in both])
+    return Members(
+        rows([part.moments for part in parts]),
+        rows([part.principal for part in parts]),
+        np.concatenate(rates),
+        differences,
+        np.concatenate([part.wxyz for part in parts]),
+        joined_rows([(part.low, part.wxyz) for part in parts]),
+    )
+
+
+def joined_rows(parts: Sequence[tuple[FloatArray | None, FloatArray]]) -> FloatArray | None:
+    """Joined low parts, zero where a part has None; None if all are.  With arrays of the shapes."""
+    if all(low is None for low, _ in parts):
+        return None
+    return np.concatenate([np.zeros_like(high) if low is None else low for low, high in parts])
+
+
+def to_icrf(
+    frame: str, wxyz: FloatArray, low: FloatArray | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Attitudes (N, 4) and their second doubles (or None) in ICRF, as `Spin` has them.
+
+    Shapes: wxyz (N, 4), low (N, 4).
+    """
+    if low is None:
+        wxyz, low = quaternion.all_unit_in_pairs(wxyz)
+    if frame == "icrf":
+        return wxyz, low
+    turned = quaternion.multiply(frames.wxyz_to_icrf(frame), wxyz)
+    if low is None:
+        return turned, None
+    rounded = np.flatnonzero(low.any(axis=1))
+    pairs = np.stack([wxyz[rounded], low[rounded]], axis=-1)
+    found = frames.attitude_to_icrf(frame, pairs)
+    second = np.zeros(wxyz.shape)
+    turned[rounded], second[rounded] = found[..., 0], found[..., 1]
+    return turned, second
+
+
+# --------------------------------------------------------------------------------------------------
+# Arguments of ensembles: rows, names, and numbers of members that agree.
+
+
+def listed(given: Any) -> Iterable[Any]:
+    """The entries of an iterable; AttitudeError for anything else."""
+    try:
+        return iter(given)
+    except TypeError as err:
+        raise AttitudeError(f"{validation.shown(given)} is not a list of objects.") from err
+
+
+def rows(given: Any, name: str, width: int, unit: str | None) -> FloatArray:
+    """Rows (N, width), or one row (1, width); NaN is left to the check of the members."""
+    array = validation.real(given, name, unit=unit, finite=False)
+    if array.shape == (width,):
+        return array[None]
+    if array.ndim == 2 and array.shape[1] == width:
+        return array
+    raise AttitudeError(f"{name} has shape {array.shape}; give ({width},) or (N, {width}).")
+
+
+def count(sizes: dict[str, int], names: Any) -> int:
+    """The number of members, from the lengths of the arguments, each of which may be 1."""
+    if names is not None:
+        sizes = {**sizes, "names": len(names)}
+    several = {name: size for name, size in sizes.items() if size != 1}
+    if len(set(several.values())) > 1:
+        listed = ", ".join(f"{name} {size}" for name, size in several.items())
+        raise AttitudeError(
+            f"the arguments have different numbers of members ({listed}); give the same number, or "
+            "one for all."
+        )
+    return next(iter(several.values()), 1)
+
+
+def known_names(names: Any, count: int) -> NDArray[np.str_] | None:
+    """Names (N,) of which no two are equal, or None."""
+    if names is None:
+        return None
+    found = np.array([str(each) for each in np.asarray(names).ravel().tolist()], dtype=np.str_)
+    if len(found) != count:
+        raise AttitudeError(f"{len(found)} names are given for {count} members; give one each.")
+    unique, times = np.unique(found, return_counts=True)
+    if len(unique) < len(found):
+        name = unique[np.argmax(times > 1)]
+        raise AttitudeError(f"two members are called {str(name)!r}; give names that differ.")
+    return frozen(found)
+
+
+def joined_epochs(starts: Sequence[FloatArray], counts: Sequence[int]) -> FloatArray:
+    """The epochs (2, N) of joined ensembles, (2, 1) if all are equal."""
+    if all(each.shape[1] == 1 and np.array_equal(each, starts[0]) for each in starts):
+        return starts[0]
+    parts = zip(starts, counts, strict=True)
+    return np.concatenate([np.broadcast_to(each, (2, n)) for each, n in parts], axis=1)

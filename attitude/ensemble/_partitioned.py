@@ -1,0 +1,283 @@
+"""An ensemble in partitions of dask: the same answers, computed where the members are.
+
+Each partition is an `Ensemble` of its own, and each answer is a dask array or dataframe in the same
+partitions.  Nothing is computed before the caller asks for it: by threads, by the processes of a
+``distributed.LocalCluster``, or by any other cluster.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable
+from attitude.ensemble._ensemble import Ensemble
+from attitude.errors import AttitudeError
+from attitude.formats import tables
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import Epochs, FilePath, Reals
+
+
+# Arrays that `of_arrays` takes, and the shape of one row of each.
+_ROWS: dict[str, tuple[int, ...]] = {
+    "wxyz": (4,),
+    "angular_velocity": (3,),
+    "moments": (3,),
+    "tensors": (3, 3),
+}
+# Columns that `rows` adds.
+_ATTITUDE, _RATE = ("w", "x", "y", "z"), ("omega_x", "omega_y", "omega_z")
+
+
+class PartitionedEnsemble(Immutable):
+    """The members of an ensemble in K partitions; made by `of_dataframe` or `of_arrays`.
+
+    Attributes
+    ----------
+    parts : tuple of K dask Delayed
+        An `Ensemble` each.
+    lengths : tuple of K int or nan
+        Numbers of members; nan where the partitions of a dataframe were not counted.
+
+    From arrays that no memory holds::
+
+        import dask.array as da
+
+        many = PartitionedEnsemble.of_arrays(
+            moments=da.from_array(moments, chunks=(10**5, 3)),
+            wxyz=...,
+            angular_velocity=...,
+            epoch="2026-01-01",
+        )
+        many.at(np.linspace(0.0, 3600.0, 61)).max().compute()
+    """
+
+    parts: tuple[Any, ...]
+    lengths: tuple[float, ...]
+
+    def __init__(self, parts: Sequence[Any], lengths: Sequence[float]) -> None:
+        self._set("parts", tuple(parts))
+        self._set("lengths", tuple(lengths))
+
+    @classmethod
+    def of_dataframe(cls, frame: Any, *, count: bool = True, **options: Any) -> PartitionedEnsemble:
+        """The members in the rows of a dask dataframe with the columns of `Ensemble.from_table`."""
+        dask = _dask()
+        if not hasattr(frame, "to_delayed") or not hasattr(frame, "npartitions"):
+            raise AttitudeError(
+                f"frame is {validation.shown(frame)}; give a dask dataframe, for example by "
+                "dask.dataframe.read_parquet."
+            )
+        parts = [dask.delayed(_of_table)(part, options) for part in frame.to_delayed()]
+        lengths = [math.nan] * len(parts)
+        if validation.flag(count, "count"):
+            lengths = list(dask.compute(*[dask.delayed(len)(each) for each in parts]))
+        return cls(parts, lengths)
+
+    @classmethod
+    def of_arrays(cls, **arrays: Any) -> PartitionedEnsemble:
+        """The members in the rows of dask arrays, in the chunks of ``wxyz``."""
+        dask = _dask()
+        wxyz: Any = arrays.get("wxyz")
+        if not _is_lazy(wxyz) or wxyz.ndim != 2:
+            raise AttitudeError(
+                f"wxyz is {validation.shown(wxyz)}; give a dask array (N, 4), whose chunks are the "
+                "partitions of the members."
+            )
+        chunks = wxyz.chunks[0]
+        common = {name: each for name, each in arrays.items() if not _is_lazy(each)}
+        blocks = {
+            name: _blocks(each, name, chunks, _ROWS)
+            for name, each in arrays.items()
+            if _is_lazy(each)
+        }
+        parts = [
+            dask.delayed(_of_arrays)({name: each[k] for name, each in blocks.items()}, common)
+            for k in range(len(chunks))
+        ]
+        return cls(parts, chunks)
+
+    def __len__(self) -> int:
+        """The number of members, if those of all partitions are known."""
+        total = sum(self.lengths)
+        if math.isnan(total):
+            raise AttitudeError("the members are not counted; make the ensemble with count=True.")
+        return int(total)
+
+    def at(self, t: Epochs, *, angular_velocity: bool = False) -> Any:
+        """Attitudes (N, T, 4), a dask array with a chunk for each partition.
+
+        Shapes: t (T,).
+        """
+        both = validation.flag(angular_velocity, "angular_velocity")
+        times, length = self._epochs(t)
+        found = self._mapped(_attitudes, [(each, both) for each in times])
+        parts = self._arrays(found, 0, (length, 4))
+        return (parts, self._arrays(found, 1, (length, 3))) if both else parts
+
+    def brightness(self, t: Epochs, sun: Reals, observer: Reals, **options: Any) -> Any:
+        """Brightness (N, T), m2/sr, a dask array with a chunk for each partition.
+
+        Shapes: sun, observer (3,).
+        """
+        times, length = self._epochs(t)
+        given = {"sun": sun, "observer": observer, **options}
+        each = [{"t": time} for time in times]
+        for name, value in given.items():
+            split = self._split(value, name) if _is_lazy(value) else [value] * len(each)
+            for options_of_part, part in zip(each, split, strict=True):
+                options_of_part[name] = part
+        found = self._mapped(_brightness, [(options_of_part,) for options_of_part in each])
+        return self._arrays(found, None, (length,))
+
+    def rows(
+        self,
+        frame: Any,
+        *,
+        member: str = "member",
+        seconds: str = "seconds",
+        angular_velocity: bool = False,
+    ) -> Any:
+        """A dask dataframe of ragged rows, with columns of attitudes (and rates) added."""
+        from dask import dataframe
+
+        rows = frame.to_delayed()
+        if len(rows) != len(self.parts):
+            raise AttitudeError(
+                f"frame has {len(rows)} partitions and the ensemble {len(self.parts)}; repartition "
+                "the rows so that those of each member lie in its partition."
+            )
+        missing = [name for name in (member, seconds) if name not in frame.columns]
+        if missing:
+            raise AttitudeError(f"frame has no column {missing[0]!r}.")
+        both = validation.flag(angular_velocity, "angular_velocity")
+        added = dict.fromkeys(_ATTITUDE + _RATE * both, "f8")
+        found = self._mapped(_rows, [(each, member, seconds, both) for each in rows])
+        return dataframe.from_delayed(found, meta=frame._meta.assign(**_empty(added)))
+
+    def map(self, function: Callable[..., Any], *others: Sequence[Any]) -> list[Any]:
+        """Delayed ``function(ensemble, *values)`` of each partition.
+
+        `others` are sequences of K values, one for each partition, such as ``array.to_delayed()``.
+        """
+        return self._mapped(function, list(zip(*others, strict=True)) or [()] * len(self.parts))
+
+    def write(self, folder: FilePath, t: Epochs, *, angular_velocity: bool = False) -> list[Any]:
+        """Delayed tasks that write the attitudes of each partition to a parquet file.
+
+        Each file, ``part-00000.parquet`` and so on, appears whole or not at all: a task that was
+        interrupted and runs again writes it anew.  Columns: member (from 0 in each partition) or
+        name, seconds, and those of `rows`.  The tasks return the names of the files.
+        """
+        os.makedirs(folder, exist_ok=True)
+        both = validation.flag(angular_velocity, "angular_velocity")
+        times, _ = self._epochs(t)
+        files = [os.path.join(folder, f"part-{k:05d}.parquet") for k in range(len(times))]
+        return self._mapped(_written, [(*each, both) for each in zip(times, files, strict=True)])
+
+    def _mapped(self, function: Callable[..., Any], given: Sequence[tuple[Any, ...]]) -> list[Any]:
+        task = _dask().delayed(function, pure=True)
+        pairs = zip(self.parts, given, strict=True)
+        return [task(part, *values) for part, values in pairs]
+
+    def _epochs(self, t: Any) -> tuple[list[Any], float]:
+        """The epochs of each partition, and how many they are."""
+        if _is_lazy(t):
+            return self._split(t, "t"), t.shape[1]
+        if isinstance(t, (int, float, str)):
+            raise AttitudeError("t is a single epoch; give an array (T,).")
+        return [t] * len(self.parts), len(t)
+
+    def _split(self, array: Any, name: str) -> list[Any]:
+        return _blocks(array, name, self.lengths, {})
+
+    def _arrays(self, found: list[Any], k: int | None, row: tuple[Any, ...]) -> Any:
+        """The dask array of the results of the partitions, or of their k-th entries."""
+        from dask import array
+
+        parts = [
+            array.from_delayed(each if k is None else each[k], (length, *row), dtype=np.float64)
+            for each, length in zip(found, self.lengths, strict=True)
+        ]
+        return array.concatenate(parts, allow_unknown_chunksizes=True)
+
+
+def _of_table(table: Any, options: Mapping[str, Any]) -> Ensemble:
+    return Ensemble.from_table(table, **options)
+
+
+def _of_arrays(rows: Mapping[str, Any], common: Mapping[str, Any]) -> Ensemble:
+    given: dict[str, Any] = {name: np.array(each) for name, each in rows.items()}
+    return Ensemble(**given, **common)
+
+
+def _attitudes(ensemble: Ensemble, t: Any, rates: bool) -> tuple[Any, ...]:
+    history = ensemble.at(t, angular_velocity=rates)
+    return (history.wxyz, history.angular_velocity) if rates else (history.wxyz,)
+
+
+def _brightness(ensemble: Ensemble, options: Mapping[str, Any]) -> Any:
+    return ensemble.brightness(**options)
+
+
+def _rows(ensemble: Ensemble, rows: Any, member: str, seconds: str, rates: bool) -> Any:
+    t = np.array(rows[seconds], dtype=np.float64)
+    history = ensemble.at(t, member=rows[member].to_numpy(), angular_velocity=rates)
+    found = rows.assign(**dict(zip(_ATTITUDE, history.wxyz.T, strict=True)))
+    if rates:
+        found = found.assign(**dict(zip(_RATE, history.angular_velocity.T, strict=True)))
+    return found
+
+
+def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
+    history = ensemble.at(t, angular_velocity=rates)
+    count, length = history.wxyz.shape[:2]
+    who = np.arange(count) if ensemble.names is None else np.asarray(ensemble.names)
+    seconds = np.broadcast_to(history.seconds, (count, length))
+    columns = {
+        "member" if ensemble.names is None else "name": np.repeat(who, length),
+        "seconds": seconds.reshape(-1),
+        **dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True)),
+    }
+    if rates:
+        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
+    tables.write_parquet_columns(file, columns, {"wxyz": "body to ICRF, scalar first"})
+    return file
+
+
+def _blocks(array: Any, name: str, chunks: Sequence[float], rows: Mapping[str, Any]) -> list[Any]:
+    """The delayed blocks of a dask array, one for each partition of the members."""
+    if name in rows and array.shape[1:] != rows[name]:
+        raise AttitudeError(f"{name} has shape {array.shape}; give (N, {rows[name]}).")
+    if any(math.isnan(each) for each in chunks):
+        raise AttitudeError("the members are not counted; make the ensemble with count=True.")
+    if array.shape[0] != sum(chunks):
+        raise AttitudeError(
+            f"{name} has {array.shape[0]} rows, but there are {int(sum(chunks))} members."
+        )
+    whole = {axis: -1 for axis in range(1, array.ndim)}
+    return list(array.rechunk({0: tuple(map(int, chunks)), **whole}).to_delayed().reshape(-1))
+
+
+def _empty(columns: Mapping[str, str]) -> dict[str, Any]:
+    return {name: np.empty(0, kind) for name, kind in columns.items()}
+
+
+def _is_lazy(value: Any) -> bool:
+    return hasattr(value, "dask") and hasattr(value, "chunks")
+
+
+def _dask() -> Any:
+    try:
+        import dask
+    except ModuleNotFoundError as err:
+        raise AttitudeError(
+            f"dask is not installed; install it by {validation.installing('dask')}."
+        ) from err
+    return dask

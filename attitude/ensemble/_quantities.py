@@ -1,0 +1,361 @@
+"""Numbers that follow from the attitudes of members at epochs, for percentiles and conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._compilation.decorators import entry_point, subroutine
+from attitude._compilation.instructions import as_bits
+from attitude._support import pairs, validation
+from attitude._support.arrays import Immutable, frozen, read_only
+from attitude.ensemble import _members
+from attitude.ensemble._evaluation import MemberGrid
+from attitude.errors import AttitudeError
+from attitude.scene._light_time import LineOfSight
+from attitude.scene._scene import Scene
+from attitude.scene._view import View, kept, quantity
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, Reals
+    from attitude.ensemble._ensemble import Ensemble
+    from attitude.ensemble._evaluation import EnsembleHistory
+    from attitude.motions._body import Body
+    from attitude.motions._motion import Motion
+
+
+# --------------------------------------------------------------------------------------------------
+# A scene in which members of an ensemble take the place of its motion.
+
+
+class MemberView(View):
+    """What is seen of N members at T epochs: a View of shape (N, T).
+
+    Lines of sight are those of the centre, the same for all members.
+
+    Parameters
+    ----------
+    base : View
+        The scene at all epochs.
+    epochs : slice
+        The epochs of the history among them.
+    history : EnsembleHistory (N, T)
+        Attitudes of the members at the epochs of emission.
+    """
+
+    def __init__(self, base: View, epochs: slice, history: EnsembleHistory) -> None:
+        self._base: View
+        self._epochs: slice
+        self._history: EnsembleHistory
+        low = None if base.low is None else np.array(self._tiled(base.low[epochs], history.shape))
+        seconds = np.array(self._tiled(base.seconds[epochs], history.shape))
+        super().__init__(base.scene, base.epoch, seconds, low)
+        self._set("_base", base)
+        self._set("_epochs", epochs)
+        self._set("_history", history)
+        self.__dict__["attitude"] = history
+
+    @staticmethod
+    def _tiled(array: Any, shape: tuple[int, ...]) -> Any:
+        return np.broadcast_to(array, shape)
+
+    def _line(self, name: str) -> LineOfSight:
+        """A line of sight of the base, repeated for each member."""
+        found: LineOfSight = getattr(self._base, name)
+        count = self.shape[0]
+        unit, distance = found.unit, found.distance
+        if unit.shape[1] > 1:
+            unit = np.tile(unit[:, self._epochs], count)
+        if distance is not None:
+            distance = np.tile(distance[self._epochs], count)
+        return LineOfSight(unit.copy(), distance, found.source, found.error)
+
+    @kept
+    def observer_line(self) -> LineOfSight:
+        """The `LineOfSight` from the body at emission to the observer at reception; m."""
+        return self._line("observer_line")
+
+    @kept
+    def sun_line(self) -> LineOfSight:
+        """The line from the body at emission to the Sun when its light left towards it; m."""
+        return self._line("sun_line")
+
+    @kept
+    def observer_sun_line(self) -> LineOfSight:
+        """The `LineOfSight` from the observer at reception to the Sun when its light left; m."""
+        return self._line("observer_sun_line")
+
+    @kept
+    def emission(self) -> tuple[FloatArray, FloatArray | None]:
+        """TDB seconds from `epoch` at which the light leaves the body, hi + lo, flat."""
+        hi, lo = self._base.emission
+        count = self.shape[0]
+        low = None if lo is None else frozen(np.tile(lo[self._epochs], count))
+        return frozen(np.tile(hi[self._epochs], count)), low
+
+    @quantity()
+    def lit_fraction(self) -> FloatArray:
+        """Fraction of the Sun's disc that the bodies of `scene.shadow_of` leave free, 0 to 1."""
+        return np.array(self._tiled(np.asarray(self._base.lit_fraction)[self._epochs], self.shape))
+
+    @kept
+    def momentum_direction_icrf(self) -> FloatArray:
+        """Unit vectors (3, N T) of the angular momenta, ICRF."""
+        momentum = self._history.ensemble.momentum[self._history.member[:, 0]]
+        with np.errstate(invalid="ignore"):
+            unit = momentum / np.linalg.norm(momentum, axis=-1, keepdims=True)
+        return unit.T.repeat(self.shape[1], axis=1)
+
+    def _motion(self) -> Motion:
+        raise AttitudeError(
+            "this quantity needs the motion of a scene, and the members of an ensemble have one "
+            "each; use another quantity."
+        )
+
+    def _body(self, what: str) -> Body:
+        inertia = self._history.ensemble._inertia
+        if len(inertia) > 1:
+            raise AttitudeError(f"{what} differs between the members, which have bodies each.")
+        found: Body = inertia.body(0)
+        return found
+
+
+def bound(
+    scene: Scene, ensemble: Ensemble, seconds: FloatArray, low: FloatArray | None
+) -> tuple[View, MemberGrid]:
+    """The scene at epochs of reception (T,), and the grid of all members at those of emission.
+
+    Shapes: seconds, low (T,).
+    """
+    free = copy(scene)
+    free._set("motion", None)
+    shared = ensemble.epoch
+    start = ensemble.start_of_seconds
+    base = free.since(start, seconds, low)
+    hi, lo = base.emission
+    hi, lo = np.asarray(hi)[None], None if lo is None else np.asarray(lo)[None]
+    if shared is None:
+        own = ensemble.epochs_of(np.arange(len(ensemble)))
+        past = pairs.add((hi, 0.0 if lo is None else lo), start.seconds, start.low)
+        hi, lo = pairs.add(past, -own[0][:, None], -own[1][:, None])
+    return base, MemberGrid(len(ensemble), hi, lo, False)
+
+
+# --------------------------------------------------------------------------------------------------
+# The compiled loops of angles between a body axis and directions, and of order statistics.
+
+# Bins of leading bits, of which each holds few numbers of a row.
+BINS = 4096
+
+
+@entry_point
+def squared_tangents(wxyz, axis, x, y, z, out):
+    """Squares of tan(angle / 2) between a body axis and directions, for N members at T epochs.
+
+    Given
+        wxyz     (N, 4, T) body to ICRF
+        axis     (3,) unit vector in body axes
+        x, y, z  (T,) unit vectors in ICRF
+    Filled
+        out      (N, T): |a - b|^2 / |a + b|^2, which keeps all digits at 0 and at pi
+    """
+    a, b, c = axis[0], axis[1], axis[2]
+    for n in range(len(out)):
+        for k in range(out.shape[1]):
+            p, q, r, s = wxyz[n, 0, k], wxyz[n, 1, k], wxyz[n, 2, k], wxyz[n, 3, k]
+            d = 2.0 * (r * c - s * b)
+            e = 2.0 * (s * a - q * c)
+            f = 2.0 * (q * b - r * a)
+            u = a + p * d + (r * f - s * e)
+            v = b + p * e + (s * d - q * f)
+            w = c + p * f + (q * e - r * d)
+            near = (u - x[k]) * (u - x[k]) + (v - y[k]) * (v - y[k]) + (w - z[k]) * (w - z[k])
+            far = (u + x[k]) * (u + x[k]) + (v + y[k]) * (v + y[k]) + (w + z[k]) * (w + z[k])
+            out[n, k] = near / far
+
+
+@entry_point
+def candidates(values, ranks, counts, wanted, found, places):
+    """The numbers of a row among which those of given ranks are, by their leading bits.
+
+    Given
+        values  (N,) numbers, none of them NaN, N >= 1
+        ranks   (R,) 0 to N - 1
+        counts, wanted  (BINS,) memory
+    Filled
+        found   (N,) numbers that share leading bits with one of the wanted ones, in any order
+        places  (R,) the ranks among these
+    Returned
+        how many numbers are found
+    """
+    least = most = _key(values[0])
+    for k in range(1, len(values)):
+        key = _key(values[k])
+        least, most = min(least, key), max(most, key)
+    shift = 0
+    while (most - least) >> shift >= len(counts):
+        shift += 1
+    counts[:] = 0
+    wanted[:] = 0
+    for k in range(len(values)):
+        counts[(_key(values[k]) - least) >> shift] += 1
+    for r in range(len(ranks)):
+        bin_, before = 0, 0
+        while before + counts[bin_] <= ranks[r]:
+            before += counts[bin_]
+            bin_ += 1
+        wanted[bin_] = 1
+    for r in range(len(ranks)):
+        bin_, before, left_out = 0, 0, 0
+        while before + counts[bin_] <= ranks[r]:
+            before += counts[bin_]
+            if wanted[bin_] == 0:
+                left_out += counts[bin_]
+            bin_ += 1
+        places[r] = ranks[r] - left_out
+    count = 0
+    for k in range(len(values)):
+        # Written always and kept if wanted: without a branch that is mispredicted.
+        found[count] = values[k]
+        count += wanted[(_key(values[k]) - least) >> shift]
+    return count
+
+
+@subroutine
+def _key(x):
+    """A whole number that does not fall as a double grows; differences of two do not overflow."""
+    bits = as_bits(x + 0.0)
+    return (bits ^ ((bits >> 63) & 0x7FFFFFFFFFFFFFFF)) >> 1
+
+
+class AngleTo(Immutable):
+    """The angle between a body axis and directions in ICRF, rad.
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        In body axes, of any length above zero.
+    target : (3,) or (T, 3) array_like
+        In ICRF, of any length above zero: one direction, or one for each epoch.
+
+    Raises
+    ------
+    AttitudeError
+        For other shapes, and vectors without a direction.
+    """
+
+    def __init__(self, axis: Reals, target: Reals) -> None:
+        self._axis: FloatArray
+        self._target: FloatArray
+        self._set("_axis", frozen(validation.unit_vector(axis, "axis")))
+        given = validation.real(target, "target")
+        if given.ndim not in (1, 2) or given.shape[-1] != 3:
+            raise AttitudeError(f"target has shape {given.shape}; give (3,) or (T, 3).")
+        largest = np.max(np.abs(given), axis=-1, keepdims=True)
+        if np.any(largest == 0.0):
+            raise AttitudeError("target holds a zero vector, which has no direction.")
+        given = given / largest
+        self._set("_target", frozen(given / np.linalg.norm(given, axis=-1, keepdims=True)))
+
+    def measured(self, history: EnsembleHistory, epochs: slice) -> FloatArray:
+        """Numbers (N, T) that grow with the angle, of a history at some epochs of all."""
+
+        count, length = history.shape
+        target = self._target
+        if target.ndim == 2:
+            if epochs.stop > len(target):
+                raise AttitudeError(
+                    f"target has {len(target)} directions; give one, or one for each epoch."
+                )
+            target = target[epochs]
+        parts = (
+            read_only(np.ascontiguousarray(np.broadcast_to(target[..., k], length)))
+            for k in range(3)
+        )
+        out = np.empty((count, length))
+        wxyz = read_only(np.moveaxis(history.wxyz, -1, 1))
+        squared_tangents(wxyz, self._axis, *parts, out)
+        return out
+
+    def finished(self, measured: FloatArray) -> FloatArray:
+        """Angles, rad, of numbers that `measured` has returned."""
+        return 2.0 * np.arctan(np.sqrt(measured))
+
+
+class Computed:
+    """A quantity that a function of an EnsembleHistory returns.
+
+    Parameters
+    ----------
+    function : callable
+        Returns an array (N, T) for a history of that shape.
+    """
+
+    def __init__(self, function: Callable[[EnsembleHistory], Any]) -> None:
+        self._function = function
+
+    def measured(self, history: EnsembleHistory, epochs: slice) -> FloatArray:
+        """The numbers (N, T)."""
+        found = np.asarray(self._function(history), dtype=np.float64)
+        if found.shape != history.shape:
+            raise AttitudeError(
+                f"the quantity has shape {found.shape} for a history of shape {history.shape}; "
+                "return one number for each attitude."
+            )
+        return found
+
+    def finished(self, measured: FloatArray) -> FloatArray:
+        """The same numbers."""
+        return measured
+
+
+class Seen:
+    """A quantity of a scene by its name, such as "magnitude" or "aspect_angle".
+
+    Parameters
+    ----------
+    name : str
+        A quantity of `attitude.scene.View` with one number for each epoch.
+    base : View
+        The scene at all epochs, without a motion.
+    """
+
+    def __init__(self, name: str, base: View) -> None:
+        self._name, self._base = name, base
+
+    def measured(self, history: EnsembleHistory, epochs: slice) -> FloatArray:
+        """The numbers (N, T)."""
+        view = MemberView(self._base, epochs, history)
+        return np.asarray(getattr(view, self._name), dtype=np.float64)
+
+    def finished(self, measured: FloatArray) -> FloatArray:
+        """The same numbers."""
+        return measured
+
+
+def known(
+    quantity: Any, scene: Any, ensemble: Ensemble, t: Any, low: Any
+) -> tuple[AngleTo | Computed | Seen, MemberGrid]:
+    """The quantity that a caller gave, and the epochs at which the members are evaluated."""
+    if isinstance(quantity, str):
+        if not isinstance(scene, Scene):
+            raise AttitudeError(
+                f"the quantity {quantity!r} is one of a scene; give scene=, a Scene."
+            )
+        columns = View.columns()
+        if quantity not in columns or columns[quantity].parts:
+            names = ", ".join(name for name, each in columns.items() if not each.parts)
+            raise AttitudeError(f"{quantity!r} is not a number of a view; give one of {names}.")
+        seconds, lows = _members.received(ensemble.start_of_seconds, ensemble.epoch, t, low)
+        base, grid = bound(scene, ensemble, seconds, lows)
+        return Seen(quantity, base), grid
+    if isinstance(quantity, AngleTo) or (callable(quantity) and not isinstance(quantity, type)):
+        given = quantity if isinstance(quantity, AngleTo) else Computed(quantity)
+        return given, ensemble.grid_of(t, low)
+    raise AttitudeError(
+        f"quantity is {validation.shown(quantity)}; give the name of a quantity of a scene, an "
+        "AngleTo(axis, target), or a function of an EnsembleHistory."
+    )

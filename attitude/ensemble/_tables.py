@@ -1,0 +1,297 @@
+"""Ensembles in tables: astropy, pandas, arrow, and files.
+
+One row is one member.  Columns, of which either form of each may be given:
+
+name            optional
+epoch           a Time column, dates as text (UTC), or ``epoch_seconds`` and ``epoch_low``: TDB
+                seconds past J2000 in two doubles
+wxyz            or ``w, x, y, z``: body to the frame of the table
+angular_velocity  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
+moments         or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
+tensor          or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
+
+The meta data ``frame`` and ``relative`` are those of the ensemble.  Files written here also have
+``low_w, low_x, low_y, low_z``, the second doubles of attitudes, if there are any.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import covariance as covariances
+from attitude._solver import evaluation
+from attitude._support import validation
+from attitude.ensemble._members import Seconds
+from attitude.errors import AttitudeError
+from attitude.formats.tables import meta_of
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.motions._body import Body
+    from attitude.motions._free_rotation import FreeRotation
+
+
+_XYZ = "xyz"
+# Columns of several numbers, with the columns that may stand for them, and the unit.
+_PARTS: dict[str, tuple[tuple[str, ...], str | None]] = {
+    "wxyz": (("w", "x", "y", "z"), None),
+    "low": (("low_w", "low_x", "low_y", "low_z"), None),
+    "angular_velocity": (tuple(f"omega_{k}" for k in _XYZ), "rad/s"),
+    "moments": (tuple(f"moment_{k}" for k in _XYZ), "kg m2"),
+    "tensor": (tuple(f"tensor_{j}{k}" for j in _XYZ for k in _XYZ), "kg m2"),
+}
+
+
+def columns_of(table: Any, origin: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The columns and the meta data of an astropy, pandas or arrow table, or of a mapping."""
+    if hasattr(table, "colnames"):  # astropy
+        return {name: table[name] for name in table.colnames}, _lower(table.meta)
+    if hasattr(table, "column_names") and hasattr(table, "schema"):  # pyarrow
+        meta = meta_of(table)
+        found = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+        return found, _lower(meta)
+    if hasattr(table, "columns") and hasattr(table, "to_numpy"):  # pandas
+        found = {str(name): table[name].to_numpy() for name in table.columns}
+        return found, _lower(getattr(table, "attrs", {}))
+    if isinstance(table, Mapping):
+        return dict(table), {}
+    raise AttitudeError(
+        f"{origin} is {validation.shown(table)}; give an astropy, pandas or arrow table, or the "
+        "name of a file."
+    )
+
+
+def arguments(columns: Mapping[str, Any], relative: bool, origin: str) -> dict[str, Any]:
+    """The arguments of `Ensemble` in some columns, with ``low`` if there are second doubles."""
+    found: dict[str, Any] = {}
+    for name, (parts, unit) in _PARTS.items():
+        known = None if relative and unit == "kg m2" else unit
+        values = _numbers(columns, name, parts, known, origin)
+        if values is not None:
+            found[name] = values
+    for name in ("wxyz", "angular_velocity"):
+        if name not in found:
+            raise AttitudeError(
+                f"{origin}: it has no {name}; give a column {name}, or "
+                f"{', '.join(_PARTS[name][0])}."
+            )
+    if "tensor" in found:
+        found["tensors"] = found.pop("tensor").reshape(-1, 3, 3)
+        found.pop("moments", None)
+    elif "moments" not in found:
+        raise AttitudeError(f"{origin}: it has neither moments nor tensor; give one of them.")
+    found["epoch"] = _epochs(columns, origin)
+    if "name" in columns:
+        names = np.asarray(columns["name"])
+        names = np.char.decode(names, "utf-8") if names.dtype.kind == "S" else names  # FITS
+        found["names"] = [str(each) for each in names.tolist()]
+    return found
+
+
+def _epochs(columns: Mapping[str, Any], origin: str) -> Any:
+    """What `Ensemble` takes as epochs: dates, or Seconds."""
+    if "epoch_seconds" in columns:
+        low = columns.get("epoch_low", np.zeros(len(columns["epoch_seconds"])))
+        given = np.array([columns["epoch_seconds"], low], dtype=np.float64)
+        if not np.all(np.isfinite(given)):
+            row = int(np.argmin(np.isfinite(given).all(axis=0)))
+            raise AttitudeError(f"{origin}: the epoch of row {row} is missing.")
+        return Seconds(*(given[:, :1] if np.all(given == given[:, :1]) else given))
+    if "epoch" not in columns:
+        raise AttitudeError(
+            f"{origin}: it has no epochs; give a column epoch of dates, or epoch_seconds."
+        )
+    given = columns["epoch"]
+    kind = getattr(getattr(given, "dtype", None), "kind", "")
+    return np.asarray(given).tolist() if kind in "OSU" and kind else given
+
+
+def _numbers(
+    columns: Mapping[str, Any], name: str, parts: tuple[str, ...], unit: str | None, origin: str
+) -> FloatArray | None:
+    """A column (N, W), from one of rows or from W columns; None where there is neither."""
+    try:
+        if name in columns:
+            given = columns[name]
+            if getattr(getattr(given, "dtype", None), "kind", "") == "O":
+                given = np.stack([np.asarray(each) for each in given])
+            array = validation.real(given, name, unit=unit, finite=False)
+            if array.ndim == 3:
+                array = array.reshape(len(array), math.prod(array.shape[1:]))
+            return array
+        if not set(parts) <= set(columns):
+            return None
+        each = [validation.real(columns[k], k, unit=unit, finite=False) for k in parts]
+        return np.stack(each, axis=-1)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+    except (ValueError, TypeError) as err:
+        raise AttitudeError(f"{origin}: the column {name} cannot be read ({err}).") from err
+
+
+def of_arrays(arrays: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """Columns (N,) of the arrays wxyz, low, angular_velocity, moments or tensor of N members."""
+    columns: dict[str, Any] = {}
+    for name, array in arrays.items():
+        flat = array.reshape(len(array), math.prod(array.shape[1:]))
+        columns.update({part: flat[:, k] for k, part in enumerate(_PARTS[name][0])})
+    return columns
+
+
+def origin_of(source: Any) -> str | None:
+    """The name of a file, or None for a table."""
+    return os.fspath(source) if isinstance(source, (str, os.PathLike)) else None
+
+
+def _lower(meta: Any) -> dict[str, Any]:
+    return {str(key).lower(): value for key, value in dict(meta).items()}
+
+
+# --------------------------------------------------------------------------------------------------
+# Random states about a motion: draws from a covariance or from distributions, kept physical.
+
+# States that are checked together.
+_BLOCK = 4096
+_WIDTHS = {"attitude": 3, "wxyz": 4, "angular_velocity": 3, "moments": 3}
+
+
+class Drawn(NamedTuple):
+    """States of N members.
+
+    Attributes
+    ----------
+    wxyz : (N, 4) array
+        Body to ICRF.
+    rates : (N, 3) array
+        rad/s over the body axes.
+    moments : (N, 3) array or None
+        Principal moments; None for those of the motion.
+    """
+
+    wxyz: FloatArray
+    rates: FloatArray
+    moments: FloatArray | None
+
+
+def drawn(
+    motion: FreeRotation,
+    count: int,
+    seed: int | np.random.Generator,
+    covariance: Any,
+    distributions: Mapping[str, Any] | None,
+) -> Drawn:
+    """States drawn about a motion; arguments as of `Ensemble.sample`."""
+    generator = validation.generator(seed)
+    if distributions is None:
+        draw = _of_covariance(motion, covariance, generator)
+    else:
+        draw = _of_distributions(motion, distributions, generator)
+    parts: list[Drawn] = []
+    found, tried, most = 0, 0, 10 * count + 100
+    while found < count or not parts:
+        number = min(count - found, most - tried)
+        if number == 0 and count:
+            raise AttitudeError(
+                f"{tried} draws gave {found} motions whose moments are those of a body; give "
+                "smaller errors of the moments."
+            )
+        some = draw(number)
+        if some.moments is not None:
+            kept = _physical(some.moments)
+            some = Drawn(some.wxyz[kept], some.rates[kept], some.moments[kept])
+        parts.append(some)
+        found, tried = found + len(some.wxyz), tried + number
+    moments = None
+    if parts[0].moments is not None:
+        moments = np.concatenate([each.moments for each in parts if each.moments is not None])
+    arrays = (np.concatenate([each[k] for each in parts]) for k in (0, 1))
+    wxyz, rates = arrays
+    return Drawn(wxyz, rates, moments)
+
+
+def tensors(body: Body, moments: FloatArray) -> FloatArray:
+    """Inertia tensors (N, 3, 3) of moments (N, 3) about the principal axes of a body."""
+    axes = body.principal_axes
+    found: FloatArray = (axes * moments[:, None, :]) @ axes.T
+    return 0.5 * (found + np.swapaxes(found, 1, 2))
+
+
+def _of_covariance(
+    motion: FreeRotation, covariance: Any, generator: np.random.Generator
+) -> Callable[[int], Drawn]:
+    spin = motion.spin if covariance is None else motion.spin.with_covariance(covariance)
+    if spin.covariance_icrf is None:
+        raise AttitudeError(
+            "the spin has no covariance; give covariance= or distributions=, or make the spin with "
+            "Spin(..., covariance=...)."
+        )
+    factor = covariances.factor(spin.covariance_icrf)
+    exact = not np.any(factor[6:])
+
+    def draw(count: int) -> Drawn:
+        changes = generator.standard_normal((count, 9)) @ factor.T
+        turn = forms.from_rotation_vector(changes[:, :3])
+        wxyz = quaternion.multiply(turn, spin.wxyz_icrf)
+        moments = None if exact else motion.body.moments + changes[:, 6:]
+        return Drawn(wxyz, spin.angular_velocity + changes[:, 3:6], moments)
+
+    return draw
+
+
+def _of_distributions(
+    motion: FreeRotation, distributions: Mapping[str, Any], generator: np.random.Generator
+) -> Callable[[int], Drawn]:
+    unknown = [name for name in distributions if name not in _WIDTHS]
+    if unknown or not distributions:
+        raise AttitudeError(
+            f"distributions has {validation.shown(unknown)}; give some of {', '.join(_WIDTHS)}."
+        )
+    if {"attitude", "wxyz"} <= set(distributions):
+        raise AttitudeError("distributions has attitude and wxyz; give one of them.")
+    spin = motion.spin
+    to_icrf = frames.wxyz_to_icrf(spin.frame)
+
+    def rows(name: str, count: int) -> FloatArray:
+        source = distributions[name]
+        if hasattr(source, "rvs"):
+            size = count if np.ndim(source.rvs(random_state=0)) else (count, _WIDTHS[name])
+            given = source.rvs(size=size, random_state=generator)
+        else:
+            given = source(generator, count)
+        return validation.real(given, f"the draw of {name}", shape=(count, _WIDTHS[name]))
+
+    def draw(count: int) -> Drawn:
+        wxyz = np.broadcast_to(spin.wxyz_icrf, (count, 4))
+        if "attitude" in distributions:
+            turns = forms.from_rotation_vector(rows("attitude", count))
+            wxyz = quaternion.multiply(to_icrf, quaternion.multiply(turns, spin.wxyz))
+        elif "wxyz" in distributions:
+            wxyz = quaternion.multiply(to_icrf, rows("wxyz", count))
+        rates = np.broadcast_to(spin.angular_velocity, (count, 3))
+        if "angular_velocity" in distributions:
+            rates = rows("angular_velocity", count)
+        return Drawn(wxyz, rates, rows("moments", count) if "moments" in distributions else None)
+
+    return draw
+
+
+def _physical(moments: FloatArray) -> BoolArray:
+    """Whether a body has each of some principal moments (N, 3)."""
+    found = np.ones(len(moments), dtype=bool)
+    for first in range(0, len(moments), _BLOCK):
+        part = moments[first : first + _BLOCK]
+        pairs = np.zeros((2, len(part), 3, 2))
+        pairs[0, ..., 0] = part
+        wxyz = np.ones((len(part), 4))
+        found[first + evaluation.faults_of(pairs[0], wxyz, pairs[1])] = False
+    return found

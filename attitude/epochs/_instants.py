@@ -1,0 +1,208 @@
+"""One epoch: TDB seconds past J2000 in two doubles."""
+
+from __future__ import annotations
+
+import datetime
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, SupportsFloat
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude._support.validation import shown
+from attitude.epochs import _time_scales
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from astropy.time import Time
+    from numpy.typing import ArrayLike
+
+
+# --------------------------------------------------------------------------------------------------
+# Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601.
+
+# Time scales that may follow a date.
+SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")
+
+# An ISO 8601 or CCSDS date with an optional offset from UTC and an optional time scale.
+TEXT: re.Pattern[str] = re.compile(
+    r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"  # year-month-day or year-day of year
+    r"(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:[.,](\d*))?)?"  # hour:minute:second.fraction
+    r"(Z|[+-]\d\d:\d\d)?)?"
+    r"(?: +([A-Za-z]\w+))?",  # time scale
+    re.ASCII,
+)
+
+
+def parsed(text: str, name: str) -> tuple[str, int, int, float]:
+    """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
+    found = TEXT.fullmatch(text.strip())
+    if found is None:
+        raise AttitudeError(
+            f"{name} is {shown(text)}, which cannot be read as a date; write it like "
+            '"2026-01-01T00:00:00", "2026-001T00:00:00" or "2026-01-01T00:00:00 TDB".'
+        )
+    year, month, day, yearday, hour, minute, second, fraction, zone, scale = found.groups()
+    scale = _scale(scale, zone, text, name) if scale else "utc"
+    try:
+        date = _mjd(int(year), month, day, yearday)
+    except ValueError as err:
+        raise AttitudeError(
+            f"{name} is {shown(text)}, a date that does not exist ({err}); give one that does, "
+            "from the years 0001 to 9999."
+        ) from err
+    hours, minutes, seconds = int(hour or 0), int(minute or 0), int(second or 0)
+    if hours > 23 or minutes > 59 or seconds > 60:
+        raise AttitudeError(
+            f"{name} is {shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
+        )
+    part = float("0." + fraction) if fraction else 0.0
+    shift, minutes = divmod(hours * 60 + minutes - _offset(zone), 1440)
+    if seconds == 60:
+        _refuse_false_leap(scale, date + shift, minutes, part, text, name)
+    return scale, date + shift, minutes * 60 + seconds, part
+
+
+def _scale(scale: str, zone: str | None, text: str, name: str) -> str:
+    """The time scale in lower case; AttitudeError for an unknown one, or UTC's offset with one."""
+    if scale.lower() not in SCALES:
+        raise AttitudeError(
+            f"{name} is {shown(text)}; the time scale {shown(scale)} is not known, give one of "
+            f"{', '.join(SCALES).upper()}."
+        )
+    if zone and scale.lower() != "utc":
+        raise AttitudeError(
+            f"{name} is {shown(text)}; {zone} belongs to UTC: leave out {zone} or {scale}."
+        )
+    return scale.lower()
+
+
+def _mjd(year: int, month: str | None, day: str | None, yearday: str | None) -> int:
+    """Modified Julian date of a civil day; ValueError if the day does not exist."""
+    if not yearday:
+        ordinal = datetime.date(year, int(month or 0), int(day or 0)).toordinal()
+        return ordinal + _time_scales.MJD_OF_ORDINAL_0
+    ordinal = datetime.date(year, 1, 1).toordinal() + int(yearday) - 1
+    if datetime.date.fromordinal(ordinal).year != year:
+        raise ValueError("day of year is out of range")
+    return ordinal + _time_scales.MJD_OF_ORDINAL_0
+
+
+def _offset(zone: str | None) -> int:
+    """The offset from UTC in minutes of text such as Z or +01:00."""
+    if not zone or zone == "Z":
+        return 0
+    minutes = int(zone[1:3]) * 60 + int(zone[4:6])
+    return -minutes if zone[0] == "-" else minutes
+
+
+def utc_text(day: float, second: float, low: float) -> str:
+    """ISO 8601 text, to the nanosecond, of a civil day of UTC and the seconds since its
+    midnight.
+    """
+    import erfa
+
+    whole = int(second // 1.0)
+    nano = round(((second - whole) + low) * 1e9)
+    whole, nano = whole + nano // 10**9, nano % 10**9
+    if whole + nano * 1e-9 >= _time_scales.DAY + _time_scales.leap_of_day(day):
+        day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
+    year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
+    minute = min(whole // 60, 1439)  # a leap second belongs to the last minute of the day
+    text = (
+        f"{year:04d}-{month:02d}-{date:02d}T"
+        f"{minute // 60:02d}:{minute % 60:02d}:{whole - 60 * minute:02d}.{nano:09d}"
+    )
+    return text.rstrip("0").rstrip(".")
+
+
+def _refuse_false_leap(scale, day, minute, fraction, text, name):
+    """AttitudeError for a second 60 where there was no leap second."""
+    if scale == "utc" and minute == 1439 and fraction < _time_scales.leap_of_day(day):
+        return
+    raise AttitudeError(
+        f"{name} is {shown(text)}, but there was no leap second then; give seconds from 00 to 59."
+    )
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Instant:
+    """One epoch: TDB seconds past J2000 (2000-01-01 12:00 TDB) as the sum of two doubles.
+
+    Two instants are equal when both doubles are; the same date given in two ways can differ in
+    `low` by 5e-12 s, the rounding of a double of days (astropy, skyfield).
+
+    Parameters
+    ----------
+    seconds, low : float
+        s; their sum is the epoch.
+
+    Attributes
+    ----------
+    seconds, low : float
+        s; the sum rounded to a double, and the rounding error.
+
+    >>> from attitude.epochs import instant
+    >>> instant("2016-12-31T23:59:60.5")
+    Instant(2016-12-31T23:59:60.5 UTC)
+    >>> instant("2026-01-01T00:00:00 TDB").seconds
+    820497600.0
+    """
+
+    seconds: float
+    low: float
+
+    def __init__(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> None:
+        hi, lo = pairs.two_sum(float(seconds), float(low))
+        object.__setattr__(self, "seconds", float(hi))
+        object.__setattr__(self, "low", float(lo))
+
+    @property
+    def time(self) -> Time:
+        """The epoch as an astropy Time in TDB, rounded to 5e-12 s."""
+        return times(self, np.float64(0.0))
+
+    @property
+    def utc_iso(self) -> str:
+        """ISO 8601 text in UTC, to the nanosecond, without trailing zeros of the fraction."""
+        tt = _time_scales.tt_from_tdb(np.float64(self.seconds), np.float64(self.low))
+        tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+        return utc_text(*map(float, _time_scales.utc_day_from_tai(*tai)))
+
+    def since(self, other: Instant) -> float:
+        """TDB seconds from another Instant to this one, rounded to a double."""
+        return (self.seconds - other.seconds) + (self.low - other.low)
+
+    def after(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> Instant:
+        """The instant that is seconds + low of TDB later."""
+        hi, lo = pairs.add((self.seconds, self.low), float(seconds), float(low))
+        return Instant(hi, lo)
+
+    def __repr__(self) -> str:
+        return f"Instant({self.utc_iso} UTC)"
+
+    __str__ = __repr__
+
+
+def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> Time:
+    """The epochs start + seconds + low as an astropy Time in TDB, rounded to 5e-12 s.
+
+    Parameters
+    ----------
+    start : Instant
+    seconds, low : float64 arrays of one shape
+        TDB seconds, as `seconds_since` returns them.  A Time cannot hold NaN: such entries are
+        masked.
+    """
+    from astropy.time import Time
+
+    seconds = np.asarray(seconds, dtype=np.float64)
+    rest = np.float64(0.0) if low is None else np.asarray(low, dtype=np.float64)
+    unknown = ~np.isfinite(seconds + rest)
+    hi, lo = pairs.two_sum(np.where(unknown, 0.0, seconds), np.where(unknown, 0.0, rest))
+    hi, lo = pairs.add((hi, lo), start.seconds, start.low)
+    time = Time(*_time_scales.jd_from_seconds(hi, lo), format="jd", scale="tdb")
+    if np.any(unknown):
+        time[unknown] = np.ma.masked
+    return time

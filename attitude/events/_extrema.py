@@ -1,0 +1,369 @@
+"""The maxima and minima of an observable: nearest approaches, extrema of brightness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude.conditions._conditions import Channel, Observable
+from attitude.conditions._search import Advance, Sampled, crossings, difference, pieces, shifted
+from attitude.errors import AttitudeError
+from attitude.events._channels import Fixed, axis_or_long, chord_squared, direction_of, dot, turning
+from attitude.events._search import Events, plain_span, plain_step, source_of, span
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import TypeAlias
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epoch, EpochOrSeconds, FloatArray, Real, Reals
+    from attitude.conditions._moments import Drift, Moment, Pair, SearchDirection
+    from attitude.epochs._instants import Instant
+    from attitude.events._channels import AnyDirection
+    from attitude.events._search import AnyMotion
+    from attitude.motions._motion import RateBounds
+    from attitude.scene._scene import Scene
+
+    ValueFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
+
+
+# --------------------------------------------------------------------------------------------------
+# Local maxima of a function from its values alone.
+
+_BLOCK = 8192
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+# Golden sections of a bracket, to 1e-9 of its length.
+_SECTIONS = 44
+# A smooth peak is refined as the zero of its derivative, by differences over this part of a step.
+_STENCIL_OF_PEAKS = 0.08
+_WEIGHTS_OF_PEAKS = np.array([-1.0 / 60.0, 0.15, -0.75, 0.0, 0.75, -0.15, 1.0 / 60.0])
+_SIXTH = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+_SMOOTH = 1e-5
+_PLACES = np.arange(-3, 4)
+
+
+def peaks(
+    f: Callable[[FloatArray, FloatArray], ArrayLike],
+    start: Pair,
+    stop: Pair,
+    step: float,
+    sign: float,
+) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    """The maxima of sign * f between samples one step apart, block by block."""
+    total = difference(start, stop)
+    count = max(2, int(np.ceil(total / step)))
+    step = total / count
+    base, done, advance = start, 0, Advance(start, stop)
+    while done < count and total > 0.0:
+        size = min(_BLOCK, count - done)
+        # One more sample on either side, since a peak shows by its neighbours.
+        first = -1 if done else 0
+        last = size + 1 if done + size < count else size
+        s = np.arange(first, last + 1) * step
+
+        def value(s, base=base):
+            found = sign * np.asarray(f(*shifted(base, s)), dtype=np.float64)
+            if found.shape != s.shape:
+                raise AttitudeError(
+                    f"the function returns shape {found.shape} for {s.size} epochs; it must return "
+                    "a number for each."
+                )
+            return found
+
+        y = value(s)
+        left, right = _tops(y)
+        # Neighbouring blocks share three samples: a peak belongs to the block that holds the
+        # last of its samples, unless that is the first sample of the block.
+        own = (right + first >= 2) & (right + first <= size + 1)
+        found = _refined(value, s[left[own]], s[right[own]], step)
+        if len(found):
+            yield *shifted(base, found), sign * value(found)
+        base = pairs.add(base, size * step)
+        done += size
+        advance.reached(base)
+    advance.end()
+
+
+def _tops(y):
+    """Indices (left, right) of the neighbours of each sample, or pair of equal samples, above both.
+
+    NaN counts as -inf.  Three or more equal samples are a plateau, which has no maximum.
+    """
+    y = np.where(np.isnan(y), -np.inf, y)
+    begin = np.concatenate([[0], np.flatnonzero(y[1:] != y[:-1]) + 1])
+    end = np.concatenate([begin[1:] - 1, [len(y) - 1]])
+    inner = (begin > 0) & (end < len(y) - 1) & (end - begin <= 1)
+    left, right = begin[inner] - 1, end[inner] + 1
+    top = (y[left + 1] > y[left]) & (y[right - 1] > y[right])
+    return left[top], right[top]
+
+
+def _refined(value, a, b, step):
+    """The place of the maximum in each bracket (a, b)."""
+    if not len(a):
+        return a
+    left, right = a, b
+    for _ in range(_SECTIONS):
+        c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+        p, q = value(c), value(d)
+        # The maximum lies between equal values.
+        a, b = np.where(p > q, a, c), np.where(p >= q, d, b)
+        if np.all(b - a <= 1e-10 * step):
+            break
+    x = 0.5 * (a + b)
+    return _polished(value, x, left, right, step)
+
+
+def _polished(value, x, left, right, step):
+    """Newton steps on the derivative by differences, kept within the flat part of a smooth top."""
+    h = _STENCIL_OF_PEAKS * step
+    inside = (x - 6.0 * h > left) & (x + 6.0 * h < right)
+    y = x.copy()
+    for _ in range(3):
+        around = value((y + h * _PLACES[:, None]).reshape(-1)).reshape(7, -1)
+        slope = _WEIGHTS_OF_PEAKS @ around / h
+        bend = (around[2] - 2.0 * around[3] + around[4]) / (h * h)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            move = -slope / bend
+        y = np.where(inside & (bend < 0.0) & (np.abs(move) < h), y + move, y)
+    # The error of the formula is in sixth differences; where these are not small against the second
+    # difference, the top is not smooth on this scale, and the result of the sections is kept.
+    smooth = np.abs(_SIXTH @ around) < _SMOOTH * np.abs(bend) * h * h
+    return np.where(inside & smooth, y, x)
+
+
+# Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
+_SPACING = 0.05
+# Derivatives by differences: 6th order over this many rad of the fastest rotation.
+_STENCIL = 4e-3
+_WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
+
+
+def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -> Observable:
+    """The angle between a body axis and a direction, rad: its minima are nearest approaches.
+
+    Parameters
+    ----------
+    motion : Motion, other object with ``.at(t)``, or Scene
+    axis : (3,) array_like or None
+        In body axes; None is the long axis, that of least moment of inertia.
+    direction : as in `in_cone`
+
+    >>> from attitude import Body, FreeRotation, Spin
+    >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
+    >>> motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    >>> times, values = find_minima(0, 60, separation(motion, None, (0, 1, 0.5)))
+    >>> times.round(9), values.round(9)                  # a quarter turn, and the latitude
+    (array([15.70796327]), array([0.46364761]))
+    """
+    source = source_of(motion)
+    unit = axis_or_long(axis, source)
+    seen = direction_of(direction, "direction", source)
+    return Observable(source, _Angle(unit, seen), Receding(unit, seen), unit="rad")
+
+
+@dataclass(frozen=True, eq=False)
+class _Angle:
+    """The angle (N,) between a body axis and a direction, rad."""
+
+    axis: FloatArray
+    direction: SearchDirection
+
+    def __call__(self, moment: Moment) -> FloatArray:
+        u, a = moment.body(self.direction), self.axis
+        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, a)), np.sqrt(chord_squared(u, -a)))
+
+
+def brightness(scene: Scene) -> Observable:
+    """The brightness of a body in the shadow of others: brightness times lit fraction, m2/sr.
+
+    See ``view.brightness`` and ``view.lit_fraction``; the scene needs a shape.
+
+    Raises
+    ------
+    AttitudeError
+        For a motion instead of a Scene.
+    """
+    source = source_of(scene)
+    if source.scene is None:
+        raise AttitudeError(
+            f"{type(scene).__name__} is given, which has no brightness; give a Scene with a shape, "
+            "or a function of seconds to the search."
+        )
+    lit = _lit_brightness if source.scene.shadow_of else _full_brightness
+    return Observable(source, lit, unit="m2 / sr")
+
+
+def _full_brightness(moment: Moment) -> FloatArray:
+    return moment.view.brightness
+
+
+def _lit_brightness(moment: Moment) -> FloatArray:
+    return moment.view.brightness * moment.view.lit_fraction
+
+
+def find_maxima(
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
+    f: Observable | ValueFunction,
+    *,
+    step: Real | None = None,
+    epoch: Epoch | None = None,
+) -> Events:
+    """The local maxima of an observable strictly within a span.
+
+    Parameters
+    ----------
+    start, stop : epochs or seconds
+        As in `find_discrete`.
+    f : Observable or function
+        An Observable of `separation` or `brightness`, or a function of seconds (N,) that returns
+        numbers (N,).
+    step : float or Quantity, optional
+        s; the spacing of samples, for a function (required) and for a brightness: by default 0.05
+        rad of rotation, which resolves light curves.  Maxima that the samples do not show are
+        missed.
+    epoch : epoch, optional
+        For a function only: the epoch from which its seconds count.
+
+    Returns
+    -------
+    Events
+        ``times, values = find_maxima(...)``; the values are those of f.  For a flat top, its
+        middle.
+
+    Raises
+    ------
+    AttitudeError
+        For a span that ends before it begins, a function without a step, and epochs at which an
+        attitude or a direction is unknown.
+
+    Notes
+    -----
+    Extrema of a separation are zeros of its exact derivative, bracketed by bounds of the next
+    derivatives: for free rotations all are found, except pairs within TOUCH rad of the rotation,
+    and the error of epochs is below 1e-12 of a turn.  Extrema of a function are searched by its
+    values: the error of epochs is 1e-10 of the time scale on which smooth values change, and
+    rounding at kinks.
+    """
+    return _extrema(start, stop, f, step, epoch, 1.0)
+
+
+def find_minima(
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
+    f: Observable | ValueFunction,
+    *,
+    step: Real | None = None,
+    epoch: Epoch | None = None,
+) -> Events:
+    """The local minima of an observable strictly within a span; see `find_maxima`."""
+    return _extrema(start, stop, f, step, epoch, -1.0)
+
+
+def _extrema(
+    start: EpochOrSeconds,
+    stop: EpochOrSeconds,
+    f: Observable | ValueFunction,
+    step: Real | None,
+    epoch: Epoch | None,
+    sign: float,
+) -> Events:
+    if not isinstance(f, Observable):
+        if not callable(f):
+            raise AttitudeError(
+                f"f is {f!r}; give events.separation(...) or a function of seconds."
+            )
+        spacing = plain_step(step)
+        first, last, instant = plain_span(start, stop, epoch)
+        return _joined(
+            instant, peaks(lambda t, low: f(t + low), (first, 0.0), (last, 0.0), spacing, sign)
+        )
+    if epoch is not None:
+        raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
+    begin, end = span(f.source.epoch, start, stop)
+    if step is None and f.slope is not None:
+        # Interpolated attitudes have kinks: there the slope has no bounded derivative.
+        limit = pieces(f.source, begin, end)[0][2]
+        if not isinstance(limit, Sampled) or limit.smooth:
+            return Events.joined(
+                f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float, f.unit
+            )
+    spacing = f.spacing(begin, end) if step is None else plain_step(step)
+    return _joined(f.epoch, peaks(f, begin, end, spacing, sign), f.unit)
+
+
+def _by_slope(
+    f: Observable, slope: Channel, begin: Pair, end: Pair, sign: float
+) -> Iterator[Events]:
+    # The slope is that of the cosine: where it changes to positive, the angle has its maximum.
+    for hi, lo, _, rising in crossings(f.source, [slope], begin, end):
+        chosen = rising if sign > 0.0 else ~rising
+        hi, lo = hi[chosen], lo[chosen]
+        yield Events(f.epoch, hi, lo, f(hi, lo))
+
+
+def _joined(
+    epoch: Instant | None,
+    found: Iterable[tuple[FloatArray, FloatArray, FloatArray]],
+    unit: str = "",
+) -> Events:
+    parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
+    return Events.joined(epoch, parts, float, unit)
+
+
+class Receding(Channel):
+    """The derivative of u.a, of a direction u and a body axis a; rises where the angle is greatest.
+
+    Exact for a constant direction; by differences otherwise.
+    """
+
+    def __init__(self, axis: FloatArray, direction: SearchDirection) -> None:
+        self._axis, self.directions = axis, (direction,)
+        self._rate: float | None = None
+        # Division by the spacing amplifies rounding; in units of the largest rate.
+        self.noise = 0.0 if isinstance(direction, Fixed) else 1e-12
+
+    def value(self, moment: Moment) -> FloatArray:
+        """The derivative (N,), 1/s."""
+        direction = self.directions[0]
+        u = moment.body(direction)
+        if isinstance(direction, Fixed):
+            w = moment.history.angular_velocity
+            a = self._axis
+            # u' = u x w in body axes, times a.
+            return (
+                u[..., 0] * (w[..., 1] * a[2] - w[..., 2] * a[1])
+                + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
+                + u[..., 2] * (w[..., 0] * a[1] - w[..., 1] * a[0])
+            )
+        return self._by_differences(moment)
+
+    def _by_differences(self, moment: Moment) -> FloatArray:
+        source, direction = moment.source, self.directions[0]
+        rate = self._stencil_rate(moment)
+        d = _STENCIL / rate
+        total = np.zeros(moment.hi.shape)
+        for k, weight in _WEIGHTS:
+            ahead, behind = (
+                dot(source.at(moment.hi, moment.lo + side * k * d).body(direction), self._axis)
+                for side in (1.0, -1.0)
+            )
+            total = total + weight * (ahead - behind)
+        return total / d
+
+    def _stencil_rate(self, moment: Moment) -> float:
+        # The same spacing in all blocks, so that an epoch has the same value in each.
+        if self._rate is None:
+            start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
+            limit = pieces(moment.source, start, start)[0][2]
+            self._rate = limit.guess(moment.source, start) or 1.0
+        return self._rate
+
+    def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
+        """Upper bounds of the first two derivatives, those of u.a one order higher."""
+        return turning(rates, drifts[0])[1:]

@@ -1,0 +1,678 @@
+"""The intervals in which conditions hold, with their totals and gaps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.conditions._conditions import condition_of
+from attitude.conditions._moments import OfReception
+from attitude.conditions._search import difference
+from attitude.epochs import _instants
+from attitude.errors import AttitudeError
+from attitude.events._channels import SUN_RADIUS, Mirrored, glint
+from attitude.events._search import source_of, span, stream
+from attitude.paths._path import common_span
+from attitude.scene._scene import Scene
+from attitude.shape._mesh import Mesh, flat_sides
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any
+
+    from astropy.time import Time
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import (
+        BoolArray,
+        EpochOrSeconds,
+        FloatArray,
+        IntArray,
+        Real,
+        Reals,
+    )
+    from attitude._support.tables import FlatTable
+    from attitude.conditions._conditions import Condition, Joinable
+    from attitude.conditions._moments import Pair, Source
+    from attitude.epochs._instants import Instant
+    from attitude.events._channels import VectorFunction
+    from attitude.shape._mesh import FlatSide
+
+
+# --------------------------------------------------------------------------------------------------
+# Rows of events with named columns: times, numbers with units, names; as tables and files.
+
+
+class TimetableColumn(NamedTuple):
+    """A column: its values (N,), their unit (SI), that of tables, and the low part of a time.
+
+    The unit "time" is that of TDB seconds since the epoch; "" that of pure numbers and names.
+    """
+
+    values: NDArray[Any]
+    unit: str = ""
+    shown: str = ""
+    low: NDArray[Any] | float = 0.0
+
+
+class Timetable(Immutable):
+    """Rows of events in order of time; each column is an attribute (N,) too.
+
+    Plain numbers of times are TDB seconds since `epoch`; `time` gives dates.
+
+    Attributes
+    ----------
+    epoch : Instant
+        That of the motion; J2000 for a scene without a motion.
+    columns : dict of TimetableColumn
+        By name.
+    """
+
+    epoch: _instants.Instant
+    columns: dict[str, TimetableColumn]
+
+    def __init__(self, epoch: _instants.Instant, columns: Mapping[str, TimetableColumn]) -> None:
+        self._set("epoch", epoch)
+        self._set("columns", dict(columns))
+        for name, column in columns.items():
+            self._set(name, frozen(np.asarray(column.values)))
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The sentence for a column that is not there."""
+            columns = self.__dict__.get("columns", {})
+            raise AttributeError(
+                f"{type(self).__name__} has no {name!r}; its columns are {', '.join(columns)}."
+            )
+    else:
+
+        def __getattr__(self, name: str) -> NDArray[Any]:
+            """A column."""
+            return self.columns[name].values
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())).values)
+
+    def __getitem__(self, index: Any) -> Timetable:
+        """Some of the rows: found[:3], found[found.elevation > 1]."""
+        rows = np.atleast_1d(np.arange(len(self))[index])
+        columns = {
+            name: each._replace(
+                values=each.values[rows],
+                low=each.low[rows] if isinstance(each.low, np.ndarray) else each.low,
+            )
+            for name, each in self.columns.items()
+        }
+        return self._with(columns)
+
+    def _with(self, columns: Mapping[str, TimetableColumn]) -> Timetable:
+        return Timetable(self.epoch, columns)
+
+    def time(self, name: str) -> Time:
+        """A column of times (N,) as an astropy Time in UTC; masked where it is not known.
+
+        Raises
+        ------
+        AttitudeError
+            For a column that holds no times.
+        """
+        times = [each for each, column in self.columns.items() if column.unit == "time"]
+        if name not in times:
+            raise AttitudeError(f"{name!r} is no column of times; give one of {', '.join(times)}.")
+        column = self.columns[name]
+        rest = np.broadcast_to(np.asarray(column.low, dtype=float), column.values.shape)
+        found = _instants.times(self.epoch, column.values, rest).utc
+        found.format = "isot"
+        return found
+
+    def table(self) -> FlatTable:
+        """An astropy QTable: times in UTC, numbers with units; ``.write("x.ecsv")`` keeps both."""
+        from astropy.units import Unit
+
+        from attitude._support.tables import FlatTable
+
+        found = FlatTable(meta={"epoch": f"{self.epoch.utc_iso} UTC", "times": "UTC"})
+        for name, column in self.columns.items():
+            if column.unit == "time":
+                found[name] = self.time(name)
+            elif column.unit:
+                values = np.array(column.values) * Unit(column.unit)
+                found[name] = values.to(column.shown or column.unit)
+            else:
+                found[name] = np.array(column.values)
+        return found
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame of `table`; AttitudeError if pandas is not installed."""
+        return self.table().to_pandas()
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} {type(self).__name__}: {', '.join(self.columns)}>"
+
+    def __str__(self) -> str:
+        shown = self.table()
+        for name in shown.colnames:
+            if shown[name].dtype.kind == "f" if hasattr(shown[name], "dtype") else False:
+                shown[name].info.format = ".3f"
+        return "\n".join(shown.pformat(max_lines=-1, max_width=-1))
+
+
+# --------------------------------------------------------------------------------------------------
+# The greatest value of a function in each of many intervals, by samples that close in on it.
+
+# Samples in each interval, and rounds: each leaves two of the spacings of the round before.
+_SAMPLES, _ROUNDS = 65, 5
+
+
+def highest(
+    value: Callable[[FloatArray], FloatArray], begin: FloatArray, end: FloatArray
+) -> FloatArray:
+    """The places (N,) of the greatest values within intervals; their ends count.
+
+    Shapes: begin, end (N,).
+
+    To 1e-7 of an interval, and at a smooth top to the square root of rounding.
+    """
+    if not len(begin):
+        return begin
+    a, b = begin, end
+    every = np.arange(len(begin))
+    for _ in range(_ROUNDS):
+        places = a + (b - a) * (np.arange(_SAMPLES) / (_SAMPLES - 1))[:, None]
+        found = value(places.reshape(-1)).reshape(places.shape)
+        top = np.argmax(np.where(np.isnan(found), -np.inf, found), axis=0)
+        a = places[np.maximum(top - 1, 0), every]
+        b = places[np.minimum(top + 1, _SAMPLES - 1), every]
+    return places[top, every]
+
+
+class Windows(Timetable):
+    """The intervals in which a condition holds; made by `windows`.
+
+    Attributes
+    ----------
+    begin, end : (N,) arrays
+        TDB seconds since the epoch; those of the search where the condition holds at its ends.
+    duration : (N,) array
+        s.
+    start, stop : pairs of doubles
+        The span of the search, s.
+    """
+
+    start: Pair
+    stop: Pair
+
+    def __init__(
+        self,
+        epoch: Instant,
+        columns: Mapping[str, TimetableColumn],
+        start: Pair,
+        stop: Pair,
+    ) -> None:
+        super().__init__(epoch, columns)
+        self._set("start", start)
+        self._set("stop", stop)
+
+    def _with(self, columns: Mapping[str, TimetableColumn]) -> Windows:
+        return Windows(self.epoch, columns, self.start, self.stop)
+
+    @property
+    def span(self) -> float:
+        """Length of the search, s."""
+        return difference(self.start, self.stop)
+
+    @property
+    def total(self) -> float:
+        """Sum of the durations, s."""
+        return float(np.sum(self.duration))
+
+    @property
+    def share(self) -> float:
+        """The total over the length of the search; NaN for a search of no length."""
+        return self.total / self.span if self.span > 0.0 else float("nan")
+
+    @property
+    def gaps(self) -> Windows:
+        """The intervals of the search in which the condition does not hold."""
+        begin, end = self.columns["begin"], self.columns["end"]
+        edges = [_edge(self.start), _edges(end)], [_edges(begin), _edge(self.stop)]
+        first, last = (np.concatenate(each, axis=1) for each in edges)
+        length = (last[0] - first[0]) + (last[1] - first[1])
+        return _of_edges(self.epoch, first[:, length > 0.0], last[:, length > 0.0], *self._ends())
+
+    @property
+    def worst_gap(self) -> float:
+        """The longest gap, also before the first and after the last window, s; 0 without gaps."""
+        return float(np.max(self.gaps.duration, initial=0.0))
+
+    def _ends(self) -> tuple[Pair, Pair]:
+        return self.start, self.stop
+
+
+def windows(
+    condition: Joinable, start: EpochOrSeconds | None = None, stop: EpochOrSeconds | None = None
+) -> Windows:
+    """The intervals of a span in which a condition holds.
+
+    Parameters
+    ----------
+    condition : Condition
+    start, stop : epochs or seconds, optional
+        As in `find_discrete`; by default the span for which the motion and the path of the body
+        are known.
+
+    Returns
+    -------
+    Windows
+        Windows that are open at the ends of the span begin or end there.
+
+    Raises
+    ------
+    AttitudeError
+        For other objects, and where no span is given and none follows.
+    """
+    known = condition_of(condition, "condition")
+    ends = span_of(known.source, start, stop)
+    return windows_of([known], *ends)[0]
+
+
+def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list[Windows]:
+    """The windows of each of several conditions of one source, searched together."""
+    source = conditions[0].source
+    first_epoch, last_epoch = (source.epoch.after(*each) for each in (start, stop))
+    blocks = list(stream(first_epoch, last_epoch, list(conditions)))
+    first = source.at(np.array([start[0]]), np.array([start[1]]))
+    found = []
+    for k, condition in enumerate(conditions):
+        own = [part[part.which == k] for part in blocks]
+        begins = [_edge(start)] if condition.states(condition.signs(first))[0] else []
+        ends = []
+        for part in own:
+            pairs_of = np.stack([part.seconds, part.low])
+            begins.append(pairs_of[:, part.values.astype(bool)])
+            ends.append(pairs_of[:, ~part.values.astype(bool)])
+        edges = [np.concatenate([np.zeros((2, 0)), *each], axis=1) for each in (begins, ends)]
+        if edges[0].shape[1] > edges[1].shape[1]:
+            edges[1] = np.concatenate([edges[1], _edge(stop)], axis=1)
+        found.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
+    return found
+
+
+def span_of(
+    source: Source, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
+) -> tuple[Pair, Pair]:
+    """Start and stop as pairs of seconds since the epoch of a source."""
+    if start is not None and stop is not None:
+        return span(source.epoch, start, stop)
+    center = None if source.scene is None else source.scene.center
+    limited = [each for each in (source.motion, center) if each is not None and each.span]
+    known = common_span(limited)
+    if known is None:
+        missing = "start" if start is None else "stop"
+        raise AttitudeError(
+            f"{missing} is not given, and neither motion nor path has an end from which it "
+            'follows; give start and stop, such as "2026-01-01" and "2026-01-02".'
+        )
+    given = (known[0] if start is None else start), (known[1] if stop is None else stop)
+    return span(source.epoch, *given)
+
+
+def _edge(pair: Pair) -> FloatArray:
+    """A pair as (2, 1)."""
+    return np.array([[pair[0]], [pair[1]]])
+
+
+def _edges(column: TimetableColumn) -> FloatArray:
+    """A column of times as (2, N)."""
+    return np.stack(np.broadcast_arrays(column.values, np.asarray(column.low, dtype=float)))
+
+
+def _of_edges(
+    epoch: Instant, begin: FloatArray, end: FloatArray, start: Pair, stop: Pair
+) -> Windows:
+    length = (end[0] - begin[0]) + (end[1] - begin[1])
+    columns = {
+        "begin": TimetableColumn(begin[0], "time", low=begin[1]),
+        "end": TimetableColumn(end[0], "time", low=end[1]),
+        "duration": TimetableColumn(length, "s"),
+    }
+    return Windows(epoch, columns, start, stop)
+
+
+# --------------------------------------------------------------------------------------------------
+# Passes of a body over a ground site: rise, culmination and set.
+
+
+class Passes(Timetable):
+    """Passes over a ground site, one a row; made by `passes`.
+
+    Attributes
+    ----------
+    rise, culmination, set : (N,) arrays
+        TDB seconds since the epoch; NaN for a rise before and a set after the search.
+    elevation : (N,) array
+        The greatest one, rad.
+    rise_azimuth, azimuth, set_azimuth : (N,) arrays
+        At rise, culmination and set, rad.
+    distance : (N,) array
+        At culmination, m.
+    sun_elevation : (N,) array
+        At culmination, rad.
+    duration : (N,) array
+        From rise to set within the search, s.
+    visible_from, visible_until, visible : (N,) arrays
+        The first and the last epoch at which all conditions hold, and for how many s they do; of
+        passes with conditions only.
+    """
+
+
+def passes(
+    scene: Scene,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    *,
+    elevation: Real = 0.0,
+    sunlit: bool = False,
+    night: Real | None = None,
+    where: Joinable | None = None,
+) -> Passes:
+    """The passes of the scene's body over its ground site.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a ground site as its observer; a motion is not needed.
+    start, stop : epochs or seconds, optional
+        As in `windows`.
+    elevation : float, Quantity or text
+        A pass is a time above this elevation, rad.
+    sunlit : bool
+        Whether passes count only where a part of the Sun's disc is seen from the body.
+    night : float, Quantity or text, optional
+        Passes count only where the Sun is lower than this over the site, such as "-6 deg".
+    where : Condition, optional
+        Any other condition of the scene.
+
+    Returns
+    -------
+    Passes
+        A pass in which the conditions never hold together is left out.
+
+    Raises
+    ------
+    AttitudeError
+        For an observer that is no ground site, and as `windows`.
+
+    Notes
+    -----
+    Elevations are those of the scene: with aberration=True as seen from the ground, with
+    light_time=False geometric, as other satellite tools print them; without refraction.
+    """
+    site_of(scene)
+    lowest = validation.number(elevation, "elevation", unit="rad")
+    if not abs(lowest) <= 0.5 * np.pi:
+        raise AttitudeError(
+            f"elevation is {lowest!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
+            'as "10 deg").'
+        )
+    above = scene.quantity("elevation") > lowest
+    more: list[Condition] = [] if where is None else [condition_of(where, "where")]
+    if validation.flag(sunlit, "sunlit"):
+        more.append(scene.quantity("lit_fraction") > 0.0)
+    if night is not None:
+        more.append(scene.quantity("sun_elevation") < night)
+    visible = above
+    for each in more:
+        visible = visible & each
+    ends = span_of(above.source, start, stop)
+    up, seen = windows_of([above, visible], *ends)
+    owner = np.asarray(np.searchsorted(up.begin, seen.begin, side="right") - 1, dtype=np.int64)
+    kept = np.unique(owner) if more else np.arange(len(up))
+    columns = _columns(scene, up, kept)
+    if more:
+        columns |= _visible_parts(seen, owner, kept)
+    return Passes(up.epoch, columns)
+
+
+def site_of(scene: Scene) -> None:
+    """AttitudeError for anything but a Scene whose observer is a ground site."""
+    if not isinstance(scene, Scene):
+        raise AttitudeError(
+            f"scene is {validation.shown(scene)}; give a Scene whose observer is a ground site."
+        )
+    if not scene.observer.has_horizon:
+        raise AttitudeError(
+            f"the observer is {scene.observer.name}, over which nothing rises; give a Scene with a "
+            "ground site: paths.site(longitude, latitude) or paths.observatory(code)."
+        )
+
+
+def _columns(scene: Scene, up: Windows, kept: IntArray) -> dict[str, TimetableColumn]:
+    source = OfReception(scene)
+    begin, end = up.begin[kept], up.end[kept]
+
+    def elevations(seconds: FloatArray) -> FloatArray:
+        return np.asarray(source.at(seconds, np.zeros(seconds.size)).view.elevation)
+
+    top = highest(elevations, begin, end)
+    three = np.concatenate([begin, top, end])
+    view = source.at(three, np.zeros(three.size)).view
+    azimuth, height, distance, sun = (
+        np.asarray(getattr(view, name)).reshape(3, -1)
+        for name in ("azimuth", "elevation", "observer_distance", "sun_elevation")
+    )
+    first, last = (pair[0] + pair[1] for pair in (up.start, up.stop))
+    is_cut: list[BoolArray] = [begin <= first, end >= last]
+    rise, setting = (np.where(cut, np.nan, t) for cut, t in zip(is_cut, (begin, end), strict=True))
+    return {
+        "rise": TimetableColumn(rise, "time"),
+        "rise_azimuth": TimetableColumn(np.where(is_cut[0], np.nan, azimuth[0]), "rad", "deg"),
+        "culmination": TimetableColumn(top, "time"),
+        "elevation": TimetableColumn(height[1], "rad", "deg"),
+        "azimuth": TimetableColumn(azimuth[1], "rad", "deg"),
+        "distance": TimetableColumn(distance[1], "m", "km"),
+        "sun_elevation": TimetableColumn(sun[1], "rad", "deg"),
+        "set": TimetableColumn(setting, "time"),
+        "set_azimuth": TimetableColumn(np.where(is_cut[1], np.nan, azimuth[2]), "rad", "deg"),
+        "duration": TimetableColumn(up.duration[kept], "s"),
+    }
+
+
+def _visible_parts(seen: Windows, owner: IntArray, kept: IntArray) -> dict[str, TimetableColumn]:
+    """First and last epoch and seconds in which the conditions hold, of each pass."""
+    first = np.searchsorted(owner, kept, side="left")
+    last = np.searchsorted(owner, kept, side="right") - 1
+    total = np.bincount(owner, weights=seen.duration, minlength=int(np.max(kept, initial=-1)) + 1)
+    return {
+        "visible_from": TimetableColumn(seen.begin[first], "time"),
+        "visible_until": TimetableColumn(seen.end[last], "time"),
+        "visible": TimetableColumn(total[kept], "s"),
+    }
+
+
+# --------------------------------------------------------------------------------------------------
+# The glints of a scene: of all flat sides of its mesh, with the lobes of their materials.
+
+# A glint is searched up to this angle from the mirror direction, rad.
+_WIDEST = 1.55
+
+
+class Glints(Timetable):
+    """Glints, one a row; made by `glints`.
+
+    Attributes
+    ----------
+    side : (N,) array of str
+        Name of the flat side.
+    start, peak, stop : (N,) arrays
+        TDB seconds since the epoch: where the lobe exceeds the fraction of its peak, and where the
+        mirrored observer is nearest to the Sun.
+    duration : (N,) array
+        s.
+    magnitude : (N,) array
+        Of the whole body at the peak; the reduced magnitude if the distance of the Sun or of the
+        observer is not known.
+    off_mirror : (N,) array
+        Angle between the mirrored observer and the Sun at the peak, rad.
+    phase_angle, lit_fraction : (N,) arrays
+        At the peak: rad, and the share of the Sun's disc that is seen.
+    elevation : (N,) array
+        At the peak, rad; from a ground site only.
+    """
+
+
+def glints(
+    scene: Scene,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    *,
+    sides: Sequence[str] | None = None,
+    fraction: float = 0.1,
+    visible: bool = True,
+    where: Joinable | None = None,
+    velocity: Reals | VectorFunction | None = None,
+) -> Glints:
+    """The glints of all flat sides of the scene's mesh whose materials have a lobe.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a motion, a Mesh and a law of materials (`scattering.Material` or `Materials`).
+    start, stop : epochs or seconds, optional
+        As in `windows`.
+    sides : sequence of str, optional
+        Names of `shape.flat_sides`; all by default.
+    fraction : float
+        A side glints while its lobe, widened by the Sun's radius, exceeds this part of its peak.
+    visible : bool
+        Whether a glint counts only where it is seen: outside of the umbra of `scene.shadow_of`, and
+        over a ground site above the horizon under a dark sky (`view.is_observable`).
+    where : Condition, optional
+        Any other condition of the scene.
+    velocity : optional
+        As of `glint`: "center" for the aberration by the motion of the body.
+
+    Raises
+    ------
+    AttitudeError
+        For a scene without a mesh, materials without lobes, unknown sides, and as `windows`.
+    """
+    chosen = _sides(scene, sides, fraction)
+    more = [] if where is None else [condition_of(where, "where")]
+    if validation.flag(visible, "visible"):
+        more += _visible(scene)
+    conditions = []
+    for side, width in chosen:
+        reach = min(width + SUN_RADIUS, _WIDEST)
+        one = glint(scene, side.normal, sun_radius=reach, velocity=velocity)
+        for each in more:
+            one = one & each
+        conditions.append(one)
+    ends = span_of(conditions[0].source, start, stop)
+    found = windows_of(conditions, *ends)
+    return _rows(scene, [side for side, _ in chosen], conditions, found)
+
+
+def _sides(
+    scene: Scene, names: Sequence[str] | None, fraction: float
+) -> list[tuple[FlatSide, float]]:
+    """The flat sides with a lobe, and the half-widths of their lobes, rad."""
+    source_of(scene)
+    if not isinstance(scene, Scene) or not isinstance(scene.shape, Mesh):
+        raise AttitudeError(
+            "glints are those of the flat sides of a mesh; give a Scene with shape=, a Mesh such "
+            "as attitude.shape.box_wing(...)."
+        )
+    found = []
+    for side in flat_sides(scene.shape):
+        material = scene.law.of_material(side.material)
+        if material is None:
+            raise AttitudeError(
+                f"the law of the scene is {type(scene.law).__name__}, which has no lobe; give "
+                "law=, a scattering.Material or Materials with a specular part."
+            )
+        if material.specular > 0.0:
+            found.append((side, material.lobe_half_width(fraction)))
+    if names is not None:
+        listed = [side.name for side, _ in found]
+        for name in names:
+            if name not in listed:
+                raise AttitudeError(
+                    f"sides holds {name!r}; the sides with a lobe are {', '.join(listed)}."
+                )
+        found = [each for each in found if each[0].name in names]
+    if not found:
+        raise AttitudeError(
+            "no flat side has a material with a specular part, so that nothing glints; give one in "
+            "the law of the scene."
+        )
+    return found
+
+
+def _visible(scene: Scene) -> list[Condition]:
+    more = []
+    if scene.shadow_of:
+        more.append(scene.quantity("lit_fraction") > 0.0)
+    if scene.observer.has_horizon:
+        more.append(scene.quantity("elevation") > 0.0)
+        more.append(scene.quantity("sun_elevation") < scene.night)
+    return more
+
+
+def _rows(
+    scene: Scene, sides: list[FlatSide], conditions: list[Condition], found: list[Windows]
+) -> Glints:
+    """The rows of all sides in order of time."""
+    source = conditions[0].source
+    tops, off = [], []
+    for condition, each in zip(conditions, found, strict=True):
+        mirrored = condition.channels[0]
+        assert isinstance(mirrored, Mirrored)
+        begin, end = each.begin, each.end
+
+        def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
+            value: FloatArray = channel.value(source.at(seconds, np.zeros(seconds.size)))
+            return value
+
+        top = highest(nearness, begin, end)
+        tops.append(top)
+        off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
+    side = np.repeat([each.name for each in sides], [len(each) for each in found])
+    peak, off_mirror = np.concatenate(tops), np.concatenate(off)
+    begin, begin_low, end, end_low, duration = (
+        np.concatenate(column) for column in zip(*(_edges_of(each) for each in found), strict=True)
+    )
+    order = np.argsort(begin, kind="stable")
+    view = source.at(peak[order], np.zeros(len(peak))).view
+    columns = {
+        "side": TimetableColumn(side[order]),
+        "start": TimetableColumn(begin[order], "time", low=begin_low[order]),
+        "peak": TimetableColumn(peak[order], "time"),
+        "stop": TimetableColumn(end[order], "time", low=end_low[order]),
+        "duration": TimetableColumn(duration[order], "s"),
+        "magnitude": TimetableColumn(_magnitude(scene, view), "mag"),
+        "off_mirror": TimetableColumn(off_mirror[order], "rad", "deg"),
+        "phase_angle": TimetableColumn(view.phase_angle, "rad", "deg"),
+        "lit_fraction": TimetableColumn(view.lit_fraction),
+    }
+    if scene.observer.has_horizon:
+        columns["elevation"] = TimetableColumn(view.elevation, "rad", "deg")
+    return Glints(source.epoch, columns)
+
+
+def _edges_of(found: Windows) -> tuple[FloatArray, ...]:
+    begin, end = found.columns["begin"], found.columns["end"]
+    low = [
+        np.broadcast_to(np.asarray(each.low, dtype=float), (len(found),)) for each in (begin, end)
+    ]
+    return begin.values, low[0], end.values, low[1], found.duration
+
+
+def _magnitude(scene: Scene, view: Any) -> FloatArray:
+    if scene.sun.is_direction or scene.observer.is_direction:
+        return np.asarray(view.reduced_magnitude)
+    return np.asarray(view.magnitude_everywhere)

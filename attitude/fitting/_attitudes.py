@@ -1,0 +1,696 @@
+"""The free rotation through measured attitudes, by least squares."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude import frames
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.fitting import _minimum
+from attitude.fitting._minimum import Problem, result
+from attitude.fitting._model import Model, Point
+from attitude.fitting._observations import (
+    Attitudes,
+    Directions,
+    Observations,
+    Rates,
+    epochs_of,
+    weights,
+)
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions import _propagation
+from attitude.motions._body import Body
+from attitude.motions._history import AttitudeHistory
+from attitude.motions._table import AttitudeTable
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import Epoch, Epochs, FloatArray, IntArray, Real, Reals
+    from attitude.fitting._minimum import Fit, Loss
+    from attitude.fitting._observations import Measured
+    from attitude.motions._free_rotation import FreeRotation
+
+
+# --------------------------------------------------------------------------------------------------
+# First guesses: the inertia from what a free rotation conserves, and the first state.
+#
+# With attitudes, R I w = L at every record, which is linear in the inertia I and in L.  With
+# angular velocities alone, Euler's equations integrated over time, I w + integral of w x I w, do
+# not change. Either way the tensor is that for which the vectors vary least; a sphere where none is
+# better.
+
+# Records of which a guess is made, at most.
+_ENOUGH = 2000
+# Weight of a sphere, relative to the squares of the angular velocities.
+_SPHERE = 1e-12
+# Repetitions of the weighting that removes outliers.
+_REWEIGHTED = 15
+# Records from whose states one is chosen, at most.
+CANDIDATES = 16
+# Records to either side of which medians are taken, and median deviations from which an outlier is.
+_NEIGHBOURS, _SPIKE = 2, 6.0
+# Angle between records, rad, up to which angular velocities are integrated.
+_FARTHEST = 1.0
+
+
+def velocities(wxyz: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Attitudes (N - 1, 4) between records (N, 4), and the angular velocities (N - 1, 3) there."""
+    turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(wxyz[:-1]), wxyz[1:]))
+    middle = quaternion.multiply(wxyz[:-1], forms.from_rotation_vector(0.5 * turn))
+    return middle, turn / np.diff(t)[:, None]
+
+
+def inertia_of_attitudes(
+    wxyz: FloatArray, omega: FloatArray, axes: str, *, robust: bool
+) -> FloatArray:
+    """The tensor (3, 3) of unit trace for which R I w varies least.
+
+    Shapes: wxyz, omega (K, 4) rad/s.
+    """
+    wxyz, omega = wxyz[:_ENOUGH], omega[:_ENOUGH]
+    basis = _basis(axes)
+    vectors = quaternion.matrix(wxyz) @ np.tensordot(omega, basis, axes=(1, 2)).transpose(0, 2, 1)
+    return _least_varying(vectors, np.zeros(len(omega), np.int64), omega, basis, robust)
+
+
+def inertia_of_rates(t: FloatArray, omega: FloatArray, axes: str, *, robust: bool) -> FloatArray:
+    """The tensor (3, 3) of unit trace for which Euler's equations hold best."""
+    t, omega = t[:_ENOUGH], omega[:_ENOUGH]
+    if robust:
+        # An outlier would remain in all later integrals.
+        omega = _without_spikes(omega)
+    basis = _basis(axes)
+    step = np.diff(t)
+    speed = np.linalg.norm(omega, axis=1)
+    joined = 0.5 * (speed[1:] + speed[:-1]) * step <= _FARTHEST
+    if np.count_nonzero(joined) < min(len(basis), 3):
+        raise AttitudeError(
+            "the angular velocities are too far apart for a first guess of the inertia: fewer than "
+            f"3 of their {len(step)} steps are turns of less than {_FARTHEST:g} rad. Give denser "
+            "records, the body, or a motion near the truth, start=FreeRotation(...)."
+        )
+    vectors = np.empty((len(t), 3, len(basis)))
+    for k, each in enumerate(basis):
+        product = np.cross(omega, omega @ each)
+        area = 0.5 * (product[1:] + product[:-1]) * step[:, None]
+        if len(t) > 2:
+            # The trapezium rule with slopes at the ends, of fourth order.
+            slope = np.gradient(product, t, axis=0)
+            area += (slope[:-1] - slope[1:]) * (step**2 / 12.0)[:, None]
+        area[~joined] = 0.0
+        vectors[:, :, k] = omega @ each
+        vectors[1:, :, k] += np.cumsum(area, axis=0)
+    group = np.concatenate([[0], np.cumsum(~joined)])
+    return _least_varying(vectors, group, omega, basis, robust)
+
+
+def point_of(model: Model, observed: Observations, start: object) -> Point:
+    """The point of a motion that the caller gives as the first guess."""
+    from attitude.motions._free_rotation import FreeRotation
+
+    if not isinstance(start, FreeRotation):
+        raise AttitudeError(f"start is {start!r}; give a FreeRotation, or leave it out.")
+    tensor = start.body.tensor / np.trace(start.body.tensor)
+    off = np.max(np.abs(tensor - np.diag(np.diag(tensor))))
+    if model.body is None and model.axes == "principal" and off > 1e-9:
+        raise AttitudeError(
+            "start has a body whose principal axes are not along the body axes; give "
+            'axes="free", or a start with Body(moments=...).'
+        )
+    state = start.at(observed.epoch)
+    return Point(np.array(state.wxyz), np.array(state.angular_velocity), model.shape_of(tensor))
+
+
+def states_at_first(
+    model: Model, shape: FloatArray, states: tuple[FloatArray, FloatArray, FloatArray]
+) -> list[Point]:
+    """Points (K) at the first record of states at other epochs.
+
+    Shapes: shape (k,), states (K,).
+    """
+    t, wxyz, omega = states
+    moments, axes = model.principal(shape)
+    to_body = quaternion.from_matrix(axes)
+    wxyz, omega = _propagation.propagate(
+        moments,
+        quaternion.multiply(wxyz, to_body),
+        omega @ axes,
+        -t[:, None],
+        angular_velocity=True,
+    )
+    first = quaternion.multiply(wxyz[:, 0], quaternion.conjugate(to_body))
+    return [Point(q, axes @ w, shape) for q, w in zip(first, omega[:, 0], strict=True)]
+
+
+def best_state(
+    problem: Problem,
+    shape: FloatArray,
+    states: tuple[FloatArray, FloatArray, FloatArray],
+) -> Point:
+    """The first of some states, or with a robust loss, as some are outliers, the best one."""
+    many = CANDIDATES if problem.loss.robust else 1
+    t, wxyz, omega = states
+    points = states_at_first(problem.model, shape, (t[:many], wxyz[:many], omega[:many]))
+    if many == 1:
+        return points[0]
+    return min(points, key=lambda point: problem.linearised(point).cost)
+
+
+def _without_spikes(omega: FloatArray) -> FloatArray:
+    """The rates (K, 3), with the medians of their neighbours in place of outliers."""
+    padded = np.pad(omega, ((_NEIGHBOURS, _NEIGHBOURS), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1, axis=0)
+    medians = np.median(windows, axis=-1)
+    away = np.linalg.norm(omega - medians, axis=1)
+    return np.where((away > _SPIKE * np.median(away))[:, None], medians, omega)
+
+
+def _least_varying(
+    vectors: FloatArray,
+    group: IntArray,
+    omega: FloatArray,
+    basis: FloatArray,
+    robust: bool,
+) -> FloatArray:
+    """The tensor of unit trace whose vectors (K, 3, B) vary least within groups (K,) of records."""
+    sphere = np.array([np.trace(each) / np.sum(each**2) for each in basis])
+    floor = _SPHERE * np.sum(omega**2) * np.eye(len(basis))
+    weight = np.ones(len(vectors))
+    found = sphere
+    for _ in range(_REWEIGHTED if robust else 1):
+        total = np.bincount(group, weight)
+        centred = vectors - _sums(vectors, group, weight)[group] / total[group, None, None]
+        flat = centred.reshape(-1, len(basis))
+        normal = flat.T @ (flat * np.repeat(weight, 3)[:, None])
+        found = np.linalg.solve(normal + floor, sphere)
+        found = found / np.tensordot(found, basis, axes=1).trace()
+        size = np.linalg.norm(centred @ found, axis=1)
+        weight = 1.0 / np.maximum(size, 0.1 * np.median(size) + 1e-300)
+        weight /= weight.max()
+    tensor: FloatArray = np.tensordot(found, basis, axes=1)
+    return tensor
+
+
+def _sums(vectors: FloatArray, group: IntArray, weight: FloatArray) -> FloatArray:
+    """Weighted sums (G, 3, B) of the vectors (K, 3, B) of each group."""
+    sums = np.zeros((group[-1] + 1, *vectors.shape[1:]))
+    np.add.at(sums, group, vectors * weight[:, None, None])
+    return sums
+
+
+def _basis(axes: str) -> FloatArray:
+    """A basis (B, 3, 3) of the diagonal matrices, or of the symmetric ones for free axes."""
+    found = [np.diag(row) for row in np.eye(3)]
+    if axes == "free":
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            matrix = np.zeros((3, 3))
+            matrix[i, j] = matrix[j, i] = 1.0
+            found.append(matrix)
+    return np.array(found)
+
+
+# Records of the first stage, at least; more where some of them are outliers.
+FEWEST, FEWEST_ROBUST = 6, 30
+
+
+def fit(
+    table: AttitudeTable | AttitudeHistory,
+    body: Body | None = None,
+    *,
+    axes: str = "principal",
+    sigma: Reals | None = None,
+    rate_sigma: Reals | None = None,
+    loss: str = "linear",
+    f_scale: Real | None = None,
+    start: FreeRotation | None = None,
+) -> Fit:
+    """The free rotation with the least squared residuals to the attitudes of a table.
+
+    Parameters
+    ----------
+    table : AttitudeTable or AttitudeHistory
+        Three records or more, with a body two; steps of less than half a turn unless it has
+        angular velocities.
+    body : Body, optional
+        Of known inertia; by default the inertia is fitted too, as ratios.
+    axes : str
+        Without a body: "principal" if the body axes are the principal axes, "free" if the
+        principal axes are fitted too.
+    sigma : float or (N,) array, optional
+        Standard errors of the attitudes, rad; by default they are equal.
+    rate_sigma : float or (N,) array, optional
+        Standard errors of given angular velocities, rad/s; by default `sigma` times their mean
+        size.  inf leaves them out.
+    loss : str
+        "linear" (least squares), or "soft_l1", "huber" or "cauchy", with which outliers count
+        less; these need `sigma` or `f_scale`.
+    f_scale : float, optional
+        In standard errors, by default 1: the size from which residuals count as outliers.  The
+        residual of a record is one vector.
+    start : FreeRotation, optional
+        A motion near the truth, in place of the first guess from the records.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    AttitudeError
+        For too few records, errors that are not greater than zero, and attitudes from which no
+        motion follows.
+
+    Notes
+    -----
+    Moments follow from the wobble alone: a steady rotation fits any body, and the one returned is
+    close to a sphere.  Derivatives are in closed form (`attitude.propagate`, `sensitivity=True`).
+
+    >>> from attitude import Body, FreeRotation, Spin
+    >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))
+    >>> motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    >>> found = fit(AttitudeTable.from_history(motion.at(np.arange(0.0, 60.0, 0.5))))
+    >>> found.rms < 1e-9, (found.motion.body.moments / found.motion.body.moments[0]).round(6)
+    (True, array([1. , 2. , 2.6]))
+    """
+    observed = _observed(table, sigma, rate_sigma)
+    model = Model(body, axes)
+    how = _minimum.known(loss, f_scale, sigma)
+    if len(observed) < (3 if model.count > 6 else 2):
+        raise AttitudeError(_too_few(len(observed)))
+    given = velocities_observed(observed)
+    speed = float(np.mean(np.linalg.norm(given[2], axis=1)))
+    first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
+    if start is not None:
+        point = point_of(model, observed, start)
+    else:
+        point = guess(_minimum.Problem(model, observed.at(slice(first)), how), given)
+    return result(model, observed, _minimum.found(model, observed, how, point, first))
+
+
+def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
+    """The first guess from attitudes.
+
+    Shapes: given (K,).
+    """
+    model, shape = problem.model, np.zeros(0)
+    if model.body is None:
+        robust = problem.loss.robust
+        tensor = inertia_of_attitudes(*given[1:], model.axes, robust=robust)
+        shape = model.shape_of(tensor)
+    return best_state(problem, shape, given)
+
+
+def first_stage(t: FloatArray, speed: float, fewest: int) -> int:
+    """The number of records of the first stage: about one turn."""
+    return max(fewest, int(np.searchsorted(t, 2.0 * np.pi / max(speed, 1e-300))))
+
+
+def velocities_observed(observed: Observations) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Seconds (K,), attitudes (K, 4) and angular velocities (K, 3) there, given or differences."""
+    attitudes, *others = observed.kinds
+    assert isinstance(attitudes, Attitudes)
+    if others and isinstance(others[0], Rates):
+        return observed.t, attitudes.wxyz, others[0].omega
+    middle, omega = velocities(attitudes.wxyz, observed.t)
+    return 0.5 * (observed.t[1:] + observed.t[:-1]), middle, omega
+
+
+def _too_few(count: int) -> str:
+    """The sentence about a table that is too short."""
+    plural = "" if count == 1 else "s"
+    return f"the table has {count} record{plural}; give three or more (two with body=)."
+
+
+def _observed(
+    table: AttitudeTable | AttitudeHistory, sigma: Reals | None, rate_sigma: Reals | None
+) -> Observations:
+    """The records of a table, with their weights."""
+    history = table.history if isinstance(table, AttitudeTable) else table
+    if not isinstance(history, AttitudeHistory) or len(history.shape) != 1:
+        raise AttitudeError(
+            f"table is {validation.shown(table)}; give an AttitudeTable, or an AttitudeHistory "
+            "of epochs (N,)."
+        )
+    count = len(history)
+    if not count:
+        raise AttitudeError(_too_few(0))
+    low = np.zeros(count) if history.low is None else np.asarray(history.low)
+    seconds = np.asarray(history.seconds)
+    attitudes = Attitudes(np.asarray(history.wxyz), weights(sigma, count, "sigma", "rad"))
+    kinds: tuple[Measured, ...] = (attitudes,)
+    given = table.angular_velocity
+    if given is not None:
+        rates = Rates(np.asarray(given), attitudes.weight)
+        if rate_sigma is None:
+            with np.errstate(divide="ignore"):
+                usual = float(np.mean(1.0 / attitudes.weight)) * rates.scale()
+            rate_sigma = usual if np.any(rates.omega) else np.inf
+        kinds = (attitudes, Rates(rates.omega, weights(rate_sigma, count, "rate_sigma", "rad/s")))
+    epoch = history.epoch.after(seconds[0], low[0])
+    return Observations(epoch, (seconds - seconds[0]) + (low - low[0]), kinds)
+
+
+# --------------------------------------------------------------------------------------------------
+# The free rotation through measured angular velocities, by least squares.
+
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def fit_rates(
+    t: Epochs,
+    angular_velocity: Reals,
+    body: Body | None = None,
+    *,
+    epoch: Epoch | None = None,
+    axes: str = "principal",
+    sigma: Reals | None = None,
+    loss: str = "linear",
+    f_scale: Real | None = None,
+    start: FreeRotation | None = None,
+) -> Fit:
+    """The free rotation with the least squared residuals to angular velocities, as of gyros.
+
+    Parameters
+    ----------
+    t : (N,) array_like
+        Increasing: epochs of any kind, or TDB seconds since `epoch`.
+    angular_velocity : (N, 3) array_like
+        rad/s over the body axes, relative to inertial space.
+    body : Body, optional
+        Of known inertia; by default the ratios of the inertia are fitted too.
+    epoch : Epoch, optional
+        From which plain numbers t count; with epochs t it is not needed.
+    axes : str
+        Without a body: "principal" if the body axes are the principal axes, "free" if the
+        principal axes are fitted too.
+    sigma : float or (N,) array, optional
+        Standard errors of the angular velocities, rad/s; by default they are equal.
+    loss, f_scale, start
+        As for `fit`.
+
+    Returns
+    -------
+    Fit
+        With `rate_residuals`, and no `residuals`.
+
+    Raises
+    ------
+    AttitudeError
+        For too few records, epochs that do not increase, errors that are not greater than zero,
+        and, without a body or `start`, records too far apart for a first guess.
+
+    Notes
+    -----
+    Angular velocities leave the attitude undetermined.  The motion begins at the identity: its
+    attitudes are relative to that of the first record.  In `covariance` the variances of the
+    attitude are infinite.  The covariance of the spin holds, for the first attitude, that of a
+    rotation of which nothing is known: (pi^2/3 + 2)/3 = 1.76 rad2 about each axis.  For the errors
+    relative to the first attitude, set them to zero: ``spin.with_covariance(...)``.
+
+    >>> from attitude import Body, FreeRotation, Spin
+    >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))
+    >>> t = np.arange(0.0, 60.0, 0.2)
+    >>> rates = FreeRotation(Body(moments=(10, 20, 26)), spin).at(t).angular_velocity
+    >>> moments = fit_rates(t, rates, epoch="2026-01-01").motion.body.moments
+    >>> (moments / moments[0]).round(6)
+    array([1. , 2. , 2.6])
+    """
+    model = Model(body, axes)
+    how = _minimum.known(loss, f_scale, sigma)
+    first_epoch, seconds = epochs_of(t, epoch)
+    count = len(seconds)
+    omega = validation.real(angular_velocity, "angular_velocity", shape=(count, 3), unit="rad/s")
+    fewest = 3 if body is None else 1
+    if count < fewest:
+        raise AttitudeError(
+            f"there {'is' if count == 1 else 'are'} {count} angular "
+            f"velocit{'y' if count == 1 else 'ies'}; give three or more (one with body=)."
+        )
+    rates = Rates(omega, weights(sigma, count, "sigma", "rad/s"))
+    observed = Observations(first_epoch, seconds, (rates,))
+    speed = float(np.mean(np.linalg.norm(omega, axis=1)))
+    first = first_stage(seconds, speed, FEWEST_ROBUST if how.robust else FEWEST)
+    if start is not None:
+        point = point_of(model, observed, start)
+    else:
+        shape = np.zeros(0)
+        if body is None:
+            tensor = inertia_of_rates(seconds, omega, axes, robust=how.robust)
+            shape = model.shape_of(tensor)
+        attitudes = np.broadcast_to(_IDENTITY, (count, 4))
+        problem = _minimum.Problem(model, observed.at(slice(first)), how)
+        point = best_state(problem, shape, (seconds, attitudes, omega))
+    # The attitude has no influence: that of the first record is the identity.
+    point = replace(point, wxyz=_IDENTITY)
+    return result(model, observed, _minimum.found(model, observed, how, point, first))
+
+
+# --------------------------------------------------------------------------------------------------
+# Attitudes and angular velocities from directions: Davenport's method, at epochs and over spans.
+#
+# The attitude that fits weighted directions best is the eigenvector of the greatest eigenvalue of a
+# 4 x 4 matrix that is linear in the products of their components.  Over a span in which the angular
+# velocity counts as constant, the directions are turned to its middle first: all angular velocities
+# of a grid are tried, the best ones are improved.
+
+# Gap between the two greatest eigenvalues, of the sum of weights, from which an attitude is
+# determined: two directions 3 deg apart.
+_DETERMINED = 1e-3
+# Directions of the first span, and of a later one at least and at most.
+_FIRST, _LEAST, _LARGEST = 10, 6, 60
+# Angle of a later span and from one to the next, rad, and number of spans.
+_SPAN, _STRIDE, _SPANS = 1.0, 0.3, 60
+# The grid: greatest turn between records, spacing across half a span, rad, and nodes improved.
+_FASTEST, _SPACING, _BEST = 1.5, 0.4, 8
+
+
+def attitudes(t: FloatArray, directions: Directions) -> tuple[FloatArray, FloatArray]:
+    """Epochs (K,) with directions that determine an attitude, and these attitudes (K, 4).
+
+    Shapes: t (N,).
+    """
+    times, group = np.unique(t, return_inverse=True)
+    products = np.einsum("n,ni,nj->nij", directions.weight, directions.known, directions.measured)
+    sums = np.zeros((len(times), 3, 3))
+    np.add.at(sums, group, products)
+    total = np.bincount(group, directions.weight)
+    values, vectors = np.linalg.eigh(_davenport(sums))
+    determined = values[:, 3] - values[:, 2] > _DETERMINED * total
+    return times[determined], vectors[determined, :, 3]
+
+
+def spans(observed: Observations, loss: Loss) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """States of short spans: seconds (K,), attitudes (K, 4), angular velocities (K, 3)."""
+    if len(np.unique(observed.t)) < 3:
+        raise AttitudeError(
+            "the directions are of fewer than three epochs and do not determine attitudes; give "
+            "more, or a motion near the truth, start=FreeRotation(...)."
+        )
+    sphere = Model(Body(moments=(1.0, 1.0, 1.0)), "principal")
+    found: list[tuple[float, Point]] = []
+    begin, size, stride = 0, min(_FIRST, len(observed)), 1
+    while begin + size <= len(observed) and len(found) < _SPANS:
+        part, middle = _centred(observed, begin, size)
+        problem = Problem(sphere, part, loss)
+        if found:
+            before, point = found[-1]
+            turn = forms.from_rotation_vector(point.omega * (middle - before))
+            wxyz = quaternion.multiply(point.wxyz, turn)
+            best = problem.minimum(Point(wxyz, point.omega, point.shape))
+        else:
+            best = min((problem.minimum(each) for each in _nodes(part)), key=lambda each: each.cost)
+            step = float(observed.t[-1] - observed.t[0]) / (len(observed) - 1)
+            angle = max(float(np.linalg.norm(best.point.omega)) * step, 1e-300)
+            size = int(np.clip(_SPAN / angle, _LEAST, _LARGEST))
+            stride = int(np.clip(_STRIDE / angle, 1, _LARGEST))
+            begin = max(begin, (_FIRST - size) // 2)
+        found.append((middle, best.point))
+        begin += stride
+    states = zip(*((middle, point.wxyz, point.omega) for middle, point in found), strict=True)
+    times, wxyz, omega = (np.array(each) for each in states)
+    return times, wxyz, omega
+
+
+def _centred(observed: Observations, begin: int, size: int) -> tuple[Observations, float]:
+    """Records begin .. begin + size - 1, their seconds since the middle, and the middle."""
+    part = observed.at(slice(begin, begin + size))
+    middle = 0.5 * float(part.t[0] + part.t[-1])
+    return replace(part, t=part.t - middle), middle
+
+
+def _nodes(part: Observations) -> list[Point]:
+    """The nodes of a grid of angular velocities that fit a span best, with their attitudes."""
+    directions: Directions = part.kinds[0]  # type: ignore[assignment]
+    half = float(np.max(np.abs(part.t)))
+    step = 2.0 * half / (len(part) - 1)
+    most = int(_FASTEST / step * half / _SPACING)
+    line = np.arange(-most, most + 1) * (_SPACING / half)
+    grid = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = grid[np.linalg.norm(grid, axis=1) <= line[-1] * (1.0 + 1e-9)]
+    turns = forms.from_rotation_vector(grid[:, None] * part.t[:, None])
+    turned = quaternion.rotate(turns, directions.measured)
+    weighted = directions.known * directions.weight[:, None]
+    values, vectors = np.linalg.eigh(_davenport(np.einsum("ni,gnj->gij", weighted, turned)))
+    best = np.argsort(-values[:, 3])[:_BEST]
+    return [Point(vectors[k, :, 3], grid[k], np.zeros(0)) for k in best]
+
+
+def _davenport(sums: FloatArray) -> FloatArray:
+    """Davenport's matrices (..., 4, 4) of sums (..., 3, 3) of inertial times body components."""
+    found = np.empty((*sums.shape[:-2], 4, 4))
+    trace = np.trace(sums, axis1=-2, axis2=-1)
+    found[..., 0, 0] = trace
+    for k, (i, j) in enumerate(((2, 1), (0, 2), (1, 0)), start=1):
+        found[..., 0, k] = found[..., k, 0] = sums[..., i, j] - sums[..., j, i]
+    found[..., 1:, 1:] = sums + np.swapaxes(sums, -1, -2) - trace[..., None, None] * np.eye(3)
+    return found
+
+
+# --------------------------------------------------------------------------------------------------
+# The free rotation through measured directions (stars, the Sun), by least squares.
+
+# Directions of the first stage, at least.
+_FEWEST = 12
+
+
+def fit_directions(
+    t: Epochs,
+    body_directions: Reals,
+    inertial_directions: Reals,
+    body: Body | None = None,
+    *,
+    epoch: Epoch | None = None,
+    frame: str = "icrf",
+    axes: str = "principal",
+    sigma: Reals | None = None,
+    loss: str = "linear",
+    f_scale: Real | None = None,
+    start: FreeRotation | None = None,
+) -> Fit:
+    """The free rotation with the least squared residuals to directions, as of stars or the Sun.
+
+    Parameters
+    ----------
+    t : (N,) array_like
+        Epochs of any kind, or TDB seconds since `epoch`, in the order of time; equal ones for
+        several directions at an epoch.
+    body_directions : (N, 3) array_like
+        Measured vectors over the body axes, of any length.
+    inertial_directions : (N, 3) or (3,) array_like
+        The same directions over the axes of `frame`; one for all, or one for each.
+    body : Body, optional
+        Of known inertia; by default the ratios of the inertia are fitted too.
+    epoch : Epoch, optional
+        From which plain numbers t count; with epochs t it is not needed.
+    frame : str
+        "icrf", "eme2000" or "ecliptic" (of J2000).
+    axes : str
+        Without a body: "principal" if the body axes are the principal axes, "free" if the
+        principal axes are fitted too.
+    sigma : float or (N,) array, optional
+        Standard errors of the directions about each axis across them, rad; by default equal.
+    loss, f_scale, start
+        As for `fit`.
+
+    Returns
+    -------
+    Fit
+        `residuals` (N, 3): the least turn, rad over the body axes, from the model to an attitude
+        that agrees with the direction.
+
+    Raises
+    ------
+    AttitudeError
+        For fewer numbers (two a direction) than parameters, epochs that are out of order, vectors
+        of length zero, and records from which no first guess follows.
+
+    Notes
+    -----
+    The first guess is made from attitudes where at least half of the epochs have two directions or
+    more that are not parallel.  Else it follows from short spans in which the angular velocity
+    counts as constant: successive directions may be 1 rad of rotation apart; others need `start`.
+    A guess from one direction for all records can fail, most easily where it is near the axis of
+    rotation at first: `rms` is then far above the errors of the records; give `start`.
+
+    The turn about one fixed direction, such as the Sun alone in a short span, stays undetermined:
+    the three variances of the attitude in `covariance` are then infinite, the angular velocity and
+    the inertia are still determined unless the body spins about that direction.
+
+    >>> from attitude import Body, FreeRotation, Spin
+    >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))
+    >>> history = FreeRotation(Body(moments=(10, 20, 26)), spin).at(np.arange(0.0, 60.0, 0.1))
+    >>> stars = np.resize([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]], (600, 3))
+    >>> seen = history.inertial_to_body(stars)
+    >>> found = fit_directions(history.seconds, seen, stars, epoch="2026-01-01")
+    >>> (found.motion.body.moments / found.motion.body.moments[0]).round(6)
+    array([1. , 2. , 2.6])
+    """
+    model = Model(body, axes)
+    how = _minimum.known(loss, f_scale, sigma)
+    first_epoch, seconds = epochs_of(t, epoch, repeated=True)
+    count = len(seconds)
+    measured = _unit(body_directions, "body_directions", count)
+    known = _unit(inertial_directions, "inertial_directions", count)
+    directions = Directions(
+        measured,
+        known @ frames.matrix_to_icrf(frames.known(frame)).T,
+        weights(sigma, count, "sigma", "rad"),
+    )
+    if 2 * count < model.count:
+        raise AttitudeError(
+            f"there {'is' if count == 1 else 'are'} {count} "
+            f"direction{'' if count == 1 else 's'} for {model.count} parameters; give "
+            f"{(model.count + 1) // 2} or more."
+        )
+    observed = Observations(first_epoch, seconds, (directions,))
+    fewest = FEWEST_ROBUST if how.robust else _FEWEST
+    if start is not None:
+        point = point_of(model, observed, start)
+    else:
+        point = _guess(model, observed, directions, how, fewest)
+    first = first_stage(seconds, float(np.linalg.norm(point.omega)), fewest)
+    return result(model, observed, _minimum.found(model, observed, how, point, first))
+
+
+def _guess(
+    model: Model, observed: Observations, directions: Directions, loss: Loss, fewest: int
+) -> Point:
+    """The first guess, from attitudes or from spans."""
+    times, wxyz = attitudes(observed.t, directions)
+    epochs = len(np.unique(observed.t))
+    if 2 * len(times) >= epochs and len(times) >= (3 if model.body is None else 2):
+        middle, omega = velocities(wxyz, times)
+        given = 0.5 * (times[1:] + times[:-1]), middle, omega
+        speed = float(np.median(np.linalg.norm(omega, axis=1)))
+        first = first_stage(observed.t, speed, fewest)
+        return guess(_minimum.Problem(model, observed.at(slice(first)), loss), given)
+    times, wxyz, omega = spans(observed, loss)
+    shapes = [np.zeros(model.count - 6)]
+    if model.body is None:
+        # A span in which the direction is near the axis of rotation may give a wrong one.
+        tensor = inertia_of_rates(times, omega, model.axes, robust=True)
+        shapes.append(model.shape_of(tensor))
+    first = first_stage(observed.t, float(np.median(np.linalg.norm(omega, axis=1))), fewest)
+    problem = _minimum.Problem(model, observed.at(_minimum.thinned(first)), loss)
+    chosen = slice(None, CANDIDATES)
+    states = times[chosen], wxyz[chosen], omega[chosen]
+    points = [point for shape in shapes for point in states_at_first(model, shape, states)]
+    found = (problem.minimum(point, last=False) for point in points)
+    return min(found, key=lambda each: each.cost).point
+
+
+def _unit(value: Reals, name: str, count: int) -> FloatArray:
+    """Unit vectors (count, 3) along a value (count, 3) or (3,)."""
+    given = validation.real(value, name)
+    if given.shape not in ((count, 3), (3,)):
+        raise AttitudeError(f"{name} has shape {given.shape}; give ({count}, 3), one a record.")
+    size = np.max(np.abs(given), axis=-1, keepdims=True)
+    if np.any(size == 0.0):
+        raise AttitudeError(f"{name} holds a vector of length zero, which has no direction.")
+    scaled = given / size
+    unit = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
+    return np.broadcast_to(unit, (count, 3))

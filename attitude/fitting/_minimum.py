@@ -1,0 +1,447 @@
+"""The point of least loss: Levenberg and Marquardt's iteration, on growing spans.
+
+Derivatives are in closed form, and each trial point is evaluated with them: most are accepted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import markup, validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.errors import AttitudeError
+from attitude.fitting import _observations as records
+from attitude.fitting._observations import Rates
+from attitude.frames import quaternion
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._spin import Spin
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, IntArray, Real, Reals
+    from attitude.fitting._model import Model, Point, Prediction
+    from attitude.fitting._observations import Observations
+    from attitude.motions._body import Body
+
+
+# --------------------------------------------------------------------------------------------------
+# Robust losses: how much a record counts whose residual is large.
+#
+# A loss rho is a function of z, the square of a residual over that of its standard error times
+# `f_scale`; rho(z) is z for small z.  The names are those of scipy.optimize.least_squares, but a
+# residual is the whole vector of a record, so that a result does not depend on the axes.
+
+NAMES = ("linear", "soft_l1", "huber", "cauchy")
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A loss and its scale.
+
+    Attributes
+    ----------
+    name : str
+        One of `NAMES`.
+    scale : float
+        In standard errors: where residuals begin to count as outliers.
+    """
+
+    name: str
+    scale: float
+
+    @property
+    def robust(self) -> bool:
+        """Whether large residuals count less than in least squares."""
+        return self.name != "linear"
+
+    def values(self, squares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Losses (N,), their first derivatives and their second times the argument."""
+        z = squares / self.scale**2
+        if self.name == "soft_l1":
+            root = np.sqrt(1.0 + z)
+            rho, first, second = 2.0 * (root - 1.0), 1.0 / root, -0.5 * z / root**3
+        elif self.name == "huber":
+            root = np.sqrt(np.maximum(z, 1.0))
+            outside = z > 1.0
+            rho = np.where(outside, 2.0 * root - 1.0, z)
+            first, second = 1.0 / root, np.where(outside, -0.5 / root, 0.0)
+        elif self.name == "cauchy":
+            rho, first, second = np.log1p(z), 1.0 / (1.0 + z), -z / (1.0 + z) ** 2
+        else:
+            rho, first, second = z, np.ones_like(z), np.zeros_like(z)
+        return rho * self.scale**2, first, second
+
+
+def known(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
+    """The loss of a name and scale."""
+    if name not in NAMES:
+        listed = ", ".join(f'"{each}"' for each in NAMES)
+        raise AttitudeError(f"loss is {name!r}; it must be one of {listed}.")
+    if name != "linear" and sigma is None and f_scale is None:
+        raise AttitudeError(
+            f'loss="{name}" needs the size of usual residuals; give sigma=, or f_scale= in the '
+            "unit of the residuals."
+        )
+    return Loss(name, 1.0 if f_scale is None else validation.positive(f_scale, "f_scale"))
+
+
+# Eigenvalues of the scaled normal matrix, relative to 1, that are zero within rounding: for steps,
+# and for the covariance.
+_SINGULAR, _LOST = 1e-13, 1e-12
+# Damping, relative to the diagonal, at which the iteration ends: no step lowers the loss.
+_STUCK = 1e12
+# Least mean of the second derivative of the loss, of that for small residuals, in the variance.
+_LEAST_BEND = 1e-3
+# Largest step: rad of attitude, angular velocity relative to its size, logarithms of the shape.
+_LONGEST = (0.5, 0.3, 1.0)
+# Iterations of the last stage and of those before, at most.
+_MOST, _MOST_EARLY = 100, 12
+# Gain of a step, in variances of a record, below which the iteration ends: 1e-3 standard errors of
+# the parameters in the last stage, 0.3 before.
+_LAST, _LAST_EARLY = 1e-6, 0.1
+# Records of a stage before the last one: as many as determine a span well enough for the next.
+_MOST_RECORDS = 100
+# Predicted error of attitudes, rad, up to which the next stage extends, and epochs of prediction.
+_REACH, _PREDICTED = 0.05, 64
+# Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
+# a third of pi^2/3 + 2, the mean square of the angle of uniformly random rotations.
+UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0
+
+
+class Decomposed:
+    """A normal matrix, scaled to a diagonal of ones, by its eigenvalues and vectors.
+
+    Attributes
+    ----------
+    scale : (P,) array
+        Roots of the diagonal; 1 in place of 0.
+    empty : (P,) array of bool
+        Parameters on which no record depends.
+    values, vectors : (P,) and (P, P) arrays
+    """
+
+    def __init__(self, normal: FloatArray) -> None:
+        size = np.sqrt(np.maximum(np.diag(normal), 0.0))
+        self.empty = size == 0.0
+        self.scale = np.where(self.empty, 1.0, size)
+        self.values, self.vectors = np.linalg.eigh(normal / np.outer(self.scale, self.scale))
+
+    @property
+    def rank(self) -> int:
+        """The number of combinations of parameters that the records determine."""
+        return int(np.count_nonzero(self.values > _LOST))
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The loss near a point.
+
+    Attributes
+    ----------
+    point : Point
+    predicted : Prediction
+    cost : float
+        Half the sum of the losses.
+    gradient : (P,) array
+        The direction of descent: minus the derivative of the cost.
+    variance : float
+        Of the records, in units of their standard errors: that of residuals as large as these.
+    bending, normal : Decomposed
+        The second derivatives of the cost, from first ones of the residuals: with the weights of
+        the loss, and with those of the standard errors alone.
+    """
+
+    point: Point
+    predicted: Prediction
+    cost: float
+    gradient: FloatArray
+    variance: float
+    bending: Decomposed
+    normal: Decomposed
+
+
+class Problem:
+    """A model, observations and a loss.
+
+    Parameters
+    ----------
+    model : Model
+    observed : Observations
+    loss : Loss
+    """
+
+    def __init__(self, model: Model, observed: Observations, loss: Loss) -> None:
+        self.model, self.observed, self.loss = model, observed, loss
+
+    def linearised(self, point: Point) -> Linearised:
+        """The loss near a point."""
+        observed, count, robust = self.observed, self.model.count, self.loss.robust
+        predicted = self.model.predict(point, observed.t, rates=observed.with_rates)
+        cost, score, bend, numbers = 0.0, 0.0, 0.0, 0
+        gradient = np.zeros(count)
+        weighted, normal = np.zeros((count, count)), np.zeros((count, count))
+        for kind in observed.kinds:
+            residual, slopes = kind.compare(predicted)
+            residual, slopes = residual * kind.weight, slopes * kind.weight
+            squares = np.sum(residual**2, axis=0)
+            rho, first, second = self.loss.values(squares)
+            across = slopes.transpose(0, 2, 1)
+            normal += (slopes @ across).sum(axis=0)
+            if robust:
+                weighted += ((slopes * first) @ across).sum(axis=0)
+            gradient += (slopes @ (residual * first)[..., None]).sum(axis=0)[:, 0]
+            cost += 0.5 * float(np.sum(rho))
+            used = kind.weight > 0.0
+            numbers += kind.dimensions * int(np.count_nonzero(used))
+            score += float(np.sum(first**2 * squares))
+            bend += float(np.sum((kind.dimensions * first + 2.0 * second)[used]))
+        by_errors = Decomposed(normal)
+        # Huber's variance of a robust estimate; that of least squares with a linear loss.
+        variance = score / max(numbers - by_errors.rank, 1)
+        variance /= max(bend / max(numbers, 1), _LEAST_BEND) ** 2
+        bending = Decomposed(weighted) if robust else by_errors
+        return Linearised(point, predicted, cost, gradient, variance, bending, by_errors)
+
+    def minimum(self, point: Point, *, last: bool = True) -> Linearised:
+        """The loss near the point of least loss, from a point near it."""
+        now = self.linearised(point)
+        lowest = 0.5 * records.floor(self.observed, float(np.linalg.norm(point.omega)))
+        enough = _LAST if last else _LAST_EARLY
+        damping = 0.0
+        for _ in range(_MOST if last else _MOST_EARLY):
+            step, gain, damping = _step(now, damping)
+            if gain <= max(enough * now.variance, lowest) or damping > _STUCK:
+                break
+            trial = self._trial(now.point.moved(step))
+            if trial is None or not trial.cost <= now.cost:
+                damping = max(10.0 * damping, 1e-4)
+                continue
+            won = now.cost - trial.cost
+            damping = damping / 10.0 if won > 0.75 * gain else damping
+            damping = 4.0 * damping if won < 0.25 * gain else damping
+            damping = 0.0 if damping < 1e-7 else damping
+            now = trial
+        return now
+
+    def _trial(self, point: Point) -> Linearised | None:
+        """The loss near a point, or None for a motion that has no derivatives."""
+        try:
+            return self.linearised(point)
+        except AttitudeError:
+            return None
+
+
+def found(model: Model, observed: Observations, loss: Loss, point: Point, first: int) -> Linearised:
+    """The loss near its least point, from a first guess.
+
+    Stages take the first records, so many that no phase of a tumbler is wrong by a revolution: the
+    next stage extends to where attitudes are predicted to `_REACH`.
+    """
+    total, count = len(observed), min(first, len(observed))
+    while True:
+        part = observed.at(thinned(count))
+        if len(part) == total:
+            return Problem(model, observed, loss).minimum(point)
+        stage = Problem(model, part, loss).minimum(point, last=False)
+        point = stage.point
+        if count == total:
+            return Problem(model, observed, loss).minimum(point)
+        count = max(_reach(model, observed, stage, count), int(1.5 * count), count + 1)
+        count = min(count, total)
+
+
+def covariance_at_minimum(normal: Decomposed, variance: float) -> FloatArray:
+    """Covariance of the parameters; infinite variances of those that are undetermined."""
+    lost = normal.values <= _LOST
+    vectors = normal.vectors
+    inverse: FloatArray = (vectors / np.where(lost, np.inf, normal.values)) @ vectors.T
+    inverse *= variance / np.outer(normal.scale, normal.scale)
+    unknown = normal.empty | np.any(np.abs(vectors[:, lost]) > 1e-3, axis=1)
+    inverse[unknown] = inverse[:, unknown] = 0.0
+    inverse[unknown, unknown] = np.inf
+    return inverse
+
+
+def bounded_factor(normal: Decomposed, variance: float, speed: float) -> FloatArray:
+    """W of a covariance W W^T of the parameters; in undetermined directions it is `UNKNOWN`.
+
+    That variance is in units of rad of the attitude, of the speed (rad/s) of the angular velocity
+    and of the logarithms of the shape.
+    """
+    unit = np.ones(len(normal.scale))
+    unit[3:6] = speed
+    directions = normal.vectors / (normal.scale * unit)[:, None]
+    length = np.linalg.norm(directions, axis=0)
+    known = np.where(normal.values > _LOST, normal.values, np.nan)
+    spread = np.fmin(variance * length**2 / known, UNKNOWN)
+    directions *= unit[:, None] / length
+    factor: FloatArray = directions * np.sqrt(spread)
+    return factor
+
+
+def _step(now: Linearised, damping: float) -> tuple[FloatArray, float, float]:
+    """A step that is not too long, the gain that it promises, and its damping."""
+    values, vectors, scale = now.bending.values, now.bending.vectors, now.bending.scale
+    slope = vectors.T @ (now.gradient / scale)
+    usable = values > _SINGULAR
+    slope, values, vectors = slope[usable], values[usable], vectors[:, usable] / scale[:, None]
+    longest = np.repeat(_LONGEST, (3, 3, len(scale) - 6))
+    longest[3:6] *= float(np.linalg.norm(now.point.omega)) or np.inf
+    while True:
+        along = slope / (values + damping)
+        step = vectors @ along
+        if damping > _STUCK or np.all(np.abs(step) <= longest):
+            return step, float(slope @ along - 0.5 * along**2 @ values), damping
+        damping = max(3.0 * damping, 1e-6)
+
+
+def thinned(count: int) -> IntArray:
+    """Numbers of the records of a stage among the first `count`."""
+    return _thinned(0, count, _MOST_RECORDS)
+
+
+def _thinned(first: int, end: int, most: int) -> IntArray:
+    """At most so many of the numbers first .. end - 1, evenly."""
+    chosen = np.linspace(first, end - 1, min(end - first, most))
+    return np.unique(chosen.round().astype(np.int64))
+
+
+def _reach(model: Model, observed: Observations, stage: Linearised, count: int) -> int:
+    """The number of first records that are predicted to `_REACH`."""
+    ahead = _thinned(count, len(observed), _PREDICTED)
+    part = observed.at(ahead)
+    try:
+        predicted = model.predict(stage.point, part.t, rates=part.with_rates)
+    except AttitudeError:
+        return count
+    speed = float(np.linalg.norm(stage.point.omega)) or 1.0
+    factor = bounded_factor(stage.normal, stage.variance, speed)
+    square = np.zeros(len(ahead))
+    for kind in part.kinds:
+        errors = factor.T @ (kind.compare(predicted)[1] / kind.scale())
+        square = np.maximum(square, np.sum(errors**2, axis=(0, 1)))
+    beyond = np.flatnonzero(square > _REACH**2)
+    return int(ahead[beyond[0]]) if len(beyond) else len(observed)
+
+
+# --------------------------------------------------------------------------------------------------
+# What a fit returns: the motion, its errors, and the residuals.
+
+# Errors of the directions of principal axes, rad, from which they count as those of a symmetric
+# body, whose motion does not depend on them.
+_UNCERTAIN = 0.05
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Immutable):
+    """A free rotation fitted to records, and its residuals.
+
+    Attributes
+    ----------
+    motion : FreeRotation
+        From the epoch of the first record; moments are relative, with the sum 1, unless a body was
+        given.  Its spin has a covariance, so that `motion.at(t)` has errors (`history.sigma`).
+    residuals : (N, 3) array
+        rad, over the body axes: the turn from the model to each attitude, or the least turn from
+        the model to an attitude that agrees with each direction.  (0, 3) without either.
+    rate_residuals : (N, 3) array or None
+        rad/s: given angular velocities less those of the model.
+    covariance : (P, P) array
+        Of the parameters, for records whose errors are as large as the residuals: turn of the
+        first attitude (3, rad, body axes), angular velocity then (3, rad/s), logarithms of the
+        second moments of mass (the rest: 2 of the diagonal, with axes="free" 3 more, xy, xz, yz).
+        Infinite for parameters that the records leave undetermined.
+
+    Notes
+    -----
+    The covariance of the spin is finite.  Combinations of parameters that the records leave
+    undetermined have there the variance 1.76 of an attitude of which nothing is known (rad2; the
+    angular velocity in units of its size; the logarithms of the second moments).  A given body
+    counts as exact.  With axes="free" the errors of attitude and angular velocity are those of the
+    principal axes: the nine parameters of a spin hold no errors of their directions in the body,
+    which do not grow with time; these are in `covariance`.  Errors of more than 0.05 rad are those
+    of equal axes of a nearly symmetric body, and are left out of the covariance of the spin.
+    """
+
+    motion: FreeRotation
+    residuals: FloatArray
+    rate_residuals: FloatArray | None
+    covariance: FloatArray = field(repr=False)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the angles of the residuals, rad; NaN if there are none."""
+        return _rms(self.residuals)
+
+    @property
+    def rate_rms(self) -> float:
+        """Root mean square of the sizes of the residuals of rates, rad/s; NaN without rates."""
+        return np.nan if self.rate_residuals is None else _rms(self.rate_residuals)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: residuals, then the motion with its errors."""
+        size = self.rms if len(self.residuals) else self.rate_rms
+        unit = "rad" if len(self.residuals) else "rad/s"
+        count = len(self.residuals) or len(self.rate_residuals or ())
+        head, rows = markup.rows_of(str(self.motion))
+        first = ("records", f"{count}, rms {size:.3g} {unit}")
+        return markup.table(f"Fit. {head}", [first, *rows])
+
+    def __repr__(self) -> str:
+        if len(self.residuals) or self.rate_residuals is None:
+            return f"<Fit: {len(self.residuals)} records, rms {self.rms:.3g} rad, {self.motion!r}>"
+        count = len(self.rate_residuals)
+        return f"<Fit: {count} records, rms {self.rate_rms:.3g} rad/s, {self.motion!r}>"
+
+
+def result(model: Model, observed: Observations, best: Linearised) -> Fit:
+    """The Fit of the point of least loss."""
+    point = best.point
+    body = model.body_of(point.shape)
+    spin = Spin(
+        observed.epoch,
+        point.wxyz,
+        point.omega,
+        covariance=_spin_covariance(model, body, best),
+    )
+    turns, rates = np.zeros((0, 3)), None
+    for kind in observed.kinds:
+        residuals = np.ascontiguousarray(kind.residuals(best.predicted))
+        if isinstance(kind, Rates):
+            rates = frozen(residuals)
+        else:
+            turns = residuals
+    covariance = covariance_at_minimum(best.normal, best.variance)
+    return Fit(FreeRotation(body, spin), frozen(turns), rates, frozen(covariance))
+
+
+def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
+    """The covariance (9, 9) of the spin."""
+    point = best.point
+    speed = float(np.linalg.norm(point.omega)) or 1.0
+    factor = bounded_factor(best.normal, best.variance, speed)
+    axes = body.principal_axes
+    chain = model.chain(point, _logarithms(model, point.shape, axes), axes)
+    state, turns = chain.state.copy(), chain.turns.copy()
+    with np.errstate(over="ignore", invalid="ignore"):
+        spread = np.sum((turns @ factor) ** 2, axis=1)
+    turns[~(spread < _UNCERTAIN**2)] = 0.0
+    omega = axes.T @ point.omega
+    state[:3, 6:] = (quaternion.matrix(point.wxyz) @ axes @ turns)[:, 6:]
+    state[3:6, 6:] = np.cross(omega, turns.T).T[:, 6:]
+    state[3:6] = axes @ state[3:6]
+    errors = state @ factor
+    product: FloatArray = errors @ errors.T
+    return 0.5 * (product + product.T)
+
+
+def _logarithms(model: Model, shape: FloatArray, axes: FloatArray) -> FloatArray:
+    return np.zeros(3) if model.body is not None else model.logarithms(shape, axes)
+
+
+def _rms(vectors: FloatArray) -> float:
+    if not len(vectors):
+        return np.nan
+    return float(np.sqrt(np.mean(np.sum(vectors**2, axis=1))))

@@ -1,0 +1,259 @@
+"""The motion of parameters, and its derivatives in closed form.
+
+A point has the first attitude, the angular velocity there and the shape: logarithms of the second
+moments of mass, whose sum is zero.  Its parameters are the turn of the attitude (3, rad, body
+axes), the change of the angular velocity (3, rad/s, body axes) and that of the shape: none for a
+known body, 2 for principal axes along the body axes, 5 (two diagonal and three other elements of
+the logarithm of the matrix) for free axes.
+
+A change of the off-diagonal elements turns the principal axes, by angles that are the elements
+over the differences of the eigenvalues.  In the derivative of the attitude of the body these
+quotients cancel to a finite limit where two eigenvalues agree.  Its digits cancel too: closer
+eigenvalues are moved to a difference of `_CLOSEST`, for the derivatives only.  This changes them by
+`_CLOSEST` times the angle turned, as much as rounding does at that difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude._support.arrays import frozen
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions import _propagation
+from attitude.motions._body import Body
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+
+
+# Bound of the logarithms of the second moments of mass: beyond, the body is a rod or a disc.
+_LIMIT = 18.0
+# The least second moment of mass of a first guess, of the largest.
+_FLATTEST = 1e-3
+# Difference of the logarithms of two second moments below which derivatives are those at it.
+_CLOSEST = 3e-8
+_PAIRS = ((0, 1), (0, 2), (1, 2))
+_BODY_AXES = frozen(np.eye(3))
+
+
+@dataclass(frozen=True)
+class Point:
+    """A first attitude (4,), body to ICRF, the angular velocity (3,) there, and the shape."""
+
+    wxyz: FloatArray
+    omega: FloatArray
+    shape: FloatArray
+
+    def moved(self, change: FloatArray) -> Point:
+        """The point after a change (P,) of the parameters, its shape within the limits."""
+        wxyz = quaternion.multiply(self.wxyz, forms.from_rotation_vector(change[:3]))
+        shape = np.clip(self.shape + change[6:], -_LIMIT, _LIMIT)
+        return Point(wxyz / np.linalg.norm(wxyz), self.omega + change[3:6], shape)
+
+
+class Prediction(NamedTuple):
+    """The motion of a point at N epochs, over the principal axes of inertia, and its derivatives.
+
+    Attributes
+    ----------
+    wxyz : (N, 4) array
+        Principal axes to ICRF.
+    omega : (N, 3) array or None
+        rad/s, principal axes.
+    axes : (3, 3) array
+        Columns: the principal axes over the body axes.
+    to_body : (4,) array or None
+        The same as a quaternion; None where they are the body axes.
+    attitude : (3, P, N) array
+        The turn of the body, ICRF axes, for a unit change of each parameter.
+    rates : (3, P, N) array or None
+        The change of the angular velocity of the body, over the (unchanged) principal axes.
+    """
+
+    wxyz: FloatArray
+    omega: FloatArray | None
+    axes: FloatArray
+    to_body: FloatArray | None
+    attitude: FloatArray
+    rates: FloatArray | None
+
+
+class Chain(NamedTuple):
+    """What a change of the parameters does to the nine parameters of the principal axes.
+
+    Attributes
+    ----------
+    state : (9, P) array
+        First attitude of the principal axes (rad, ICRF axes), angular velocity (rad/s, principal
+        axes), principal moments of the tensor of unit trace.
+    turns : (3, P) array
+        Turn of the principal axes in the body, rad, over themselves.
+    """
+
+    state: FloatArray
+    turns: FloatArray
+
+
+class Model:
+    """Free rotations of a known body, or of a body of any shape.
+
+    Parameters
+    ----------
+    body : Body or None
+    axes : str
+        Without a body: "principal" or "free".
+    """
+
+    def __init__(self, body: Body | None, axes: str) -> None:
+        if body is not None and not isinstance(body, Body):
+            raise AttitudeError(f"body is {body!r}; give a Body, or leave it out.")
+        if axes not in ("principal", "free"):
+            raise AttitudeError(f'axes is {axes!r}; give "principal" or "free".')
+        self.body, self.axes = body, axes
+        shapes = 0 if body is not None else (2 if axes == "principal" else 5)
+        self.count = 6 + shapes
+        self._directions = _directions(shapes)
+
+    def shape_of(self, tensor: FloatArray) -> FloatArray:
+        """The shape of an inertia tensor, which need not be that of a body."""
+        if self.body is not None:
+            return np.zeros(0)
+        second = 0.5 * np.trace(tensor) * np.eye(3) - tensor
+        values, vectors = np.linalg.eigh(0.5 * (second + second.T))
+        values = np.maximum(values, _FLATTEST * np.max(np.abs(values)))
+        logarithm = (vectors * np.log(values)) @ vectors.T
+        logarithm -= np.trace(logarithm) / 3.0 * np.eye(3)
+        if self.axes == "principal":
+            return np.diag(logarithm)[:2]
+        return np.array([logarithm[0, 0], logarithm[1, 1], *(logarithm[pair] for pair in _PAIRS)])
+
+    def body_of(self, shape: FloatArray) -> Body:
+        """The body of a shape: the known one, or one whose relative moments have the sum 1."""
+        if self.body is not None:
+            return self.body
+        values, axes = self._eigen(shape)
+        moments = _moments(values)
+        if self.axes == "principal":
+            return Body(moments=moments, relative=True)
+        tensor = (axes * moments) @ axes.T
+        return Body(tensor=0.5 * (tensor + tensor.T), relative=True)
+
+    def principal(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Principal moments (3,) of a shape, and the axes (3, 3), columns, right-handed."""
+        if self.body is not None:
+            return self.body.moments, self.body.principal_axes
+        values, axes = self._eigen(shape)
+        return _moments(values), axes
+
+    def predict(self, point: Point, t: FloatArray, *, rates: bool) -> Prediction:
+        """The motion of a point at seconds t (N,) since its attitude, with derivatives."""
+        values, axes = self._eigen(point.shape)
+        apart = _apart(values) if self.axes == "free" and self.body is None else values
+        chain = self.chain(point, apart, axes)
+        to_body = None if axes is _BODY_AXES else quaternion.from_matrix(axes)
+        start = point.wxyz if to_body is None else quaternion.multiply(point.wxyz, to_body)
+        state = start, point.omega @ axes, t
+        found = _propagation.propagate(
+            self._moments_of(apart), *state, angular_velocity=rates, sensitivity=True
+        )
+        wxyz, omega = found[0], found[1] if rates else None
+        columns = chain.state.T @ found[1 + rates].transpose(1, 2, 0)
+        rate_columns = chain.state.T @ found[3].transpose(1, 2, 0) if rates else None
+        if np.any(chain.turns):
+            # The attitude of the body is that of the principal axes, turned back by their turn.
+            matrix = np.ascontiguousarray(quaternion.matrix(wxyz).transpose(1, 2, 0))
+            columns -= chain.turns.T @ matrix
+            if rate_columns is not None and omega is not None:
+                rate_columns += np.cross(chain.turns.T[:, None], omega).transpose(2, 0, 1)
+        if apart is not values:
+            exact = _propagation.propagate(self._moments_of(values), *state, angular_velocity=True)
+            wxyz, omega = exact[0], exact[1] if rates else None
+        return Prediction(wxyz, omega, axes, to_body, columns, rate_columns)
+
+    def chain(self, point: Point, values: FloatArray, axes: FloatArray) -> Chain:
+        """The chain rule from the parameters to the motion of the principal axes.
+
+        Shapes: values (3,), axes (3, 3).
+        """
+        state, turns = np.zeros((9, self.count)), np.zeros((3, self.count))
+        matrix = quaternion.matrix(point.wxyz)
+        state[:3, :3] = matrix
+        state[3:6, 3:6] = axes.T
+        if self.body is not None:
+            return Chain(state, turns)
+        mass = np.exp(values - values.max())
+        total = 2.0 * mass.sum()
+        moments = (0.5 * total - mass) / total
+        change = axes.T @ self._directions @ axes
+        grown = change.diagonal(axis1=1, axis2=2) * (mass / total)
+        all_grown = grown.sum(axis=1)[:, None]
+        state[6:, 6:] = (all_grown - grown - 2.0 * moments * all_grown).T
+        for i, j, axis in ((2, 1, 0), (0, 2, 1), (1, 0, 2)):
+            there = change[:, i, j]
+            turns[axis, 6:] = np.divide(
+                there, values[j] - values[i], out=np.zeros_like(there), where=there != 0.0
+            )
+        if np.any(turns):
+            state[:3] += matrix @ axes @ turns
+            state[3:6] += _cross_matrix(point.omega @ axes) @ turns
+        return Chain(state, turns)
+
+    def logarithms(self, shape: FloatArray, axes: FloatArray) -> FloatArray:
+        """The eigenvalues (3,) of a shape that belong to given principal axes."""
+        return np.einsum("ik,ij,jk->k", axes, _logarithm(shape), axes)
+
+    def _eigen(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.body is not None:
+            axes = self.body.principal_axes
+            return np.zeros(3), _BODY_AXES if np.array_equal(axes, _BODY_AXES) else axes
+        if self.axes == "principal":
+            return np.array([shape[0], shape[1], -shape[0] - shape[1]]), _BODY_AXES
+        values, axes = np.linalg.eigh(_logarithm(shape))
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 2] *= -1.0
+        return values, axes
+
+    def _moments_of(self, values: FloatArray) -> FloatArray:
+        return self.body.moments if self.body is not None else _moments(values)
+
+
+def _moments(values: FloatArray) -> FloatArray:
+    """Principal moments, with the sum 1, of logarithms of second moments of mass."""
+    mass = np.exp(values - values.max())
+    return (np.array([mass[1] + mass[2], mass[2] + mass[0], mass[0] + mass[1]])) / (
+        2.0 * mass.sum()
+    )
+
+
+def _cross_matrix(vector: FloatArray) -> FloatArray:
+    """The matrix (3, 3) that multiplies as a vector (3,) does in a cross product."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _logarithm(shape: FloatArray) -> FloatArray:
+    """The symmetric matrix (3, 3) of a shape, of trace zero."""
+    return np.tensordot(shape, _directions(len(shape)), axes=1)
+
+
+def _directions(count: int) -> FloatArray:
+    """The derivatives (count, 3, 3) of the logarithm of the second moments by the shape."""
+    found = np.zeros((count, 3, 3))
+    for k in range(min(count, 2)):
+        found[k, k, k], found[k, 2, 2] = 1.0, -1.0
+    for k, (i, j) in zip(range(2, count), _PAIRS, strict=False):
+        found[k, i, j] = found[k, j, i] = 1.0
+    return found
+
+
+def _apart(values: FloatArray) -> FloatArray:
+    """Ascending eigenvalues with differences of at least `_CLOSEST`; the same array if they are."""
+    if np.all(np.diff(values) >= _CLOSEST):
+        return values
+    second = max(values[1], values[0] + _CLOSEST)
+    return np.array([values[0], second, max(values[2], second + _CLOSEST)])

@@ -1,0 +1,305 @@
+"""CCSDS time codes A and B (CCSDS 301.0-B-4) to TDB and back, vectorized over epochs.
+
+``2026-01-01T00:00:00.5`` and ``2026-001T00:00:00.5``, with or without Z, any number of decimals,
+second 60 where there was a leap second; in UTC, TAI, TT, TDB, GPS, and for reading TCG, TCB, UT1.
+Arrays of characters become digits in one step: a million epochs a second.
+"""
+
+from __future__ import annotations
+
+import datetime
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude._textfiles.lines import cut, is_number
+from attitude.epochs import _inputs, _instants, _time_scales
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import FloatArray
+
+
+# TIME_SYSTEM -> time scale; SCLK, MET and MRT count from events that are not in the file.
+TIME_SYSTEMS: dict[str, str] = {
+    **{name.upper(): name for name in ("utc", "tai", "tt", "tdb", "gps", "tcg", "tcb", "ut1")},
+    "GPST": "gps",
+    "GPS TIME": "gps",
+    "TDT": "tt",
+    "ET": "tdb",
+}
+WRITTEN: tuple[str, ...] = ("UTC", "TAI", "TT", "TDB", "GPS")
+# Decimals of written seconds: rounding errors are at most half a picosecond.
+DIGITS: int = 12
+_LONGEST = 48
+_MOST_DECIMALS = 18
+# A modified Julian date in text, and that of the last day of the year 9999.
+_DAY = re.compile(rb"\d{1,7}(\.0*)?")
+_LAST_DAY = 2973483.0
+_0, _9 = ord("0"), ord("9")
+_CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
+_YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
+
+
+def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
+    """The time scale, in lower case, of a CCSDS time system.
+
+    `name` is the name of the argument or of the file's keyword in the error message.
+    """
+    given = time_system.strip().upper() if isinstance(time_system, str) else None
+    if given not in TIME_SYSTEMS:
+        raise AttitudeError(
+            f"{name} is {cut(time_system)}, which cannot be converted; it must be one of "
+            f"{', '.join(sorted(TIME_SYSTEMS))}."
+        )
+    return TIME_SYSTEMS[given]
+
+
+def writable(time_system: str) -> str:
+    """The time scale, in lower case, of a CCSDS time system in which epochs can be written."""
+    scale = known(time_system)
+    if scale.upper() not in WRITTEN:
+        raise AttitudeError(
+            f"epochs are not written in {time_system}; give one of {', '.join(WRITTEN)}."
+        )
+    return scale
+
+
+def now() -> str:
+    """The present epoch in UTC to the second, as a CREATION_DATE."""
+    return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S")
+
+
+def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]:
+    """TDB seconds since J2000, hi + lo, of N epochs.
+
+    Shapes: returns hi, lo (N,).
+    """
+    lengths = np.fromiter(map(len, tokens), dtype=np.intp, count=len(tokens))
+    if np.any(lengths > _LONGEST):
+        raise BadEpoch(int(np.argmax(lengths > _LONGEST)), "it is too long")
+    width = max(int(lengths.max(initial=0)), 20)
+    chars = np.array(tokens, dtype=f"S{width}").view(np.uint8).reshape(len(tokens), width)
+    ends = chars[np.arange(len(tokens)), np.maximum(lengths, 1) - 1] == ord("Z")
+    kind = (lengths - ends) * 2 + (chars[:, 7] == ord("-"))
+    day, second, part = (np.empty(len(tokens)) for _ in range(3))
+    for each in np.unique(kind):
+        rows = np.flatnonzero(kind == each)
+        group = _fields(chars[rows, : each // 2], bool(each % 2))
+        if isinstance(group, tuple):
+            day[rows], second[rows], part[rows] = group
+        else:
+            raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
+    _refuse_false_leaps(scale, day, second, part)
+    try:
+        hi, lo = _inputs.tdb_of_day(scale, day, second, part, "an epoch")
+    except AttitudeError as err:
+        raise BadEpoch(0, str(err)) from err
+    return np.asarray(hi), np.asarray(lo)
+
+
+def parsed_days(
+    days: Sequence[bytes], seconds: Sequence[bytes], scale: str
+) -> tuple[FloatArray, FloatArray]:
+    """TDB seconds since J2000, hi + lo, of N epochs as days and seconds of the day."""
+    for k, (day, second) in enumerate(zip(days, seconds, strict=True)):
+        if _DAY.fullmatch(day) is None or not is_number(second):
+            raise BadEpoch(k, "write a modified Julian date and seconds, like 61041 43200.0")
+    date, given = (np.array(list(map(float, each))) for each in (days, seconds))
+    length = _time_scales.DAY + (_time_scales.leap_of_day(date) if scale == "utc" else 0.0)
+    outside = ~((given >= 0.0) & (given <= length)) | (date > _LAST_DAY)
+    if np.any(outside):
+        reason = "its seconds are not those of a day, or its year is after 9999"
+        raise BadEpoch(int(np.argmax(outside)), reason)
+    whole = np.floor(given)
+    part = given - whole
+    # Of plain decimals the fraction is a double of its own: of 86400 s one double has 1e-11.
+    parts = [each.partition(b".") for each in seconds]
+    plain = np.array([first.isdigit() and (not rest or rest.isdigit()) for first, _, rest in parts])
+    whole[plain] = [float(first) for k, (first, _, _) in enumerate(parts) if plain[k]]
+    part[plain] = [float(b"0." + rest) for k, (_, _, rest) in enumerate(parts) if plain[k]]
+    try:
+        hi, lo = _inputs.tdb_of_day(scale, date, whole, part, "an epoch")
+    except AttitudeError as err:
+        raise BadEpoch(0, str(err)) from err
+    return np.asarray(hi), np.asarray(lo)
+
+
+class BadEpoch(Exception):
+    """An epoch that cannot be read.
+
+    Attributes
+    ----------
+    index : int
+        Its place in the sequence that `parsed` was given.
+    reason : str
+        What is wrong with it.
+    """
+
+    def __init__(self, index: int, reason: str):
+        super().__init__(index, reason)
+        self.index: int = index
+        self.reason: str = reason
+
+
+def instant(text: str, scale: str) -> _instants.Instant:
+    """The Instant of a time code in a time scale (lower case); BadEpoch if it cannot be read."""
+    hi, lo = parsed([text.encode("ascii", "replace")], scale)
+    return _instants.Instant(float(hi[0]), float(lo[0]))
+
+
+def texts(
+    epoch: _instants.Instant,
+    seconds: FloatArray,
+    low: FloatArray | None,
+    scale: str,
+    digits: int = DIGITS,
+) -> list[str]:
+    """Time codes A of N epochs.
+
+    Shapes: seconds, low (N,).
+    """
+    hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    day, whole, ticks = _civil(hi, lo, scale, digits)
+    year, month, date = _calendar(day)
+    if np.any((year < 1) | (year > 9999)):
+        raise AttitudeError(
+            "an epoch lies outside of the years 0001 to 9999, which CCSDS can write."
+        )
+    minute = np.minimum(whole // 60, 1439)
+    columns = [
+        *_digits(year, 4, "-"),
+        *_digits(month, 2, "-"),
+        *_digits(date, 2, "T"),
+        *_digits(minute // 60, 2, ":"),
+        *_digits(minute % 60, 2, ":"),
+        *_digits(whole - 60 * minute, 2, "." if digits else ""),
+        *(_digits(ticks, digits, "") if digits else ()),
+    ]
+    chars = np.stack(np.broadcast_arrays(*columns), axis=-1).astype(np.uint8)
+    flat = np.ascontiguousarray(chars).view(f"S{chars.shape[-1]}")[..., 0]
+    return flat.astype(f"U{chars.shape[-1]}").tolist()
+
+
+def days_and_seconds(
+    epoch: _instants.Instant,
+    seconds: FloatArray,
+    low: FloatArray | None,
+    scale: str,
+    digits: int = DIGITS,
+) -> list[str]:
+    """Modified Julian date and seconds of the day of N epochs; parameters as of `texts`."""
+    hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    day, whole, ticks = _civil(hi, lo, scale, digits)
+    point = "." if digits else ""
+    rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)
+    return [
+        f"{date} {second}{point}{str(part).zfill(digits) if digits else ''}"
+        for date, second, part in rows
+    ]
+
+
+def _fields(chars, calendar):
+    """Day (MJD), whole seconds and fraction of each row; or a mask of the rows that are invalid."""
+    separators, start = _CALENDAR if calendar else _YEARDAY
+    count = chars.shape[1]
+    if count < start or count == start + 1:
+        return np.ones(len(chars), dtype=bool)
+    digit = (chars >= _0) & (chars <= _9)
+    for place, mark in separators.items():
+        digit[:, place] = chars[:, place] == ord(mark)
+    if count > start:
+        digit[:, start] = chars[:, start] == ord(".")
+    bad = ~np.all(digit, axis=1)
+    value = chars.astype(np.int64) - _0
+
+    def number(first, last):
+        return value[:, first:last] @ (10 ** np.arange(last - first)[::-1])
+
+    year = number(0, 4)
+    if calendar:
+        month, date = number(5, 7), number(8, 10)
+        bad |= (month < 1) | (month > 12)
+        month = np.clip(month, 1, 12)
+        day = _day_number(year, month, date)
+        following = _day_number(year + month // 12, month % 12 + 1, 1)
+        bad |= (date < 1) | (day >= following)
+    else:
+        yearday = number(5, 8)
+        first, following = (_day_number(y, np.int64(1), 1) for y in (year, year + 1))
+        day = first + yearday - 1
+        bad |= (yearday < 1) | (day >= following)
+    hour, minute, second = (number(start - k, start - k + 2) for k in (8, 5, 2))
+    bad |= (year < 1) | (hour > 23) | (minute > 59) | (second > 60)
+    bad |= (second == 60) & (hour * 60 + minute < 1439)
+    if np.any(bad):
+        return bad
+    decimals = min(count - start - 1, _MOST_DECIMALS)
+    part = number(start + 1, start + 1 + decimals) / 10.0**decimals if decimals > 0 else 0.0
+    whole = hour * 3600 + minute * 60 + second
+    return day.astype(float), whole.astype(float), np.broadcast_to(part, whole.shape)
+
+
+def _refuse_false_leaps(scale, day, second, part):
+    over = second >= _time_scales.DAY
+    if not np.any(over):
+        return
+    false = over if scale != "utc" else over & (part >= _time_scales.leap_of_day(day))
+    if np.any(false):
+        raise BadEpoch(int(np.argmax(false)), "there was no leap second then")
+
+
+def _day_number(year, month, date):
+    """Modified Julian date of a Gregorian date (Howard Hinnant's days_from_civil)."""
+    year = year - (month <= 2)
+    era = year // 400
+    of_era = year - era * 400
+    of_year = (153 * (month + np.where(month > 2, -3, 9)) + 2) // 5 + date - 1
+    return era * 146097 + of_era * 365 + of_era // 4 - of_era // 100 + of_year - 678881
+
+
+def _calendar(day):
+    """Gregorian year, month and date of a Modified Julian date (civil_from_days)."""
+    z = day.astype(np.int64) + 678881
+    era = z // 146097
+    of_era = z - era * 146097
+    of_cycle = (of_era - of_era // 1460 + of_era // 36524 - of_era // 146096) // 365
+    of_year = of_era - (365 * of_cycle + of_cycle // 4 - of_cycle // 100)
+    shifted = (5 * of_year + 2) // 153
+    month = np.where(shifted < 10, shifted + 3, shifted - 9)
+    return of_cycle + era * 400 + (month <= 2), month, of_year - (153 * shifted + 2) // 5 + 1
+
+
+def _civil(hi, lo, scale, digits):
+    """Day (MJD) and whole second in a scale, and rest in 10^-digits s, rounded, of TDB seconds."""
+    if scale != "tdb":
+        hi, lo = _time_scales.tt_from_tdb(hi, lo)
+    if scale == "gps":
+        hi, lo = pairs.add((hi, lo), -_time_scales.TT_MINUS_TAI - _time_scales.TAI_MINUS_GPS)
+    elif scale in ("tai", "utc"):
+        hi, lo = pairs.add((hi, lo), -_time_scales.TT_MINUS_TAI)
+    if scale == "utc":
+        day, second, low = _time_scales.utc_day_from_tai(hi, lo)
+        length = _time_scales.DAY + _time_scales.leap_of_day(day)
+    else:
+        day = np.floor((hi + lo) / _time_scales.DAY + 51544.5)
+        second, low = pairs.add((hi, lo), (51544.5 - day) * _time_scales.DAY)
+        length = _time_scales.DAY
+    whole = np.floor(second)
+    ticks = np.rint(((second - whole) + low) * 10.0**digits)
+    carry = np.floor(ticks / 10.0**digits)
+    whole, ticks = whole + carry, ticks - carry * 10.0**digits
+    after = whole >= length
+    day, whole = np.where(after, day + 1.0, day), np.where(after, 0.0, whole)
+    before = whole < 0.0
+    day, whole = np.where(before, day - 1.0, day), np.where(before, whole + _time_scales.DAY, whole)
+    return day, whole.astype(np.int64), ticks.astype(np.int64)
+
+
+def _digits(number, count, mark):
+    columns = [_0 + number // 10**k % 10 for k in range(count - 1, -1, -1)]
+    return [*columns, np.int64(ord(mark))] if mark else columns

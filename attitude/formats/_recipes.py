@@ -1,0 +1,112 @@
+"""What each tool accepts: settings of the writers, by the name of the tool.
+
+A recipe fills the settings that the caller leaves open, and refuses those that the tool does not
+read. Sources: the readers of GMAT R2020a (CCSDSAEMSegment and its subclasses: EME2000 and
+SC_BODY_1 only; QUATERNION with LINEAR, EULER_ANGLE with LAGRANGE of degree 0 to 9; version 1.0),
+Orekit 13 (derivatives of Euler angles in version 1; degree + 1 records to interpolate), brahe 1.8
+(version 2.0 only), the help of STK 12 on importing attitudes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Settings for one tool.
+
+    Attributes
+    ----------
+    tool : str
+        Its name in error messages.
+    settings : mapping
+        Settings of the writer of the format, by name.
+    allowed : mapping
+        Values of settings that the tool reads, where it does not read all.
+    samples : bool
+        Whether the tool interpolates from degree + 1 records, with angular velocities too.
+    """
+
+    tool: str
+    settings: Mapping[str, Any]
+    allowed: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    samples: bool = False
+
+
+_EME2000 = ("EME2000", "J2000")
+AEM: dict[str, Recipe] = {
+    "gmat": Recipe(
+        "GMAT",
+        {
+            **{"version": "1.0", "kind": "QUATERNION", "frame": "EME2000", "time_system": "UTC"},
+            **{"body_frame": "SC_BODY_1", "method": "slerp", "sequence": "ZYX"},
+        },
+        {
+            **{"version": ("1.0",), "kind": ("QUATERNION", "EULER_ANGLE"), "frame": _EME2000},
+            **{"time_system": ("UTC",), "body_frame": ("SC_BODY_1",), "xml": (False,)},
+        },
+    ),
+    "orekit": Recipe(
+        "Orekit",
+        {"version": "2.0", "kind": "QUATERNION/ANGVEL", "body_frame": "SC_BODY_1"},
+        {"rates": ("euler", None)},
+        samples=True,
+    ),
+    "stk": Recipe(
+        "STK",
+        {
+            **{"version": "1.0", "kind": "QUATERNION", "frame": "EME2000", "time_system": "UTC"},
+            **{"body_frame": "SC_BODY_1", "method": "lagrange"},
+        },
+        {"version": ("1.0",), "xml": (False,), "time_system": ("UTC",)},
+    ),
+    "brahe": Recipe("brahe", {"version": "2.0"}, {"version": ("2.0",)}),
+}
+# The interpolation that GMAT wants of each attitude type: method, and most degree.
+_OF_GMAT = {"QUATERNION": ("slerp", 1), "EULER_ANGLE": ("lagrange", 7)}
+
+
+def of_aem(tool: str | None, given: dict[str, Any], has_rates: bool) -> dict[str, Any]:
+    """The settings of `aem.write` for a tool: those given, and for the others those of its
+    recipe.
+    """
+    if tool is None:
+        return given
+    recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None
+    if recipe is None:
+        raise AttitudeError(f"for_ is {tool!r}; known tools are {', '.join(AEM)}.")
+    found = dict(given)
+    for name, value in recipe.settings.items():
+        if found.get(name) is None:
+            found[name] = value
+    if not has_rates and given.get("kind") is None:
+        found["kind"] = found["kind"] and found["kind"].partition("/")[0]
+    for name, values in recipe.allowed.items():
+        if given.get(name) is not None and given[name] not in values:
+            raise AttitudeError(
+                f"{name} is {given[name]!r}, which {recipe.tool} does not read; it must be "
+                f"{' or '.join(repr(value) for value in values if value is not None)}."
+            )
+    if recipe.tool == "GMAT":
+        method, most = _OF_GMAT[found["kind"]]
+        wrong = given.get("method") not in (None, method)
+        if wrong or (given.get("degree") or 0) > max(most, 9 if method == "lagrange" else 1):
+            raise AttitudeError(
+                f"GMAT interpolates {found['kind']} by {method} only, to degree 9; leave method "
+                "and degree out."
+            )
+        found["method"], found["degree"] = method, given.get("degree") or most
+    return found
+
+
+def degree_of(tool: str | None, degree: int, count: int) -> int:
+    """The degree of interpolation that is written for a tool, of a segment of `count` records."""
+    recipe = AEM.get(tool.lower()) if tool else None
+    return min(degree, count - 1) if recipe is not None and recipe.samples else degree

@@ -1,0 +1,240 @@
+"""Rows of a file to an AttitudeTable, and a history to rows: axes, directions, units, length."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude.errors import AttitudeError
+from attitude.formats import _attitude_types
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions._table import AttitudeTable, refuse_speed
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._textfiles.lines import Fault
+    from attitude.epochs._instants import Instant
+    from attitude.formats._attitude_types import Convention
+    from attitude.motions._axes import Axes
+    from attitude.motions._history import AttitudeHistory
+    from attitude.paths._path import Path
+
+
+# Largest deviation from 1 of the length of a quaternion: some files print few digits.
+TOLERANCE: float = 1e-3
+# Rounding of START_TIME and STOP_TIME, s.
+_ROUNDED = 1e-3
+
+
+def known_tolerance(tolerance: float) -> float:
+    """The tolerance of the length of quaternions itself; AttitudeError if it is not 0 or more."""
+    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    if not (number and tolerance >= 0.0):
+        raise AttitudeError(
+            f"tolerance is {tolerance!r}; give the largest deviation from 1 of the length of a "
+            "quaternion, 0 or more."
+        )
+    return tolerance
+
+
+class Rows:
+    """The records of one segment while they are read: epochs, columns and their lines.
+
+    Parameters
+    ----------
+    scale : str
+        Time scale of the epochs in lower case.
+    width : int
+        Columns beside the epoch.
+
+    Attributes
+    ----------
+    scale, width : str, int
+    count : int
+        Records that were added.
+    """
+
+    def __init__(self, scale: str, width: int):
+        self.scale: str = scale
+        self.width: int = width
+        self.count: int = 0
+        self._hi: list[FloatArray] = []
+        self._lo: list[FloatArray] = []
+        self._values: list[FloatArray] = []
+        self._lines: list[IntArray] = []
+        self._last: tuple[FloatArray, FloatArray] | None = None
+
+    def add(
+        self,
+        tokens: Sequence[bytes],
+        values: FloatArray,
+        lines: Sequence[int],
+        fault: Fault,
+        of_day: Sequence[bytes] | None = None,
+    ) -> None:
+        """Add N records.
+
+        Shapes: values (N, width).
+        """
+        try:
+            if of_day is None:
+                hi, lo = ccsds_epochs.parsed(tokens, self.scale)
+            else:
+                hi, lo = ccsds_epochs.parsed_days(tokens, of_day, self.scale)
+        except ccsds_epochs.BadEpoch as err:
+            token = tokens[err.index] + (b" " + of_day[err.index] if of_day is not None else b"")
+            shown = token[:38].decode("ascii", "replace")
+            raise fault(
+                f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
+            ) from err
+        self.add_times(hi, lo, values, lines, fault)
+
+    def add_times(
+        self,
+        hi: FloatArray,
+        lo: FloatArray,
+        values: FloatArray,
+        lines: Sequence[int],
+        fault: Fault,
+    ) -> None:
+        """Add N records whose epochs are TDB seconds since J2000, hi + lo; see `add`."""
+        finite = np.isfinite(values).all(axis=1) & np.isfinite(hi)
+        if not np.all(finite):
+            k = int(np.argmin(finite))
+            raise fault("it holds a number that is not finite.", lines[k])
+        before = (
+            (hi, lo)
+            if self._last is None
+            else (np.append(self._last[0], hi), np.append(self._last[1], lo))
+        )
+        steps = np.diff(before[0]) + np.diff(before[1])
+        if np.any(steps <= 0.0):
+            k = int(np.argmax(steps <= 0.0))
+            what = "is that of the record before" if steps[k] == 0.0 else "goes backwards"
+            raise fault(
+                f"the epoch {what}; records must follow each other in time.",
+                lines[k + (self._last is None)],
+            )
+        if len(hi):
+            self._last = hi[-1:], lo[-1:]
+        self._hi.append(hi)
+        self._lo.append(lo)
+        self._values.append(values)
+        self._lines.append(np.asarray(lines))
+        self.count += len(hi)
+
+    def refuse_outside(self, start: Instant | None, stop: Instant | None, fault: Fault) -> None:
+        """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms.
+
+        Files write these times with fewer digits than the epochs of records.
+        """
+        for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
+            for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
+                if end is None:
+                    continue
+                inside = sign * ((hi - end.seconds) + (lo - end.low))
+                if np.any(inside < -_ROUNDED):
+                    k = int(np.argmax(inside < -_ROUNDED))
+                    raise fault(
+                        f"the record is {-inside[k]:.6g} s {what}_TIME of the meta data.",
+                        int(lines[k]),
+                    )
+
+    def table(
+        self,
+        kind: str,
+        how: Convention,
+        axes: Axes,
+        fault: Fault,
+        *,
+        tolerance: float = TOLERANCE,
+        orbit: Path | None = None,
+        **settings: Any,
+    ) -> AttitudeTable:
+        """The AttitudeTable of the records, relative to ICRF."""
+        from attitude.epochs._instants import Instant
+
+        hi, lo = np.concatenate(self._hi), np.concatenate(self._lo)
+        values, lines = np.concatenate(self._values), np.concatenate(self._lines)
+        epoch = Instant(float(hi[0]), float(lo[0]))
+        seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
+        if kind.startswith("QUATERNION"):
+            refuse_length(values[:, :4], lines, tolerance, fault)
+        with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
+            wxyz, rates = _attitude_types.decoded(kind, values, how)
+        wxyz = quaternion.unit(wxyz)
+        wxyz, rates = to_icrf(wxyz, rates, axes, epoch, seconds[0], seconds[1], orbit)
+        return AttitudeTable(
+            epoch, seconds[0], wxyz, low=seconds[1], angular_velocity=rates, **settings
+        )
+
+
+def to_icrf(
+    wxyz: FloatArray,
+    rates: FloatArray | None,
+    axes: Axes,
+    epoch: Instant,
+    hi: FloatArray,
+    lo: FloatArray,
+    orbit: Path | None = None,
+) -> tuple[FloatArray, FloatArray | None]:
+    """Attitudes and angular velocities relative to ICRF from those relative to other axes.
+
+    Shapes: wxyz (N, 4), rates (N, 3), hi, lo (N,).
+    """
+    if axes.kind in ("icrf", "gcrf"):
+        return wxyz, rates
+    refuse_speed(rates)
+    wxyz = quaternion.multiply(axes.to_icrf(epoch, hi, lo, orbit), wxyz)
+    if rates is not None:
+        own = axes.angular_velocity(epoch, hi, lo, orbit)
+        if own is not None:
+            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), own)
+    return forms.continuous(wxyz) if axes.turning else wxyz, rates
+
+
+def columns_of(
+    history: AttitudeHistory,
+    kind: str,
+    how: Convention,
+    axes: Axes,
+    orbit: Path | None = None,
+) -> FloatArray:
+    """The columns (N, columns) of an attitude type for a history (N,), in deg, deg/s and s."""
+    wxyz, rates, acceleration = np.asarray(history.wxyz), None, None
+    if _attitude_types.has_rates(kind):
+        rates = np.asarray(history.angular_velocity)
+    if kind in ("SPIN/NUTATION", "SPIN/NUTATION_MOM"):
+        if axes.turning:
+            raise AttitudeError(f"{kind} can be written in axes that do not turn, not {axes.name}.")
+        acceleration = np.asarray(history.angular_acceleration)
+    if axes.kind not in ("icrf", "gcrf"):
+        low = 0.0 if history.low is None else history.low
+        outer = axes.to_icrf(history.epoch, history.seconds, low, orbit)
+        if rates is not None:
+            own = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
+            if own is not None:
+                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), own)
+        wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)
+    return _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
+
+
+def refuse_length(
+    quaternions: FloatArray, lines: Sequence[int] | IntArray, tolerance: float, fault: Fault
+) -> None:
+    """AttitudeError for quaternions (N, 4) whose length is off 1 by more than the tolerance."""
+    with np.errstate(over="ignore"):
+        off = np.abs(np.sqrt(np.sum(quaternions * quaternions, axis=1)) - 1.0)
+    if np.any(off > tolerance):
+        k = int(np.argmax(off > tolerance))
+        raise fault(
+            f"the length of the quaternion is off 1 by {off[k]:.3g}; up to {tolerance:g} is "
+            "accepted as rounding (tolerance=).",
+            int(lines[k]),
+        )

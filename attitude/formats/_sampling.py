@@ -1,0 +1,555 @@
+"""A motion written as records to a tolerance: steps, stretches, and the error of the finished file.
+
+The step follows from the interpolation that the file states: attitudes between records of short
+trial tables are compared with the motion.  The file is then written, read by the reader of its
+format, and compared at random epochs and beside the ends of its stretches; the step is halved until
+the error is within the tolerance.  Stretches end where the angular velocity of the motion jumps
+and, for a table, at its gaps: no reader interpolates across.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude._textfiles.atomic_write import made_whole
+from attitude.catalog import motion_of
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions import _table
+from attitude.motions._history import AttitudeHistory
+from attitude.motions._motion import Motion
+from attitude.motions._table import AttitudeTable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
+    from attitude.epochs import _instants
+    from attitude.motions._motion import HasAttitudes
+
+    AttitudeSource: TypeAlias = "HasAttitudes | AttitudeHistory | Records | Sequence[_Segment]"
+    _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
+
+
+# --------------------------------------------------------------------------------------------------
+# The arguments of writers as segments: histories, tables, or a motion with epochs.
+#
+# Motions are evaluated piece by piece, so that long files need little memory.  Where the angular
+# velocity of a motion jumps, a segment ends with the state before and the next begins with the
+# state after: readers interpolate within segments.
+
+# Records that are evaluated and written at a time.
+PIECE: int = 16384
+# Seconds from a break within which the state at the break replaces a record.
+_APART = 1e-9
+
+
+def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
+    """The one segment of what a writer was given; see `segments`.
+
+    `holder` is the kind of file in the error message.
+    """
+    parts = segments(source, t)
+    if any(part.after_break for part in parts):
+        listed = ", ".join(f"{part.seconds[0]:.9g}" for part in parts if part.after_break)
+        raise AttitudeError(
+            f"the angular velocity of the motion jumps at {listed[:60]} s after "
+            f"{parts[0].epoch.utc_iso} UTC, across which readers would interpolate; {holder} holds "
+            "one segment. Write a file for each stretch, or an AEM, ECSV, FITS or parquet file."
+        )
+    if len(parts) != 1:
+        raise AttitudeError(
+            f"{len(parts)} segments are given; {holder} holds one. Write a file for each, or an "
+            "AEM, ECSV or FITS."
+        )
+    return parts[0]
+
+
+def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
+    """Names and comments of what a writer was given, and whether it has angular velocities."""
+    of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
+    if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
+        return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
+    parts = segments(source, t)
+    return dict(parts[0].meta), all(part.has_rates for part in parts)
+
+
+def one_motion(source: AttitudeSource) -> Motion:
+    """The motion that a writer was given to write to a tolerance."""
+    if isinstance(source, (Records, AttitudeHistory, list, tuple)):
+        raise AttitudeError(
+            f"{type(source).__name__} is given with tolerance=; give the motion or the "
+            "AttitudeTable, with start= and stop=."
+        )
+    return motion_of(cast("HasAttitudes", source), "source")
+
+
+def refuse_epochs(t: object) -> None:
+    """AttitudeError for epochs of records beside a tolerance."""
+    if t is not None:
+        raise AttitudeError(
+            "t and tolerance are given; the epochs of records follow from the tolerance: give one "
+            "of both."
+        )
+
+
+def refuse_span(start: object, stop: object) -> None:
+    """AttitudeError for a span without a tolerance."""
+    if start is not None or stop is not None:
+        raise AttitudeError(
+            "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
+        )
+
+
+def refuse_breaks(motion: object, holder: str) -> None:
+    """Raise the AttitudeError for a motion whose angular velocity jumps.
+
+    `holder` is the kind of file in the error message, which holds the state at one epoch.
+    """
+    if isinstance(motion, Motion) and len(motion.breaks()):
+        count = len(motion.breaks())
+        raise AttitudeError(
+            f"the motion has {count} jump{'s' if count > 1 else ''} of the angular velocity, the "
+            f"first {motion.breaks()[0, 0]:.9g} s after its epoch, of which {holder} would hold "
+            "nothing: it is the state of a free rotation at one epoch. Write a FreeRotation of the "
+            "stretch that matters, or attitudes at epochs (AEM, C-kernel, ECSV, FITS, parquet)."
+        )
+
+
+class Records:
+    """One segment to be written: a motion and its epochs, evaluated piece by piece.
+
+    Parameters
+    ----------
+    motion : Motion
+    epoch : Instant
+    seconds, low : (N,) arrays
+        seconds + low are TDB seconds since the epoch, increasing; low may be None.
+    history : AttitudeHistory, optional
+        The attitudes at these epochs, if they are known; otherwise the motion is evaluated.
+
+    Attributes
+    ----------
+    motion, epoch, seconds, low
+        As given.
+    has_rates : bool
+        Whether the motion knows angular velocities better than from differences of attitudes.
+    meta : dict
+        Names, comments and keywords of the file that the motion was read from.
+    table : AttitudeTable or None
+        The motion, if it is a table.
+    after_break : bool
+        Whether the segment begins where the angular velocity jumps.
+
+    Raises
+    ------
+    AttitudeError
+        If there are no epochs, or some are NaN or do not increase.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        epoch: _instants.Instant,
+        seconds: FloatArray,
+        low: FloatArray | None,
+        history: AttitudeHistory | None = None,
+    ):
+        self.motion: Motion = motion
+        self.epoch: _instants.Instant = epoch
+        self.seconds: FloatArray = seconds
+        self.low: FloatArray | None = low
+        self._history = history
+        self.after_break: bool = False
+        self.meta: dict[str, Any] = dict(motion.meta)
+        self.table: AttitudeTable | None = motion if isinstance(motion, AttitudeTable) else None
+        if len(seconds) == 0:
+            raise AttitudeError("there are no epochs to write; give one or more.")
+        if not np.all(np.isfinite(seconds)):
+            raise AttitudeError("some epochs are NaN, which files cannot hold; leave them out.")
+        steps = np.diff(seconds) if low is None else np.diff(seconds) + np.diff(low)
+        if np.any(steps <= 0.0):
+            k = int(np.flatnonzero(steps <= 0.0)[0])
+            raise AttitudeError(
+                f"epoch {k + 1} is not later than the one before it; files of attitudes hold "
+                "increasing epochs, each once."
+            )
+        self.has_rates: bool = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+    def first_and_last(self) -> tuple[FloatArray, FloatArray]:
+        """`seconds` and `low` of the first and the last record, as arrays (2,)."""
+        low = np.zeros(len(self.seconds)) if self.low is None else self.low
+        return self.seconds[[0, -1]], low[[0, -1]]
+
+    def pieces(self) -> Iterator[AttitudeHistory]:
+        """The records in order, as histories of at most PIECE epochs."""
+        for start in range(0, len(self), PIECE):
+            part = slice(start, start + PIECE)
+            if self._history is not None:
+                yield self._history[part]
+            else:
+                low = None if self.low is None else self.low[part]
+                yield self.motion.at(self.seconds[part], low)
+
+
+def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
+    """The segments, as `Records`, of what a writer was given, cut at the breaks of motions."""
+    if isinstance(source, Records):
+        return _cut(source)
+    if t is not None:
+        return _cut(_of_motion(source, t))
+    if isinstance(source, (list, tuple)):
+        return [each for part in source for each in segments(part)]
+    if isinstance(source, AttitudeTable):
+        return [_of_history(part.history) for part in source.segments]
+    if isinstance(source, AttitudeHistory):
+        return _cut(_of_history(source))
+    raise AttitudeError(
+        f"{type(source).__name__} is given to be written; give an AttitudeHistory, an "
+        "AttitudeTable, a list of them, or a motion and its epochs (t=)."
+    )
+
+
+def _of_history(history):
+    if len(history.shape) != 1:
+        raise AttitudeError(f"the epochs have shape {history.shape}; give a row of epochs, (N,).")
+    return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
+
+
+def _of_motion(motion, t):
+    motion = motion_of(motion, "source")
+    seconds, low = _inputs.seconds_since(motion.epoch, t)
+    if seconds.ndim != 1:
+        raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
+    return Records(motion, motion.epoch, seconds, low)
+
+
+def _cut(records: Records) -> list[Records]:
+    """The records in one segment for each stretch between breaks, with both states at a break."""
+    motion, epoch = records.motion, records.epoch
+    breaks = motion.breaks()
+    if not len(breaks):
+        return [records]
+    shift = epoch.seconds - motion.epoch.seconds, epoch.low - motion.epoch.low
+    low = np.zeros(len(records)) if records.low is None else records.low
+    seconds, low = pairs.add((records.seconds, low), *shift)
+    first = (breaks[:, 0] - seconds[0]) + (breaks[:, 1] - low[0])
+    last = (seconds[-1] - breaks[:, 0]) + (low[-1] - breaks[:, 1])
+    inside = breaks[(first > 0.0) & (last >= 0.0)]
+    if not len(inside):
+        return [records]
+    parts: list[Records] = []
+    for k in range(len(inside) + 1):
+        free = np.ones(len(records), dtype=bool)
+        ends: list[list[tuple[float, float]]] = [[], []]
+        if k > 0:
+            hi, lo = inside[k - 1]
+            free &= (seconds - hi) + (low - lo) > _APART
+            ends[0] = [(hi, lo)]
+        if k < len(inside):
+            hi, lo = inside[k]
+            free &= (seconds - hi) + (low - lo) < -_APART
+            ends[1] = [(hi, np.nextafter(lo, -np.inf))]
+        both = np.array([*ends[0], *zip(seconds[free], low[free], strict=True), *ends[1]])
+        # A break at the last record leaves nothing behind it.
+        if k < len(inside) or len(both) > 1:
+            part = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())
+            part.meta, part.after_break = dict(records.meta), k > 0
+            parts.append(part)
+    return parts
+
+
+_MOST_RECORDS = 20_000_000
+# Error of the first step, in tolerances; a file of a greater error than the tolerance is repeated
+# with half the step, so many times.
+_MARGIN, _REPEATED = 0.25, 5
+# Trial tables over the span, records of each, and epochs between two records.
+_TRIALS, _LENGTH, _BETWEEN = 12, 24, 3
+# Random epochs at which the finished file is compared, and epochs beside the ends of stretches.
+_CHECKS, _BESIDE = 2000, 8
+_LEAST, _GREATEST = 1e-14, 1.0
+
+
+@dataclass(frozen=True)
+class SampledFile:
+    """How a motion was written to a tolerance.
+
+    Attributes
+    ----------
+    records, segments : int
+        Their numbers in the file.
+    step : float
+        Greatest time between records, s.
+    error : float
+        Largest angle, rad, between the motion and the file as its reader interpolates it.
+    """
+
+    records: int
+    segments: int
+    step: float
+    error: float
+
+
+class _Stretch:
+    """A part of the motion without jumps: its ends, as seconds of the motion in two doubles."""
+
+    def __init__(self, motion, begin, end):
+        self.motion, self.begin, self.end = motion, begin, end
+        self.length = float((end[0] - begin[0]) + (end[1] - begin[1]))
+
+    def at(self, offsets):
+        """Seconds of the motion, hi and lo, at offsets from the begin; the ends are exact."""
+        hi, lo = pairs.add(self.begin, np.asarray(offsets, dtype=np.float64))
+        last = offsets >= self.length
+        return np.where(last, self.end[0], hi), np.where(last, self.end[1], lo)
+
+    def records(self, step, least):
+        count = max(int(np.ceil(self.length / step * (1.0 - 1e-12))) + 1, least)
+        hi, lo = self.at(np.linspace(0.0, self.length, count))
+        return Records(self.motion, self.motion.epoch, hi, lo)
+
+
+def write(
+    path: FilePath,
+    source: HasAttitudes,
+    start: EpochOrSeconds | None,
+    stop: EpochOrSeconds | None,
+    tolerance: float,
+    *,
+    method: str,
+    degree: int,
+    name: str,
+    write_records: Callable[[str, list[Records]], None],
+    read: Callable[[str], AttitudeTable],
+    one_segment: bool = False,
+    stretch: int | None = None,
+) -> SampledFile:
+    """Write a motion to a file whose interpolated attitudes are within a tolerance.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    source : a motion, or another object with ``.at(t)``
+    start, stop : epochs, or TDB seconds since the epoch of the motion
+        By default the span of a table.
+    tolerance : float
+        Largest angle, rad, between the motion and the interpolated attitudes.
+    method, degree : str, int
+        The interpolation that the file states.
+    name : str
+        Name of the file in error messages.
+    write_records : callable
+        Writes segments to a file of a temporary name.
+    read : callable
+        Reads that file.
+    one_segment : bool
+        Whether the format holds one segment only.
+    stretch : int, optional
+        The one stretch of the span to write, counted from 0; by default all.
+
+    Raises
+    ------
+    AttitudeError
+        For a tolerance out of range or that cannot be reached, a span without both ends, several
+        stretches in a format of one, and as `write_records`.
+    """
+    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    if not (number and _LEAST <= tolerance <= _GREATEST):
+        raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
+    stretches = _stretches(motion_of(source, "source"), start, stop)
+    if stretch is not None:
+        stretches = stretches[stretch : stretch + 1]
+    if one_segment and len(stretches) > 1:
+        first = stretches[1]
+        raise AttitudeError(
+            f"the angular velocity of the motion jumps, or the table has a gap, "
+            f"{first.begin[0]:.9g} s after its epoch, and {name} holds one segment; write a file "
+            "for each stretch (start=, stop=; of STK also split=True)."
+        )
+    least = _window(method, degree)
+    step = _first_step(stretches, tolerance, method, degree)
+    with made_whole(path, name) as temporary:
+        for _ in range(_REPEATED):
+            _refuse_many(stretches, step)
+            records = [each.records(step, least) for each in stretches]
+            write_records(temporary, records)
+            error = _measured(stretches, read(temporary), step)
+            if error <= tolerance:
+                break
+            step *= 0.5
+        else:
+            raise AttitudeError(
+                f"{name} deviates by {error:.2g} rad from the motion at steps of {2 * step:.3g} s, "
+                f"more than the tolerance {tolerance:g}; give a larger one, or another method or "
+                "degree of interpolation."
+            )
+    return SampledFile(sum(map(len, records)), len(records), _longest(records), error)
+
+
+def count_of_stretches(
+    source: HasAttitudes, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
+) -> int:
+    """The number of stretches without jumps and gaps from start to stop; see `write`."""
+    return len(_stretches(motion_of(source, "source"), start, stop))
+
+
+def _longest(records):
+    return float(max(np.max(np.diff(each.seconds), initial=0.0) for each in records))
+
+
+def _window(method, degree):
+    """Records from which the method interpolates."""
+    if method == "slerp":
+        return 2
+    return (degree + 1) // 2 if method == "hermite" else degree + 1
+
+
+def _refuse_many(stretches, step):
+    count = sum(each.length / step for each in stretches)
+    if count > _MOST_RECORDS:
+        raise AttitudeError(
+            f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a larger "
+            "one, a shorter span, or another method or degree of interpolation."
+        )
+
+
+def _stretches(
+    motion: Motion, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
+) -> list[_Stretch]:
+    """The stretches of a motion from start to stop."""
+    ends = []
+    for which, given, k in (("start", start, 0), ("stop", stop, 1)):
+        value = given
+        if value is None and motion.span is not None:
+            value = motion.span[k]
+        if value is None:
+            raise AttitudeError(
+                f"{which} is not given; a motion is written to a tolerance from start= to stop=, "
+                "one epoch each."
+            )
+        hi, lo = _inputs.seconds_since(motion.epoch, value)
+        if hi.shape != () or not np.isfinite(hi):
+            raise AttitudeError(f"{which} is {value!r}; give one finite epoch.")
+        ends.append(pairs.add((hi, 0.0), 0.0 if lo is None else lo))
+    if isinstance(motion, AttitudeTable):
+        found = [
+            _Stretch(part, max(ends[0], part._limits[0]), min(ends[1], part._limits[1]))
+            for part in (part._counted_from(motion.epoch) for part in motion.segments)
+        ]
+    else:
+        found = _between_breaks(motion, *ends)
+    found = [each for each in found if each.length > 0.0]
+    if not found:
+        raise AttitudeError("stop is not after start; give a span of time.")
+    return found
+
+
+def _between_breaks(motion, begin, end):
+    breaks = motion.breaks()
+    after = (breaks[:, 0] - begin[0]) + (breaks[:, 1] - begin[1]) > 0.0
+    before = (end[0] - breaks[:, 0]) + (end[1] - breaks[:, 1]) > 0.0
+    inside = [(float(hi), float(lo)) for hi, lo in breaks[after & before]]
+    # A stretch ends with the state before a jump, and the next begins with that after it.
+    until = [(hi, float(np.nextafter(lo, -np.inf))) for hi, lo in inside]
+    starts, stops = [begin, *inside], [*until, end]
+    return [_Stretch(motion, *each) for each in zip(starts, stops, strict=True)]
+
+
+def _first_step(stretches, tolerance, method, degree):
+    """A step at which the error of trial tables is a quarter of the tolerance."""
+    total = sum(each.length for each in stretches)
+    longest = max(each.length for each in stretches)
+    probes = [each.motion.at(*each.at(np.linspace(0.0, each.length, 60))) for each in stretches]
+    fastest = max(_speed(probe) for probe in probes)
+    most = min(longest, 0.8 / fastest) if fastest > 0.0 else longest
+    order = 2.0 if method == "slerp" else degree + 1.0
+    step = most
+    for _ in range(8):
+        error = max(_trial(each, step, total, method, degree) for each in stretches)
+        factor = (_MARGIN * tolerance / max(error, 1e-300)) ** (1.0 / order)
+        found = min(step * min(factor, 4.0), most)
+        if abs(found - step) <= 0.02 * step:
+            break
+        step = found
+    return found
+
+
+def _speed(history):
+    return float(np.max(np.linalg.norm(history.angular_velocity, axis=-1), initial=0.0))
+
+
+def _trial(stretch, step, total, method, degree):
+    """Largest error between the records of some short tables of a stretch."""
+    length = (_LENGTH - 1) * step
+    if length >= stretch.length:
+        count = max(int(np.ceil(stretch.length / step)) + 1, _window(method, degree), 2)
+        places = [np.linspace(0.0, stretch.length, count)]
+    else:
+        count = max(2, int(np.ceil(_TRIALS * stretch.length / total)))
+        firsts = np.linspace(0.0, stretch.length - length, count)
+        places = [first + step * np.arange(_LENGTH) for first in firsts]
+    worst = 0.0
+    for place in places:
+        nodes = stretch.motion.at(*stretch.at(place))
+        table = AttitudeTable.from_history(
+            nodes, rates=method == "hermite", method=method, degree=degree
+        )
+        share = (np.arange(_BETWEEN) + 1.0) / (_BETWEEN + 1.0)
+        between = (place[:-1, None] + share * np.diff(place)[:, None]).ravel()
+        hi, lo = stretch.at(between)
+        worst = max(worst, _apart(table.at(hi, lo).wxyz, stretch.motion.at(hi, lo).wxyz))
+    return worst
+
+
+def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> float:
+    """Largest angle between a motion and the file read back, at random epochs and beside ends."""
+    random = np.random.default_rng(2006)
+    total, worst = sum(each.length for each in stretches), 0.0
+    shift = stretches[0].motion.epoch
+    parts = table.segments
+    for number, each in enumerate(stretches):
+        count = int(np.ceil(_CHECKS * each.length / total))
+        near = np.minimum(random.uniform(0.0, 2.0, (2, _BESIDE)) * step, each.length)
+        offsets = np.concatenate(
+            [random.uniform(0.0, each.length, count), near[0], each.length - near[1]]
+        )
+        hi, lo = each.at(np.sort(offsets))
+        part: AttitudeTable = parts[number]
+        own = pairs.add((hi, lo), *_from(shift, part.epoch))
+        inside = part._covers(own[0], own[1])
+        found = part.at(own[0][inside], own[1][inside]).wxyz
+        worst = max(worst, _apart(found, each.motion.at(hi[inside], lo[inside]).wxyz))
+    return worst
+
+
+def _from(first, second):
+    """Seconds, hi and lo, to be added to seconds since `first` to count from `second`."""
+    return pairs.add((first.seconds, first.low), -second.seconds, -second.low)
+
+
+def _apart(p: FloatArray, q: FloatArray) -> float:
+    """The largest angle, rad, between attitudes (N, 4)."""
+    turn = quaternion.multiply(quaternion.conjugate(p), q)
+    return float(np.max(forms.to_axis_angle(turn)[1], initial=0.0))
+
+
+def stated(
+    method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
+) -> tuple[str, int]:
+    """Method and degree of the interpolation that a file will state; see `interpolation.settled`.
+
+    By default those of a table, else Hermite with angular velocities and Lagrange without.
+    """
+    if method is None and table is not None:
+        method, degree = table.method, degree or table.degree
+    return _table.settled(method, degree, _table.MOST_DEGREE + 1, has_rates)

@@ -1,0 +1,257 @@
+"""CCSDS Attitude Ephemeris Messages, versions 1.0 and 2.0, KVN and XML, read and written.
+
+>>> from attitude import Body, FreeRotation, Spin
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
+>>> motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+>>> import os, tempfile
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = os.path.join(folder, "satellite.aem")
+...     write(path, motion.at([0.0, 10.0, 20.0]), object_name="SATELLITE")
+...     table = read(path)
+>>> table.wxyz.shape, table.method, table.degree, table.epoch.utc_iso
+((3, 4), 'hermite', 5, '2026-01-01T00:00:00')
+
+For the conventions see `attitude_types`.  Quaternions are written with 17 digits and come back
+with the same bits, epochs within half a picosecond; the motion between records is not in the file.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from attitude._textfiles import kvn
+from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import opened
+from attitude.errors import AttitudeError
+from attitude.formats import _aem_notations, _attitude_types, _recipes, _sampling
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._aem_message import Options, WrittenSegment, written_kind
+from attitude.formats._attitude_types import VERSIONS
+from attitude.formats._records import TOLERANCE
+from attitude.frames import quaternion
+from attitude.motions._table import AttitudeTable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.paths._path import Path
+
+
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+    rates: str | None = None,
+    object: str | None = None,
+    segment: int | None = None,
+    lenient: bool = False,
+) -> AttitudeTable:
+    """A message as an AttitudeTable.
+
+    Parameters
+    ----------
+    path : str or path
+        KVN or XML, version 1.0 or 2.0, recognized by the content.
+    tolerance : float
+        Largest deviation from 1 of the length of a quaternion; quaternions are made unit.
+    frame : str, optional
+        The external axes of the file, if their name in the file is not known (see `axes`).
+    orbit : Path, optional
+        Path of the body about its center, for attitudes relative to LVLH or RTN.
+    rates : str, optional
+        What the rates of QUATERNION/RATE and EULER_ANGLE/RATE of version 1 are: "body", components
+        of the angular velocity over the axes of RATE_FRAME, or "euler", derivatives of the angles
+        of EULER_ROT_SEQ.  By default "body" with a warning, or "euler" where the file names an axis
+        twice (see `old_rates`).
+    object : str, optional
+        OBJECT_ID or OBJECT_NAME of the segments to read, where the file has several objects.
+    segment : int, optional
+        The place of the one segment to read, counted from 0.
+    lenient : bool
+        Read a message in KVN whose operator leaves out DATA_START, DATA_STOP, OBJECT_ID, START_TIME
+        or others, adds keywords, or has the columns of MMS (see `lenient`);
+        ``table.meta["assumed"]`` lists what was assumed.
+
+    Returns
+    -------
+    AttitudeTable
+        Relative to ICRF; its `meta` and that of each of its segments hold keywords and comments.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that cannot be read or does not follow the standard; the message names file,
+        line and keyword.  For segments of several objects or body frames, and segments that
+        contradict each other where they overlap.
+    """
+    options = Options(tolerance, frame, orbit, rates, object, segment, lenient)
+    with opened(path) as lines:
+        first = kvn.first(lines)
+        if first is not None:
+            return _aem_notations.read_kvn(lines, first, options)
+    return _aem_notations.read_xml(path, options)
+
+
+def write(
+    path: FilePath,
+    source: AttitudeSource,
+    *,
+    t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
+    for_: str | None = None,
+    version: str | None = None,
+    xml: bool = False,
+    kind: str | None = None,
+    frame: str | None = None,
+    time_system: str | None = None,
+    rates: str | None = None,
+    rates_over: str = "body",
+    sequence: str | None = None,
+    scalar_first: bool = False,
+    object_name: str | None = None,
+    object_id: str | None = None,
+    center: str | None = None,
+    body_frame: str | None = None,
+    originator: str = "ATTITUDE",
+    comments: Sequence[str] | None = None,
+    method: str | None = None,
+    degree: int | None = None,
+    creation_date: str | None = None,
+    digits: int = ccsds_epochs.DIGITS,
+    orbit: Path | None = None,
+) -> SampledFile | None:
+    """Write attitudes as an AEM.
+
+    Parameters
+    ----------
+    path : str or path
+        Appears whole or not at all.
+    source : AttitudeHistory, AttitudeTable, a list of them (segments), or a motion with `t`
+        A motion is evaluated piece by piece, so that long histories need little memory.
+    t : epochs, optional
+        Epochs of the records, of any kind that ``.at(t)`` takes; (N,).
+    start, stop : epochs, or TDB seconds since the epoch of the motion
+        With `tolerance`: the span, by default that of a table.
+    tolerance : float, optional
+        Instead of `t`: largest angle, rad, between the motion and the attitudes that a reader
+        interpolates by the method that the file states; the epochs of the records follow from it
+        (see `sampling`).
+    for_ : str, optional
+        The tool that shall read the file: "gmat", "orekit", "stk" or "brahe".  Settings that are
+        left open become those that the tool accepts (see `recipes`).
+    version : str, optional
+        "2.0" by default, or "1.0" (what GMAT and others read).
+    xml : bool
+        XML instead of KVN.
+    kind : str, optional
+        The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, in version 1
+        "QUATERNION/DERIVATIVE"; "QUATERNION" for tables without angular velocities.
+    frame : str, optional
+        The external axes, by default those of the file that a table was read from, or "ICRF"; see
+        `axes`.
+    time_system : str, optional
+        UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
+    rates : str, optional
+        Version 1.0 with the types QUATERNION/RATE and EULER_ANGLE/RATE, whose readers disagree:
+        "body" or "euler", as of `read`.
+    rates_over : str
+        "body" or "frame": the axes of angular velocities.
+    sequence : str, optional
+        Axes of Euler angles, "ZXZ" by default.
+    scalar_first : bool
+        Version 1.0: QC before Q1, Q2, Q3.
+    object_name, object_id, center, body_frame, originator : str, optional
+        Keywords; by default those of the file that a table was read from, or "UNKNOWN".
+    comments : sequence of str, optional
+        Comments of the header; by default those of the file that a table was read from.
+    method, degree : str, int, optional
+        Interpolation recommended to readers: by default that of a table, or Hermite or Lagrange of
+        degree 7, less if there are few records.
+    creation_date : str, optional
+        Now, in UTC, by default.
+    digits : int
+        Decimals of the seconds.
+    orbit : Path, optional
+        Path of the body about its center, for LVLH and RTN.
+
+    Returns
+    -------
+    SampledFile or None
+        With `tolerance`: the number of records, the step and the error of the file read back.
+
+    Raises
+    ------
+    AttitudeError
+        For unknown names of versions, types, axes or time systems, for epochs that do not increase,
+        for settings that the tool `for_` does not read, and for a file that cannot be written.
+    """
+    meta, has_rates = _sampling.known_of(source, t)
+    settings: dict[str, Any] = {
+        "version": version,
+        "xml": xml,
+        "kind": kind,
+        "frame": frame,
+        "time_system": time_system,
+        "rates": _attitude_types.known_rates(rates),
+        "rates_over": rates_over,
+        "sequence": sequence,
+        "scalar_first": scalar_first,
+        "digits": digits,
+        "orbit": orbit,
+        "method": method,
+        "degree": degree,
+        "body_frame": body_frame,
+        "for_": for_,
+    }
+    settings = _recipes.of_aem(for_, settings, has_rates)
+    settings["version"] = version = settings["version"] or "2.0"
+    if version not in VERSIONS:
+        raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
+    settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
+    settings["names"] = (object_name, object_id, center, settings["body_frame"])
+    header = {
+        "CREATION_DATE": creation_date or ccsds_epochs.now(),
+        "ORIGINATOR": originator,
+    }
+    comments = list(meta.get("comments", ()) if comments is None else comments)
+    for text in (*header.values(), *comments):
+        kvn.refuse_line_breaks(text)
+
+    def write_records(target, parts):
+        written = [WrittenSegment(part, settings) for part in parts]
+        write_message = _aem_notations.write_xml if xml else _aem_notations.write_kvn
+        with written_whole(target, "the AEM") as file:
+            write_message(file, version, header, comments, written)
+
+    if tolerance is None:
+        _sampling.refuse_span(start, stop)
+        write_records(path, _sampling.segments(source, t))
+        return None
+    _sampling.refuse_epochs(t)
+    motion = _sampling.one_motion(source)
+    kind_written = written_kind(settings, has_rates)
+    table = motion if isinstance(motion, AttitudeTable) else None
+    used, most = _sampling.stated(
+        settings["method"], settings["degree"], _attitude_types.has_rates(kind_written), table
+    )
+    settings |= {"method": used, "degree": most}
+    return _sampling.write(
+        *(path, motion, start, stop, tolerance),
+        method=used,
+        degree=most,
+        name="the AEM",
+        write_records=write_records,
+        read=lambda target: read(target, orbit=orbit, rates=rates),
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# CCSDS Attitude Ephemeris Messages.
+
+__all__ = ["read", "write"]

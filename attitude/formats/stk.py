@@ -1,0 +1,837 @@
+"""STK attitude files (.a): quaternions with and without rates, matrices, angles, vectors.
+
+STK's quaternions turn the reference axes into those of the body, vector part first; they have the
+numbers of the quaternion body to axes of this package, scalar last.  Rates are deg/s over the body
+axes; Euler angles are deg, in the order of the sequence, as in `representations.from_euler`;
+matrices are v_body = A v_axes, row by row.  ScenarioEpoch is UTC, and the times of records are
+seconds of TAI since then, in one double: from a whole second of UTC, they are accurate to 1e-11 s
+for spans of a day.
+
+"J2000" is the mean equator and equinox of J2000, "ICRF" and "Inertial" of the Earth the ICRF,
+"Fixed" ITRF, "VVLH" axes of an orbit; "TrueOfDate", "MeanOfDate" and "TEMEOfDate" also as
+"...OfEpoch" with CoordinateAxesEpoch.  A file without InterpolationOrder is interpolated with order
+1, as STK does, and so is one of order 0.  What else STK writes (`header`, `dates`, `sections`) is
+read as well; what is refused is refused by name.
+"""
+
+from __future__ import annotations
+
+import datetime
+import os
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import NoNumber, is_number, numbers, opened
+from attitude.epochs import _time_scales
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats import _sampling
+from attitude.formats._attitude_types import Convention
+from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions import _axes as motions_axes
+from attitude.motions import _table
+from attitude.motions._table import AttitudeTable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
+    from attitude._textfiles.lines import Lines
+    from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.motions._axes import Axes
+    from attitude.paths._path import Path
+
+
+# --------------------------------------------------------------------------------------------------
+# Dates as STK writes them, and the times of records.
+#
+# ScenarioEpoch and TimeFormat UTCG: ``1 Jul 1999 00:00:00.00``, the month by three letters or its
+# whole name, with or without quotation marks; also ISO 8601.  TimeFormat says what stands before
+# the numbers of a record: EpSec (the default), EpMin, EpHr and EpDay count from ScenarioEpoch in
+# TAI.
+
+MONTHS: tuple[str, ...] = (
+    *("January", "February", "March", "April", "May", "June", "July", "August", "September"),
+    *("October", "November", "December"),
+)
+_DATE = re.compile(r"(\d{1,2}) ([A-Za-z]{3,9}) (\d{4}) (\d{1,2}):(\d{2}):(\d{2})(\.\d*)?", re.ASCII)
+_ISO = re.compile(r"\d{4}-(\d{2}-\d{2}|\d{3})T\d{2}:\d{2}:\d{2}(\.\d*)?Z?", re.ASCII)
+# TimeFormat in lower case -> seconds of its unit, and for dates the words of one.
+UNITS: dict[str, float] = {"epsec": 1.0, "epmin": 60.0, "ephr": 3600.0, "epday": 86400.0}
+DATES: dict[str, int] = {"utcg": 4, "iso-ymd": 1, "iso-yd": 1}
+FORMATS: str = "EpSec, EpMin, EpHr, EpDay, UTCG, ISO-YMD, ISO-YD"
+
+
+def iso(text: str) -> str | None:
+    """A date as CCSDS time code, or None if it is no date of STK.
+
+    >>> iso('"1 July 1999 00:00:00.00"'), iso("1 Jul 1999 7:30:00"), iso("Today")
+    ('1999-07-01T00:00:00.00', '1999-07-01T07:30:00', None)
+    """
+    given = " ".join(text.strip().strip("\"'").split())
+    if _ISO.fullmatch(given):
+        return given
+    found = _DATE.fullmatch(given)
+    if found is None:
+        return None
+    date, month, year, hour, minute, second, part = found.groups()
+    months = [k for k, name in enumerate(MONTHS) if month.title() in (name, name[:3])]
+    if not months:
+        return None
+    time = f"{int(hour):02d}:{minute}:{second}{part or ''}".rstrip(".")
+    return f"{year}-{months[0] + 1:02d}-{int(date):02d}T{time}"
+
+
+def instant(text: str, what: str) -> Instant:
+    """The Instant of a date in UTC.
+
+    `what` is the name of the keyword in the error message.
+
+    Raises
+    ------
+    AttitudeError
+        If it cannot be read.
+    """
+    code = iso(text)
+    if code is None:
+        given = repr(text[:40]) if text else "not given"
+        raise AttitudeError(
+            f"{what} is {given}; write a date in UTC like 1 Jan 2026 00:00:00.000, and not the "
+            "name of a time that STK knows."
+        )
+    try:
+        return ccsds_epochs.instant(code, "utc")
+    except ccsds_epochs.BadEpoch as err:
+        raise AttitudeError(f"{what} is {text[:40]!r}: {err.reason}.") from err
+
+
+def tai_of(epoch: Instant) -> tuple[FloatArray, FloatArray]:
+    """TAI seconds since J2000, hi and lo, of an Instant."""
+    tt = _time_scales.tt_from_tdb(np.float64(epoch.seconds), np.float64(epoch.low))
+    return pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+
+
+def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
+    """The dates at the start of rows as CCSDS time codes.
+
+    `words` are those of all rows, `count` of each.  A date that STK does not write stays as it is,
+    and is refused by the reader of time codes.
+    """
+    found = []
+    for k in range(0, len(words), count):
+        text = b" ".join(words[k : k + count]).decode("ascii", "replace")
+        found.append((iso(text) or text).encode("ascii", "replace"))
+    return found
+
+
+# --------------------------------------------------------------------------------------------------
+# The sections of an STK attitude file: the columns of each, as attitudes.
+#
+# Yaw, pitch and roll (YPR) stand in this order; they turn the body about the axes z, y and x of the
+# reference in the order of Sequence, so that the rotation is that of Euler angles in the inverse
+# order.  Sections of rates alone give the angles at the first record (InitialEulerAngle,
+# InitialYPRAngle); the angles follow from rates that are linear between records.  Vectors are the
+# direction of body x in J2000 (ECI) or Fixed (ECF), with body z as near to the center as it can be;
+# CoordinateAxes has no effect on them.
+#
+# Source: help of STK 12, "Attitude File Format (*.a)" and "AddAttitude ECIYPR".
+
+
+class Section(NamedTuple):
+    """What stands in the rows of a section.
+
+    Attributes
+    ----------
+    kind : str
+        CCSDS attitude type of the attitudes.
+    width : int
+        Numbers behind the time.
+    form : str
+        "quaternion", "matrix", "euler", "ypr", "euler rates", "ypr rates" or "vector".
+    scalar_first : bool
+    initial : str or None
+        Keyword of the angles at the first record.
+    axes : str or None
+        The axes, if CoordinateAxes has no effect.
+    """
+
+    kind: str
+    width: int
+    form: str
+    scalar_first: bool = False
+    initial: str | None = None
+    axes: str | None = None
+
+
+_BOTH = "EULER_ANGLE/DERIVATIVE"
+SECTIONS: dict[str, Section] = {
+    "AttitudeTimeQuaternions": Section("QUATERNION", 4, "quaternion"),
+    "AttitudeTimeQuatScalarFirst": Section("QUATERNION", 4, "quaternion", scalar_first=True),
+    "AttitudeTimeQuatAngVels": Section("QUATERNION/ANGVEL", 7, "quaternion"),
+    "AttitudeTimeEulerAngles": Section("EULER_ANGLE", 3, "euler"),
+    "AttitudeTimeYPRAngles": Section("EULER_ANGLE", 3, "ypr"),
+    "AttitudeTimeEulerAnglesAndRates": Section(_BOTH, 6, "euler"),
+    "AttitudeTimeYPRAnglesAndRates": Section(_BOTH, 6, "ypr"),
+    "AttitudeTimeEulerAngleRates": Section(_BOTH, 3, "euler rates", initial="InitialEulerAngle"),
+    "AttitudeTimeYPRAngleRates": Section(_BOTH, 3, "ypr rates", initial="InitialYPRAngle"),
+    "AttitudeTimeDCM": Section("QUATERNION", 9, "matrix"),
+    "AttitudeTimeDCMAngVels": Section("QUATERNION/ANGVEL", 12, "matrix"),
+    "AttitudeTimeECIVector": Section("QUATERNION", 3, "vector", axes="EME2000"),
+    "AttitudeTimeECFVector": Section("QUATERNION", 3, "vector", axes="ITRF"),
+}
+# Sections that are refused by name, each with the reason.
+REFUSED: dict[str, str] = {
+    "AttitudeTimeAngVels": "it holds angular velocities without attitudes, which fit_rates takes",
+    "AttitudeTimeAzElAngles": "it holds the pointing of a sensor",
+    "AttitudeTimeAzElAnglesAndRates": "it holds the pointing of a sensor",
+}
+# Sequences that the sections take if the file gives none.
+USUAL: dict[str, str] = {"euler": "313", "ypr": "321"}
+
+
+class Decoder:
+    """Rows of a section to the columns of its CCSDS attitude type.
+
+    Parameters
+    ----------
+    section : Section
+    sequence : str or None
+        The order of rotations, as of `quaternion.known_sequence`.
+    initial : sequence of float or None
+        The angles at the first record, deg, in the order of the section's columns.
+
+    Attributes
+    ----------
+    section, sequence
+        As given; the sequence is that of the Euler angles of `columns`.
+    """
+
+    def __init__(
+        self, section: Section, sequence: str | None, initial: Sequence[float] | None = None
+    ):
+        self.section: Section = section
+        self.sequence: str | None = sequence
+        self._places = [0, 1, 2]
+        if section.form.startswith("ypr"):
+            assert sequence is not None
+            if len(set(sequence.upper())) < 3:
+                raise AttitudeError(
+                    f"Sequence is {sequence}; yaw, pitch and roll turn about each axis once."
+                )
+            self.sequence = sequence[::-1].upper()
+            self._places = ["ZYX".index(axis) for axis in self.sequence]
+        self._angles = None if initial is None else np.array(initial, dtype=float)
+        self._before: tuple[float, FloatArray] | None = None
+
+    def columns(self, seconds: FloatArray, values: FloatArray) -> FloatArray:
+        """The columns (N, columns) of the attitude type.
+
+        Shapes: seconds (N,), values (N, width).
+        """
+        form = self.section.form
+        if form == "matrix":
+            wxyz = forms.from_dcm(values[:, :9].reshape(-1, 3, 3))
+            return np.concatenate([forms.to_xyzw(wxyz), values[:, 9:]], axis=1)
+        if form.endswith("rates"):
+            values = np.concatenate([self._integrated(seconds, values), values], axis=1)
+        if form.startswith(("ypr", "euler")):
+            groups = [values[:, k : k + 3][:, self._places] for k in range(0, values.shape[1], 3)]
+            return np.concatenate(groups, axis=1)
+        return values
+
+    def _integrated(self, seconds, rates):
+        """The angles (N, 3): those of the first record, and the integral of linear rates."""
+        angles = self._angles
+        if self._before is not None:
+            seconds = np.concatenate([[self._before[0]], seconds])
+            rates = np.concatenate([self._before[1][None], rates])
+        steps = np.diff(seconds)[:, None] * 0.5 * (rates[1:] + rates[:-1])
+        found = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        self._angles, first = found[-1], self._before is not None
+        self._before = seconds[-1], rates[-1]
+        return found[1:] if first else found
+
+
+def pointed(
+    values: FloatArray, axes: Axes, epoch: Instant, hi: FloatArray, lo: FloatArray, orbit: Path
+) -> FloatArray:
+    """Quaternions (N, 4), scalar last, of body x along vectors and body z nearest to the center.
+
+    Shapes: values (N, 3), hi, lo (N,).
+    """
+    position = motions_axes.state(hi, lo, orbit, "the direction to the center")[0]
+    outer = axes.to_icrf(epoch, hi, lo, orbit)
+    nadir = -quaternion.rotate(quaternion.conjugate(outer), position)
+    x, down = (_unit(v) for v in (values, nadir))
+    y = np.cross(down, x)
+    length = np.linalg.norm(y, axis=1, keepdims=True)
+    if not np.all(length > 1e-9):
+        raise AttitudeError(
+            "a vector is of length zero or points to or away from the center, which leaves the "
+            "rotation about it undefined."
+        )
+    y = y / length
+    return forms.to_xyzw(quaternion.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1)))
+
+
+def _unit(v):
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        v = v / np.max(np.abs(v), axis=1, keepdims=True)
+        return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+
+# --------------------------------------------------------------------------------------------------
+# The head of an STK attitude file: version, keywords, axes, interpolation, times.
+
+_KEYWORDS = (
+    *("MessageLevel", "NumberOfAttitudePoints", "BlockingFactor", "InterpolationOrder"),
+    *("InterpolationMethod", "CentralBody", "ScenarioEpoch", "TimeFormat", "CoordinateAxes"),
+    *("CoordinateAxesEpoch", "Sequence", "AttitudeDeviations", "InitialQuaternion"),
+    *("InitialEulerAngle", "InitialYPRAngle"),
+)
+_BY_LOWER = {name.lower(): name for name in (*SECTIONS, *REFUSED)}
+_KEYWORD_BY_LOWER = {name.lower(): name for name in _KEYWORDS}
+# Names of STK for axes that other files name otherwise.
+_AXES = {"fixed": "ITRF", "vvlh": "LVLH", "inertial": "ICRF"}
+# Bodies whose axes "Inertial" of STK are those of the ICRF.
+_ICRF_BODIES = ("earth", "sun", "")
+
+
+def named(given: str) -> Axes:
+    """The Axes of a name of STK; AttitudeError for another name."""
+    return motions_axes.named(_AXES.get(given.lower(), given))
+
+
+class Header:
+    """The keywords of a file up to the name of its section.
+
+    Parameters
+    ----------
+    lines : Lines
+        At the beginning of the file; they are read up to the first record.
+
+    Attributes
+    ----------
+    keywords : dict of str
+    section : Section
+    count : int or None
+        NumberOfAttitudePoints.
+    method, degree : str, int
+        Interpolation, as of AttitudeTable.
+    time_format : str
+        TimeFormat in lower case.
+
+    Raises
+    ------
+    AttitudeError
+        For a file that is no STK attitude file, and keywords or values that are not known.
+    """
+
+    def __init__(self, lines: Lines):
+        self._lines = lines
+        self.keywords: dict[str, str] = {}
+        self._where: dict[str, int] = {}
+        _read_banner(lines)
+        self.section: Section = SECTIONS[self._read_keywords()]
+        self.count: int | None = self._whole("NumberOfAttitudePoints", None)
+        self.method: str
+        self.degree: int
+        self.method, self.degree = self._interpolation()
+        given = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
+        self.time_format: str = given.lower()
+        if self.time_format not in (*UNITS, *DATES):
+            raise self.fault("TimeFormat", f"TimeFormat is {given[:40]!r}; known are {FORMATS}.")
+        # Checked before the records are read.
+        self.decoder: Decoder = self._decoder()
+
+    def fault(self, keyword: str, sentence: str) -> AttitudeError:
+        """The error for the value of a keyword."""
+        return self._lines.fault(sentence, self._where.get(keyword))
+
+    def start(self) -> tuple[float, float]:
+        """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
+        try:
+            found = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
+        except AttitudeError as err:
+            raise self.fault("ScenarioEpoch", str(err)) from err
+        hi, lo = tai_of(found)
+        return float(hi), float(lo)
+
+    def axes(self, frame: str | None) -> Axes:
+        """The reference axes; `frame` replaces CoordinateAxes."""
+        try:
+            if self.section.axes is not None:
+                return motions_axes.named(self.section.axes)
+            if frame is not None:
+                return motions_axes.named(frame)
+            if "CoordinateAxes" not in self.keywords:
+                raise AttitudeError(
+                    "the file has no CoordinateAxes, which names the axes that the attitudes are "
+                    "relative to; add it to the file, or give frame=, such as frame='ICRF'."
+                )
+            return self._axes(self.keywords["CoordinateAxes"])
+        except AttitudeError as err:
+            raise self.fault("CoordinateAxes", str(err)) from err
+
+    def _axes(self, given):
+        words = given.split()
+        custom = len(words) > 1 and words[0].lower() in ("custom", "awb")
+        lower = (words[1] if custom else given).lower()
+        if custom and lower != "vvlh":
+            raise AttitudeError(
+                f"CoordinateAxes is {given[:40]!r}, axes that a scenario of STK defines; give "
+                "what they are with frame=."
+            )
+        if lower == "lvlh":
+            raise AttitudeError(
+                "CoordinateAxes is LVLH, in which STK's x points away from the center, as that of "
+                'RTN, and that of CCSDS along the orbit; give frame="RTN" or frame="LVLH".'
+            )
+        if lower == "inertial":
+            body = self.keywords.get("CentralBody", "").lower()
+            if body not in _ICRF_BODIES:
+                raise AttitudeError(
+                    f"CoordinateAxes is Inertial of {body[:40]!r}; these axes are known for the "
+                    "Earth and the Sun only: give what they are with frame=."
+                )
+        kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
+        if kind is not None:
+            epoch = instant(self.keywords.get("CoordinateAxesEpoch", ""), "CoordinateAxesEpoch")
+            return motions_axes.Axes(given, kind, at=epoch)
+        return motions_axes.named(_AXES.get(lower, lower if custom else given), "CoordinateAxes")
+
+    def _read_keywords(self):
+        """The name of the section; sets `keywords`."""
+        lines = self._lines
+        for line in lines:
+            text = lines.text(line).strip()
+            if not text or text.startswith("#"):
+                continue
+            keyword, value = (*text.split(None, 1), "")[:2]
+            found = _BY_LOWER.get(keyword.lower())
+            if found in REFUSED:
+                raise lines.fault(f"the section {found} is not read: {REFUSED[found]}.")
+            if found is not None and not value:
+                return found
+            name = _KEYWORD_BY_LOWER.get(keyword.lower())
+            if name is None:
+                raise lines.fault(
+                    f"{keyword[:40]!r} is not known; known are {', '.join(_KEYWORDS)} and "
+                    "sections such as AttitudeTimeQuaternions."
+                )
+            if name in self.keywords:
+                raise lines.fault(f"{name} is given twice.")
+            self.keywords[name], self._where[name] = value.strip(), lines.number
+        raise lines.fault("the file ends before its data; is it cut off?")
+
+    def _whole(self, keyword, default):
+        text = self.keywords.get(keyword)
+        if text is None:
+            return default
+        # MATLAB's %f, with which many write these files, writes 3.000000.
+        if not re.fullmatch(r"\d{1,12}(\.0*)?", text, re.ASCII):
+            raise self.fault(keyword, f"{keyword} is {text[:40]!r}; give a whole number.")
+        return int(text.partition(".")[0])
+
+    def _interpolation(self):
+        degree, most = self._whole("InterpolationOrder", 1), _table.MOST_DEGREE
+        if degree > most:
+            raise self.fault(
+                "InterpolationOrder",
+                f"InterpolationOrder is {degree}; it must be 0 to {most}.",
+            )
+        given = self.keywords.get("InterpolationMethod", "Lagrange")
+        if given.lower() not in ("lagrange", "hermite"):
+            raise self.fault(
+                "InterpolationMethod",
+                f"InterpolationMethod is {given[:40]!r}; give Lagrange or Hermite.",
+            )
+        if given.lower() == "hermite" and degree > 1:
+            return "hermite", degree
+        return ("slerp", 1) if degree < 2 else ("lagrange", degree)
+
+    def _decoder(self):
+        """The Decoder of the section, from Sequence and the angles at the first record."""
+        section, keyword = self.section, "Sequence"
+        form = section.form.partition(" ")[0]
+        if form not in USUAL:
+            return Decoder(section, None)
+        given, initial = self.keywords.get("Sequence", USUAL[form]), None
+        try:
+            if section.initial is not None:
+                keyword = section.initial
+                words = self.keywords.get(keyword, "").split()
+                if len(words) != 4 or not all(map(is_number, (w.encode() for w in words[1:]))):
+                    raise AttitudeError(
+                        f"it is {' '.join(words)[:40]!r}; the section has rates alone and needs a "
+                        "sequence and three angles in deg."
+                    )
+                given, initial = words[0], [float(word) for word in words[1:]]
+                if not np.all(np.isfinite(initial)):
+                    raise AttitudeError("an angle is not finite.")
+            if form == "ypr":
+                given = given.upper().translate(str.maketrans("RPY", "XYZ"))
+            return Decoder(section, quaternion.known_sequence(given), initial)
+        except AttitudeError as err:
+            raise self.fault(keyword, f"{keyword}: {err}") from err
+
+
+def _read_banner(lines):
+    found = None
+    for line in lines:
+        text = lines.text(line).strip()
+        if not text or text.startswith("#"):
+            continue
+        if found is None:
+            found = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
+            if found is None:
+                raise lines.fault(f"it begins with {text[:40]!r}; an STK file begins with stk.v.")
+        elif re.fullmatch(r"BEGIN\s+Attitude", text, re.IGNORECASE):
+            return
+        else:
+            raise lines.fault(f"{text[:40]!r} stands where BEGIN Attitude must be.")
+    raise lines.fault("the file ends before BEGIN Attitude; is it an STK attitude file?")
+
+
+# Sections that are written.
+WRITTEN: tuple[str, ...] = (
+    *("AttitudeTimeQuatAngVels", "AttitudeTimeQuaternions", "AttitudeTimeQuatScalarFirst"),
+    "AttitudeTimeEulerAngles",
+)
+# Kind of axes -> name in STK.
+_NAMES = {
+    **{"icrf": "ICRF", "eme2000": "J2000", "itrf": "Fixed", "teme": "TEMEOfDate", "lvlh": "VVLH"},
+    **{"tod": "TrueOfDate", "mod": "MeanOfDate", "b1950": "B1950"},
+}
+_BATCH = 16384
+
+
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+) -> AttitudeTable:
+    """An STK attitude file as an AttitudeTable; see `aem.read` for parameters and errors."""
+    known_tolerance(tolerance)
+    with opened(path) as lines:
+        return _StkReader(lines).table(tolerance, frame, orbit)
+
+
+class _StkReader:
+    """Reads the records behind the keywords of a file."""
+
+    def __init__(self, lines):
+        self._lines = lines
+        self._header = Header(lines)
+        self._section = self._header.section
+        self._decoder = self._header.decoder
+        self._start = self._origin = None
+        # Words of a row before its numbers.
+        self._lead = DATES.get(self._header.time_format, 1)
+
+    def table(self, tolerance, frame, orbit):
+        lines, header, section = self._lines, self._header, self._section
+        found = header.axes(frame)
+        if self._header.time_format in UNITS:
+            self._start = header.start()
+        scale = "utc" if self._start is None else "tai"
+        rows = Rows(scale, section.width)
+        if section.form == "vector":
+            motions_axes.known_path(orbit, "the direction to the center")
+        self._vectors = found, orbit
+        ended = self._read_rows(rows)
+        if header.count is not None and rows.count != header.count:
+            raise lines.fault(
+                f"the file has {rows.count} records, but NumberOfAttitudePoints is {header.count}"
+                + ("." if ended else "; is it cut off?"),
+            )
+        if not rows.count:
+            raise lines.fault("the file has no attitudes.")
+        how = Convention(scalar_first=section.scalar_first, sequence=self._decoder.sequence)
+        meta = {
+            "format": "STK",
+            "keywords": dict(header.keywords),
+            "frame": found.name,
+            "center": header.keywords.get("CentralBody"),
+        }
+        try:
+            return rows.table(
+                section.kind,
+                how,
+                found,
+                lines.fault,
+                tolerance=tolerance,
+                orbit=orbit,
+                method=header.method,
+                degree=header.degree,
+                meta=meta,
+            )
+        except AttitudeError as err:
+            if str(err).startswith(lines.path):
+                raise
+            raise lines.fault(str(err)) from err
+
+    def _read_rows(self, rows):
+        """Add the records up to END Attitude; False if the file ends before it."""
+        lines, tokens, places = self._lines, [], []
+        width = self._section.width + self._lead
+        for line in lines:
+            parts = line.replace(b'"', b"").split()
+            if len(parts) == width and not line.lstrip().startswith(b"#"):
+                tokens.extend(parts)
+                places.append(lines.number)
+                if len(places) == _BATCH:
+                    self._take(rows, tokens, places)
+                    tokens, places = [], []
+            elif [part.lower() for part in parts] == [b"end", b"attitude"]:
+                self._take(rows, tokens, places)
+                self._refuse_more()
+                return True
+            elif parts and not parts[0].startswith(b"#"):
+                raise lines.fault(
+                    f"it has {len(parts)} entries; a record has a time"
+                    f"{f' of {self._lead} words' if self._lead > 1 else ''} and "
+                    f"{self._section.width} numbers."
+                )
+        self._take(rows, tokens, places)
+        return False
+
+    def _refuse_more(self):
+        for line in self._lines:
+            if line.strip() and not line.strip().startswith(b"#"):
+                raise self._lines.fault("there is more after END Attitude.")
+
+    def _take(self, rows, tokens, places):
+        if not tokens:
+            return
+        lead, step = self._lead, self._section.width + self._lead
+        try:
+            values = numbers(tokens, step, range(lead, step))
+        except NoNumber as err:
+            raise self._lines.fault(f"{err.shown} is no number.", places[err.line]) from err
+        if not np.all(np.isfinite(values)):
+            k = int(np.argmin(np.isfinite(values).all(axis=1)))
+            raise self._lines.fault("it holds a number that is not finite.", places[k])
+        hi, lo = self._epochs(tokens, step, places)
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                if self._origin is None:
+                    self._origin = hi[0], lo[0]
+                seconds = (hi - self._origin[0]) + (lo - self._origin[1])
+                values = self._decoder.columns(seconds, values)
+                if self._section.form == "vector":
+                    found, orbit = self._vectors
+                    values = pointed(values, found, Instant(0.0), hi, lo, orbit)
+        except AttitudeError as err:
+            raise self._lines.fault(f"in the records from here on, {err}", places[0]) from err
+        rows.add_times(hi, lo, values, places, self._lines.fault)
+
+    def _epochs(self, tokens, step, places):
+        """TDB seconds since J2000, hi and lo, of some rows."""
+        lines = self._lines
+        if self._start is None:
+            words = [word for k in range(self._lead) for word in tokens[k::step]]
+            count = len(places)
+            rows = [word for k in range(count) for word in words[k::count]]
+            codes = of_rows(rows, self._lead)
+            try:
+                return ccsds_epochs.parsed(codes, "utc")
+            except ccsds_epochs.BadEpoch as err:
+                shown = codes[err.index][:40].decode("ascii", "replace")
+                raise lines.fault(
+                    f"the time {shown!r} cannot be read: {err.reason}.", places[err.index]
+                ) from err
+        try:
+            seconds = numbers(tokens, step, range(1))[:, 0]
+        except NoNumber as err:
+            raise lines.fault(f"{err.shown} is no number.", places[err.line]) from err
+        if not np.all(np.isfinite(seconds)):
+            k = int(np.argmin(np.isfinite(seconds)))
+            raise lines.fault("its time is not finite.", places[k])
+        unit = UNITS[self._header.time_format]
+        pair = (seconds, 0.0) if unit == 1.0 else pairs.product(seconds, unit)
+        tai = pairs.add((np.float64(self._start[0]), np.float64(self._start[1])), *pair)
+        return _time_scales.tdb_from("tai", *tai)
+
+
+# Writing ------------------------------------------------------------------------------------------
+
+
+def write(
+    path: FilePath,
+    source: AttitudeSource,
+    *,
+    t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
+    section: str | None = None,
+    frame: str = "ICRF",
+    sequence: str = "ZXZ",
+    center: str = "Earth",
+    order: int | None = None,
+    orbit: Path | None = None,
+    split: bool = False,
+) -> SampledFile | None:
+    """Write attitudes as an STK attitude file.
+
+    Parameters
+    ----------
+    path, source, t, start, stop, tolerance
+        As of `aem.write`; one segment.
+    section : str, optional
+        "AttitudeTimeQuatAngVels" by default, "AttitudeTimeQuaternions" without rates; also
+        "AttitudeTimeQuatScalarFirst" and "AttitudeTimeEulerAngles".
+    frame : str
+        "ICRF", "J2000" (EME2000), "B1950", "Fixed", "TrueOfDate", "MeanOfDate", "TEMEOfDate" or
+        "VVLH" (with orbit=).
+    sequence : str
+        Axes of Euler angles.
+    center : str
+        CentralBody.
+    order : int, optional
+        InterpolationOrder: by default that of a table or 7, less if there are few records.
+    orbit : Path, optional
+        Path of the body about its center, for VVLH.
+    split : bool
+        Write a file for each stretch without jumps and gaps, if there are several: x-1.a, x-2.a,
+        ... for x.a.
+
+    Returns
+    -------
+    SampledFile or None
+        As `aem.write`; of several files their sums and the largest step and error.
+
+    Raises
+    ------
+    AttitudeError
+        For several segments, an unknown section, frame, sequence or order, and a file that cannot
+        be written.
+    """
+    has_rates = _sampling.known_of(source, t)[1]
+    section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
+    if section not in WRITTEN:
+        raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
+    found = named(frame)
+    sequence = quaternion.known_sequence(sequence).upper()
+    if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
+        raise AttitudeError(
+            f"order is {order!r}; give a whole number from 1 to {_table.MOST_DEGREE}."
+        )
+    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(found, frame)}
+    if SECTIONS[section].kind == "EULER_ANGLE":
+        head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
+    how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
+    settings = (section, found, how, head)
+    if tolerance is None:
+        _sampling.refuse_span(start, stop)
+        parts = _sampling.segments(source, t) if split else []
+        if len(parts) < 2:
+            parts = [_sampling.only_segment(source, t, "an STK file")]
+        for name, part in zip(_names(path, len(parts)), parts, strict=True):
+            _write(name, part, *settings, order, orbit)
+        return None
+    _sampling.refuse_epochs(t)
+    motion = _sampling.one_motion(source)
+    degree = order or (motion.degree if isinstance(motion, AttitudeTable) else _table.USUAL_DEGREE)
+    count = _sampling.count_of_stretches(motion, start, stop) if split else 1
+    made = [
+        _sampling.write(
+            *(name, motion, start, stop, tolerance),
+            method="slerp" if degree == 1 else "lagrange",
+            degree=degree,
+            name="an STK file",
+            write_records=lambda target, parts: _write(target, parts[0], *settings, degree, orbit),
+            read=lambda target: read(target, orbit=orbit),
+            one_segment=True,
+            stretch=k if count > 1 else None,
+        )
+        for k, name in enumerate(_names(path, count))
+    ]
+    return _sampling.SampledFile(
+        sum(each.records for each in made),
+        sum(each.segments for each in made),
+        max(each.step for each in made),
+        max(each.error for each in made),
+    )
+
+
+def _names(path, count):
+    """The names of the files of `count` stretches."""
+    if count == 1:
+        return [path]
+    stem, ending = os.path.splitext(os.fspath(path))
+    return [f"{stem}-{k + 1}{ending}" for k in range(count)]
+
+
+def _write(path, part, section, found, how, head, order, orbit):
+    """Write one segment; `head` are the keywords that do not depend on its records."""
+    start, shift = _whole_second(part)
+    if order is None:
+        order = part.table.degree if part.table is not None else _table.USUAL_DEGREE
+        order = max(min(order, len(part) - 1), 1)
+    numbers_of = {
+        "NumberOfAttitudePoints": len(part),
+        "BlockingFactor": 20,
+        "InterpolationOrder": order,
+    }
+    with written_whole(path, "the STK file") as file:
+        file.write("stk.v.11.0\n\nBEGIN Attitude\n\n")
+        for key, value in (*numbers_of.items(), ("ScenarioEpoch", start), *head.items()):
+            file.write(f"{key} {value}\n")
+        file.write(f"\n{section}\n\n")
+        for history in part.pieces():
+            columns = columns_of(history, SECTIONS[section].kind, how, found, orbit)
+            seconds = shift(history)
+            row = "%r" + " %r" * columns.shape[1] + "\n"
+            lists = [seconds.tolist(), *columns.T.tolist()]
+            file.write("".join([row % each for each in zip(*lists, strict=True)]))
+        file.write("\nEND Attitude\n")
+
+
+def _name_in_stk(found, given):
+    if found.kind not in _NAMES:
+        raise AttitudeError(
+            f"frame is {given!r}, which STK attitude files do not know; give one of "
+            f"{', '.join(_NAMES.values())}."
+        )
+    return _NAMES[found.kind]
+
+
+def _whole_second(part):
+    """ScenarioEpoch as text, and a function: history -> seconds of TAI since ScenarioEpoch.
+
+    ScenarioEpoch is the whole second of UTC at or before the first record.
+    """
+    seconds, low = part.first_and_last()
+    hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
+    text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
+    text = text.partition(".")[0]
+    whole = ccsds_epochs.instant(text, "utc")
+    tai0 = tai_of(whole)
+    date = datetime.date.fromisoformat(text[:10])
+    shown = f"{date.day} {MONTHS[date.month - 1][:3]} {date.year:04d} {text[11:]}.000000000"
+
+    def shift(history):
+        rest = 0.0 if history.low is None else history.low
+        epochs = pairs.add((history.seconds, rest), history.epoch.seconds, history.epoch.low)
+        tai = pairs.add(_time_scales.tt_from_tdb(*epochs), -_time_scales.TT_MINUS_TAI)
+        hi, lo = pairs.add(tai, -tai0[0], -tai0[1])
+        return hi + lo
+
+    return shown, shift
+
+
+# --------------------------------------------------------------------------------------------------
+# STK attitude files (.a).
+
+__all__ = ["read", "write"]

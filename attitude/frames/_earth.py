@@ -1,0 +1,255 @@
+"""Earth frames of date relative to GCRS: the celestial pole, and the angle about it.
+
+The celestial pole moves by 20 arcsec a year and wobbles with periods of days and more; its series
+cost 100 to 300 microseconds an epoch.  This module fits them once for every two days that occur,
+and evaluates the fit in tens of nanoseconds.  A frame of date is three numbers: the coordinates x
+and y of its pole in GCRS, and the angle s about the pole from the non-rotating origin.
+
+Sources: IERS Conventions (2010), section 5.4.4 (the matrix of x, y and s); Capitaine et al., A&A
+355, 398 (2000).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._solver import chebyshev
+from attitude._support import pairs
+from attitude._support.arrays import frozen, read_only
+from attitude.epochs import _time_scales
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
+    from skyfield.timelib import Timescale
+
+    from attitude._support.annotations import FloatArray
+
+    Series: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+# Two days and 10 nodes: 1e-15 rad from the series themselves, 7e-9 m at the Earth's surface.
+_WIDTH = 2.0 * _time_scales.DAY
+_COUNT = 10
+_MOST_PIECES = 4096
+# Records by series and number of the two days.
+_pieces: dict[tuple[Series, int], FloatArray] = {}
+
+
+def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """The three numbers (3, N) of a frame at TDB seconds hi + lo past J2000: x, y (1) and s (rad).
+
+    Shapes: hi, lo (N,).
+    """
+    from attitude._solver import chebyshev
+
+    number = np.floor(hi / _WIDTH)
+    if hi.size and (number == number[0]).all():  # nearly always; sorting takes as long as the rest
+        found, piece = number[:1], np.zeros(hi.size, np.int64)
+    else:
+        found, index = np.unique(number, return_inverse=True)
+        piece = index.ravel().astype(np.int64)
+    records = read_only(_fitted(series, found))
+    x = 2.0 * (((hi - number * _WIDTH) + lo) / _WIDTH) - 1.0
+    out = np.empty((3, hi.size))
+    chebyshev.values(records, 0, _COUNT, piece, x, 1.0, out)
+    return out
+
+
+def _fitted(series, numbers):
+    """The records of pieces with these numbers; two threads may fit one, with the same result."""
+    keys = [(series, int(number)) for number in numbers]
+    known = {key: _pieces.get(key) for key in keys}
+    missing = [key for key in keys if known[key] is None]
+    if missing:
+        start = np.array([key[1] for key in missing]) * _WIDTH
+        x = chebyshev.nodes(_COUNT)
+        at = start + 0.5 * _WIDTH * (x[:, None] + 1.0)
+        sampled = series(*_time_scales.jd_from_seconds(at.ravel(), np.zeros(at.size)))
+        table = chebyshev.coefficients(sampled.reshape(3, *at.shape).transpose(1, 2, 0))
+        rows = np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
+        known.update(zip(missing, rows, strict=True))
+        if len(_pieces) + len(missing) > _MOST_PIECES:
+            _pieces.clear()
+        if len(missing) <= _MOST_PIECES:
+            _pieces.update(zip(missing, rows, strict=True))
+    return np.array([known[key] for key in keys]).reshape(len(keys), 3 * _COUNT)
+
+
+def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:
+    """GCRS components (3, N) of vectors (3, N) given in the frame of date.
+
+    Q(x, y) R3(-angle), with x, y (N,) the pole of date and angle (N,) that of its x axis in rad.
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    a = cosine * vectors[0] - sine * vectors[1]
+    b = sine * vectors[0] + cosine * vectors[1]
+    c = vectors[2]
+    # 1 - z without cancellation is (x^2 + y^2) / (1 + z).
+    square = x * x + y * y
+    z = np.sqrt(1.0 - square)
+    along = (x * a + y * b) / (1.0 + z)
+    out = np.empty((3, x.size))
+    out[0] = a + x * (c - along)
+    out[1] = b + y * (c - along)
+    out[2] = z * c - (x * a + y * b)
+    return out
+
+
+def erfa_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
+    """x, y (1) and s (rad) of the celestial intermediate pole (3, N), by ERFA's xys06a.
+
+    IAU 2006/2000A; jd1 + jd2 is the Julian date of TDB.
+    """
+    import erfa
+
+    return np.stack(erfa.xys06a(*_tt(jd1, jd2)))
+
+
+def teme_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
+    """x, y (1) and s (rad) of the frame of SGP4 (true equator, mean equinox), by skyfield: (3, N).
+
+    IAU 2000A nutation; the mean equinox is that of the Greenwich mean sidereal time of 1982.
+    jd1 + jd2 is the Julian date of TDB.
+    """
+    from skyfield.sgp4lib import TEME
+
+    time = timescale().tt_jd(*_tt(jd1, jd2))
+    to_teme = TEME.rotation_at(time)
+    x, y, z = to_teme[2]
+    # The components of the x axis of date along the non-rotating axes.
+    cosine = to_teme[0, 0] * (1.0 - x * x / (1.0 + z)) - to_teme[0, 1] * x * y / (1.0 + z)
+    cosine -= to_teme[0, 2] * x
+    sine = -to_teme[0, 0] * x * y / (1.0 + z) + to_teme[0, 1] * (1.0 - y * y / (1.0 + z))
+    sine -= to_teme[0, 2] * y
+    return np.stack([x, y, np.arctan2(sine, cosine)])
+
+
+def timescale() -> Timescale:
+    """skyfield's timescale from the tables in its package; no other file is read or downloaded."""
+    global _timescale
+    if _timescale is None:
+        from skyfield.api import load
+
+        _timescale = load.timescale(builtin=True)
+    return _timescale
+
+
+_timescale = None
+
+
+def _tt(jd1, jd2):
+    """A two-part Julian date of TT from one of TDB."""
+    return jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / _time_scales.DAY
+
+
+def pole_of_date(hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """x, y (1) and s (rad) of `erfa_series`, (3, N), at TDB seconds hi + lo past J2000."""
+    return pole_at(erfa_series, hi, lo)
+
+
+def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """x, y (1) and s (rad) of `teme_series`, (3, N), at TDB seconds hi + lo past J2000."""
+    return pole_at(teme_series, hi, lo)
+
+
+# --------------------------------------------------------------------------------------------------
+# Axes of the Earth: of date, Earth-fixed, and of B1950, as quaternions to ICRF.
+#
+# ========
+# =========================================================================================
+# itrf      Earth-fixed: IAU 2006/2000A with the Earth orientation of astropy-iers-data
+# tirs      itrf without polar motion, from the celestial intermediate origin
+# cirs      equator of date, celestial intermediate origin
+# gtod      equator of date, Greenwich meridian by apparent sidereal time: itrf without polar motion
+# tod       true equator and equinox of date: precession IAU 2006, nutation IAU 2000A
+# mod       mean equator and equinox of date: precession IAU 2006
+# teme      true equator, mean equinox, as SGP4 uses it
+# b1950     mean equator and equinox of the Besselian epoch 1950, by the precession of IAU 1976 from
+#           J2000: SPICE's B1950
+# ========
+# =========================================================================================
+#
+# Orekit, STK and older software may compute tod and mod with the precession of IAU 1976 and the
+# nutation of IAU 1980, 0.1 arcsec away today.
+#
+# Sources: IERS Conventions (2010), chapter 5, as in ERFA's c2t06a, pnm06a, pmat06, gst06a; Vallado
+# et al., AIAA 2006-6753 (TEME); Lieske, A&A 73, 282 (1979), as in ERFA's prec76 (B1950).
+
+# The Besselian epoch 1950.0 as Julian date, and J2000.
+_B1950 = 2433282.42345905
+_J2000 = 2451545.0
+
+
+def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """Quaternions (N, 4), continuous in sign, to ICRF from axes of the Earth.
+
+    Shapes: hi, lo (N,).
+    """
+    tt = _time_scales.tt_from_tdb(hi, lo)
+    return forms.continuous(forms.from_dcm(_matrices(kind, tt)))
+
+
+@cache
+def b1950() -> FloatArray:
+    """The quaternion (4,) to ICRF from B1950."""
+    import erfa
+
+    from attitude import frames
+
+    zeta, z, theta = erfa.prec76(_B1950, 0.0, _J2000, 0.0)
+    # From the axes of B1950 to those of J2000.
+    matrix = erfa.rz(-z, erfa.ry(theta, erfa.rz(-zeta, np.eye(3))))
+    return frozen(
+        quaternion.multiply(frames.wxyz_to_icrf("eme2000"), quaternion.from_matrix(matrix))
+    )
+
+
+def _matrices(kind, tt):
+    """Matrices (N, 3, 3) from ICRF to axes of the Earth."""
+    import erfa
+
+    tt1, tt2 = _time_scales.jd_from_seconds(*tt)
+    if kind == "tod":
+        return erfa.pnm06a(tt1, tt2)
+    if kind == "mod":
+        return erfa.pmat06(tt1, tt2)
+    if kind == "cirs":
+        return erfa.c2i06a(tt1, tt2)
+    ut1, ut2, x, y = _orientation(tt)
+    if kind == "gtod":
+        angle = erfa.gst06a(ut1, ut2, tt1, tt2)
+        return erfa.rz(angle, np.eye(3)) @ erfa.pnm06a(tt1, tt2)
+    if kind == "tirs":
+        return erfa.rz(erfa.era00(ut1, ut2), np.eye(3)) @ erfa.c2i06a(tt1, tt2)
+    to_itrf = erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)
+    if kind == "teme":
+        spin = erfa.rz(erfa.gmst82(ut1, ut2), np.eye(3))
+        return np.swapaxes(erfa.pom00(x, y, 0.0) @ spin, -1, -2) @ to_itrf
+    return to_itrf
+
+
+def _orientation(tt):
+    """UT1 as a two-part Julian date, and the coordinates of the pole in rad."""
+    import erfa
+
+    utc1, utc2 = erfa.ufunc.taiutc(
+        *_time_scales.jd_from_seconds(*pairs.add(tt, -_time_scales.TT_MINUS_TAI))
+    )[:2]
+    table = _time_scales.earth_orientation()
+    dut1, status = table.ut1_utc(utc1, utc2, return_status=True)
+    if np.any(status < 0):
+        raise AttitudeError(
+            "an epoch lies outside of the installed table of Earth orientation, which Earth-fixed "
+            "axes need; update the package astropy-iers-data."
+        )
+    ut1, ut2 = erfa.ufunc.utcut1(utc1, utc2, dut1.to_value("s"))[:2]
+    x, y = (angle.to_value("rad") for angle in table.pm_xy(utc1, utc2))
+    return ut1, ut2, x, y

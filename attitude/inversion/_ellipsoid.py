@@ -1,0 +1,651 @@
+"""Magnitudes of a rotating ellipsoid in closed form, with all derivatives, compiled.
+
+The brightness of `attitude.light_curve._sums` as a function of the three products of the
+directions of Sun and observer with the matrix of the ellipsoid, P^2, Q^2 and p.q.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude._compilation.decorators import reduction, reduction_within
+from attitude._compilation.elementary import binary_logarithm
+from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
+from attitude.inversion import _motions
+from attitude.inversion._lattices import Candidate
+from attitude.inversion._motions import moments, put_three, three, with_slopes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.inversion._problem import CurveProblem
+
+
+# Rows of the Jacobian: rotation vector (3), precession, nutation, phase (turns), ln rho, X, and
+# two logarithms of squared ratios of axes.
+PARAMETERS = 10
+# Magnitudes of a factor 2, and of a small relative change.
+_OF_TWO, _OF_CHANGE = -2.5 * math.log10(2.0), -2.5 / math.log(10.0)
+_TURN = 2.0 * math.pi
+# Rows of a state: its residuals, its Jacobian, and an empty one, for rows are multiplied by fours.
+_FOUR, _ROWS = 4, 12
+# States times epochs whose rows fill half a megabyte, which a processor's second cache holds.
+_AT_ONCE = 3000
+
+
+def _aligned(shape: tuple[int, ...]) -> FloatArray:
+    """An array of zeros that begins with a cache line: twice as fast to read by vectors."""
+    count = math.prod(shape)
+    memory = np.zeros(count + 7)
+    skipped = -(memory.ctypes.data // 8) % 8
+    return memory[skipped : skipped + count].reshape(shape)
+
+
+class EllipsoidCurve:
+    """Magnitudes of ellipsoids against those of a problem, for many states (S, 16) at a time.
+
+    Parameters
+    ----------
+    problem : CurveProblem
+    """
+
+    def __init__(self, problem: CurveProblem) -> None:
+        self._t, self._y = _motions.padded(problem.t), _motions.padded(problem.y)
+        self._sun = _motions.padded(problem.sun).reshape(-1)
+        self._observer = _motions.padded(problem.observer).reshape(-1)
+        # epochs that fill up the last vector have no weight
+        self._weight = _motions.padded(problem.root, "constant")
+        count, n = len(problem.u), self._t.size
+        self._size = max(1, _AT_ONCE // n)
+        # filling new memory takes as long as computing what goes into it
+        self._turns, self._tangents = _aligned((2, 9 * n * self._size))
+        wide = count + -count % _FOUR
+        self._memory = _aligned((self._size * _ROWS + wide, n))
+        self._rows = self._memory[:-wide].reshape(self._size, _ROWS, n)
+        self._u = self._memory[-wide:]
+        self._u[:count, : len(problem)] = problem.u
+
+    def rows(self, states: FloatArray, with_slopes: bool) -> Iterator[tuple[slice, FloatArray]]:
+        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as of `residuals`.
+
+        The rows are overwritten by those of the next states.
+        """
+        size, turns = self._size, self._turns
+        tangents = self._tangents if with_slopes else self._tangents[:0]
+        rows = self._rows if with_slopes else self._rows.reshape(-1, 1, self._t.size)[:size]
+        elements, k = np.ascontiguousarray(states[:, :3]), _motions.coefficients(states)
+        epochs = self._t, self._sun, self._observer, self._y, self._weight
+        for start in range(0, len(states), size):
+            part = slice(start, start + size)
+            some = rows[: len(states) - start]
+            _motions.attitudes(elements[part], k[part], self._t, turns, tangents)
+            residuals(states[part], *epochs, turns, tangents, some.reshape(-1))
+            yield part, some
+
+    def costs(self, states: FloatArray) -> FloatArray:
+        """The sums of squares (S,) of weighted residuals, least over the linear terms."""
+        found = np.empty(len(states))
+        for part, rows in self.rows(states, False):
+            along = rows[:, 0] @ self._u.T
+            found[part] = np.sum(rows[:, 0] ** 2, axis=1) - np.sum(along**2, axis=1)
+        return found
+
+    def products(self, states: FloatArray) -> FloatArray:
+        """Products (S, 11, 11) of the weighted residuals and the rows of their Jacobian.
+
+        The residual is y - magnitude, the Jacobian that of the magnitude.
+        """
+        found = np.empty((len(states), _ROWS, _ROWS + len(self._u)))
+        for part, _ in self.rows(states, True):
+            _products(self._memory.reshape(-1), found[part], self._size)
+        own, along = found[:, :-1, : _ROWS - 1], found[:, :-1, _ROWS:]
+        own -= along @ along.swapaxes(1, 2)
+        return own
+
+
+@reduction_within
+def _turned(x, y, z, m0, m1, m2, m3, m4, m5, m6, m7, m8):
+    """The components of a vector along the columns of a matrix, which is given by rows."""
+    return m0 * x + m3 * y + m6 * z, m1 * x + m4 * y + m7 * z, m2 * x + m5 * y + m8 * z
+
+
+@reduction_within
+def _along(x, y, z, array, at, n):
+    """The product of a vector with one stored in rows of n numbers."""
+    u, v, w = three(array, at, n)
+    return x * u + y * v + z * w
+
+
+@reduction_within
+def _dimming(u, y):
+    """G and its derivative by u, y = 1 - u; see `light_curve.closed_form`."""
+    s = at_most(u, 0.0625)
+    x = root(at_least(u, 0.0625))
+    atanh = (0.5 * math.log(2.0)) * binary_logarithm((1.0 + x) * (1.0 + x) / y)
+    cube = x * x * x
+    closed = (x - y * atanh) / cube
+    slope = atanh / cube - 1.5 * closed / (x * x)
+    g = s * 0.010256410256410256 + 0.013986013986013986
+    g = s * g + 0.020202020202020204
+    g = s * g + 0.031746031746031744
+    g = s * g + 0.05714285714285714
+    g = s * g + 0.13333333333333333
+    g = s * g + 0.6666666666666666
+    d = s * 0.06153846153846154 + 0.06993006993006994
+    d = s * d + 0.08080808080808081
+    d = s * d + 0.09523809523809523
+    d = s * d + 0.11428571428571428
+    d = s * d + 0.13333333333333333
+    by = u - 0.0625
+    return chosen(by, closed, g), chosen(by, slope, d)
+
+
+@reduction
+def residuals(states, t, sun, observer, y, weight, r, g, rows):
+    """Residuals y - magnitude of S states (S, 16), times weight, and derivatives of magnitudes.
+
+    Into rows (S 12 N,): residuals, then the Jacobian, times weight; or into rows (S N,) residuals
+    alone, if g is empty.  r and g are as of `normal_form_series.attitudes`; sun and observer (3 N,)
+    are unit vectors by components, t, y, weight (N,); N is a multiple of eight.
+    """
+    n = t.size
+    for each in range(states.shape[0]):
+        c0, c1, c2 = states[each, 5], states[each, 6], states[each, 7]
+        c3, c4, c5 = states[each, 8], states[each, 9], states[each, 10]
+        c6, c7, c8 = states[each, 11], states[each, 12], states[each, 13]
+        fa, fb = math.exp(states[each, 14]), math.exp(states[each, 15])
+        turn, here = each * 9 * n, each * n
+        if g.size > 0:
+            here = each * 12 * n
+        for i in range(0, n, 8):
+            j = turn + i
+            r0, r1, r2 = three(r, j, n)
+            r3, r4, r5 = three(r, j + 3 * n, n)
+            r6, r7, r8 = three(r, j + 6 * n, n)
+            a, b, c = three(sun, i, n)
+            a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+            sa, sb, sc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+            a, b, c = three(observer, i, n)
+            a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+            oa, ob, oc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+            pp = fa * sa * sa + fb * sb * sb + sc * sc
+            qq = fa * oa * oa + fb * ob * ob + oc * oc
+            pq = fa * sa * oa + fb * sb * ob + sc * oc
+            p, q = root(pp), root(qq)
+            m = at_least(p * q + pq, 1e-12)
+            total = p + q
+            over = 1.0 / total
+            u = (pp + qq + 2.0 * pq) * over * over
+            value, slope = _dimming(u, at_least(1.0 - u, 1e-15))
+            w = eight(weight, i)
+            k = here + i
+            put_eight(rows, k, (eight(y, i) - _OF_TWO * binary_logarithm(m * over * value)) * w)
+            if g.size == 0:
+                continue
+            w = _OF_CHANGE * w
+            slope = w * slope / value * over * over
+            in_m, in_total = w / m, 0.0 - w * over - 2.0 * slope * u * total
+            by_p, by_q = in_m * q + in_total, in_m * p + in_total
+            by_pp, by_qq = by_p / p + 2.0 * slope, by_q / q + 2.0 * slope
+            by_pq = in_m + 2.0 * slope
+            # by the vectors s and o over body axes
+            va, wa = fa * (by_pp * sa + by_pq * oa), fa * (by_qq * oa + by_pq * sa)
+            vb, wb = fb * (by_pp * sb + by_pq * ob), fb * (by_qq * ob + by_pq * sb)
+            vc, wc = by_pp * sc + by_pq * oc, by_qq * oc + by_pq * sc
+            put_eight(rows, k + 9 * n, 0.5 * (va * sa + wa * oa))
+            put_eight(rows, k + 10 * n, 0.5 * (vb * sb + wb * ob))
+            # their cross products with s and o over body axes, summed, over the axes of r
+            a = vb * sc - vc * sb + wb * oc - wc * ob
+            b = vc * sa - va * sc + wc * oa - wa * oc
+            c = va * sb - vb * sa + wa * ob - wb * oa
+            a, b, c = _turned(a, b, c, r0, r3, r6, r1, r4, r7, r2, r5, r8)
+            put_three(rows, k + n, n, a, b, c)
+            at = eight(t, i)
+            v = _TURN * _along(a, b, c, g, j, n)
+            put_three(rows, k + 4 * n, n, (2.0 * _TURN) * at * c, at * v, v)
+            put_eight(rows, k + 7 * n, _along(a, b, c, g, j + 3 * n, n))
+            put_eight(rows, k + 8 * n, _along(a, b, c, g, j + 6 * n, n))
+
+
+@reduction_within
+def _two_by_four(rows, a, b, n):
+    """Products of two rows of n numbers, from a on, with four, from b on."""
+    x, y = eight(rows, a), eight(rows, a + n)
+    z = eight(rows, b)
+    p0, q0 = x * z, y * z
+    z = eight(rows, b + n)
+    p1, q1 = x * z, y * z
+    z = eight(rows, b + 2 * n)
+    p2, q2 = x * z, y * z
+    z = eight(rows, b + 3 * n)
+    p3, q3 = x * z, y * z
+    for i in range(8, n, 8):
+        x, y = eight(rows, a + i), eight(rows, a + n + i)
+        z = eight(rows, b + i)
+        p0, q0 = p0 + x * z, q0 + y * z
+        z = eight(rows, b + n + i)
+        p1, q1 = p1 + x * z, q1 + y * z
+        z = eight(rows, b + 2 * n + i)
+        p2, q2 = p2 + x * z, q2 + y * z
+        z = eight(rows, b + 3 * n + i)
+        p3, q3 = p3 + x * z, q3 + y * z
+    return (
+        *(summed_up(p0), summed_up(p1), summed_up(p2), summed_up(p3)),
+        *(summed_up(q0), summed_up(q1), summed_up(q2), summed_up(q3)),
+    )
+
+
+@reduction
+def _products(rows, found, size):
+    """Products of the 12 rows of each of S states with each other and with L rows of all.
+
+    rows (12 size N + L N,): those of `size` >= S states, then those of all; into found
+    (S, 12, 12 + L); L is a multiple of four, N of eight.
+    """
+    states, own, columns = found.shape
+    n = rows.size // (size * own + columns - own)
+    for each in range(states):
+        first = each * own * n
+        for row in range(0, own, 2):
+            for column in range(0, columns, 4):
+                is_own = column < own
+                if is_own and column > row + 1:
+                    continue
+                b = first + column * n if is_own else ((size - 1) * own + column) * n
+                made = _two_by_four(rows, first + row * n, b, n)
+                for k in range(4):
+                    found[each, row, column + k] = made[k]
+                    found[each, row + 1, column + k] = made[4 + k]
+                    if is_own:
+                        found[each, column + k, row] = made[k]
+                        found[each, column + k, row + 1] = made[4 + k]
+
+
+# --------------------------------------------------------------------------------------------------
+# Levenberg and Marquardt's iteration from many starts, for the ellipsoid.
+#
+# A start is a row of 16 numbers: five elements, the orientation (9) of the axes along the momentum,
+# and two logarithms of squared ratios of axes, ln (c/a)^2 and ln (c/b)^2.  Terms in which the
+# magnitude is linear are projected out of each residual and derivative.
+#
+# Magnitudes and derivatives are compiled; the steps of all starts are arrays of numpy, of which
+# nothing has to be compiled.
+
+# Entries of a start, and of those the elements that the moments follow from.
+WIDTH = 16
+OF_MOMENTS = [0, 1, 3, 4]
+# Bounds of ln rho, X and of the logarithms of the shape.
+LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
+# Longest step: rad of orientation, turns of phase, ln rho, X, logarithms of the shape.
+_LONGEST = 0.6
+# Damping at the start, and that at which no step lowers the sum of squares.
+_DAMPING, _STUCK = 1e-2, 1e8
+
+
+class Priors(NamedTuple):
+    """What is known of shape and motion beside the curve.
+
+    Standard deviations of the logarithms of the shape, ratios, and of those of the moments of the
+    motion from the moments of the ellipsoid, tie, or from those given: their logarithms, ascending,
+    or NaN.
+    """
+
+    ratios: float
+    tie: float
+    given: tuple[float, float, float]
+
+
+class _Near(NamedTuple):
+    """Sums of squares (S,), half their second derivatives, and minus half their first ones."""
+
+    cost: FloatArray
+    normal: FloatArray
+    gradient: FloatArray
+
+
+def are_allowed(states: FloatArray, is_axial: bool) -> BoolArray:
+    """Which of the states (..., 16 or more) are within the bounds."""
+    found = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
+    if not is_axial:
+        log_rho, x = states[..., 3], states[..., 4]
+        found &= (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
+    return np.asarray(found)
+
+
+def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
+    """States (..., W) after steps (..., 10 or more): orientations are turned about their own axes.
+
+    What a state has beyond the 16 numbers stays.
+    """
+    angle = np.sqrt(np.sum(steps[..., :3] ** 2, axis=-1))
+    half = 0.5 * angle
+    w, s = np.cos(half), 0.5 * np.sinc(half / math.pi)
+    p, q, r = (s * steps[..., k] for k in range(3))
+    turn = np.empty((*w.shape, 3, 3))
+    turn[..., 0, 0], turn[..., 0, 1] = 1.0 - 2.0 * (q * q + r * r), 2.0 * (p * q - w * r)
+    turn[..., 0, 2], turn[..., 1, 0] = 2.0 * (p * r + w * q), 2.0 * (p * q + w * r)
+    turn[..., 1, 1], turn[..., 1, 2] = 1.0 - 2.0 * (p * p + r * r), 2.0 * (q * r - w * p)
+    turn[..., 2, 0], turn[..., 2, 1] = 2.0 * (p * r - w * q), 2.0 * (q * r + w * p)
+    turn[..., 2, 2] = 1.0 - 2.0 * (p * p + q * q)
+    new = states.copy()
+    new[..., :5] += steps[..., 3:8]
+    new[..., 5:14] = (states[..., 5:14].reshape(turn.shape) @ turn).reshape(*w.shape, 9)
+    new[..., 14:16] += steps[..., 8:10]
+    return new
+
+
+def _steps(near: _Near, fixed: BoolArray, damping: FloatArray) -> FloatArray:
+    """The damped steps (S, 10), scaled by the diagonal, of limited length."""
+    diagonal = np.arange(PARAMETERS)
+    scale = np.sqrt(near.normal[:, diagonal, diagonal]) + 1e-12
+    scaled = near.normal / (scale[:, :, None] * scale[:, None, :])
+    scaled[:, fixed, :] = scaled[:, :, fixed] = 0.0
+    scaled[:, diagonal, diagonal] += np.where(fixed, 1.0, damping[:, None] + 1e-13)
+    wanted = np.where(fixed, 0.0, near.gradient / scale)
+    step: FloatArray = np.linalg.solve(scaled, wanted[:, :, None])[:, :, 0] / scale
+    size = np.abs(step[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
+    longest = np.maximum(np.sqrt(np.sum(step[:, :3] ** 2, axis=1)), size.max(axis=1))
+    return step * (_LONGEST / np.maximum(longest, _LONGEST))[:, None]
+
+
+def _wanted(states: FloatArray, priors: Priors) -> FloatArray:
+    """Logarithms (2, S) of I1/I3 and I2/I3 of the ellipsoids, or of the moments given."""
+    if math.isnan(priors.given[0]):
+        a, b = np.exp(-states[:, 14:16]).T
+        return np.log([(b + 1.0) / (a + b), (a + 1.0) / (a + b)])
+    # the third axis is the long one in long-axis mode; X < 0 exchanges the first two
+    low, middle, high = priors.given
+    is_long = states[:, 1] > 0.0
+    third, first = np.where(is_long, low, high), np.where(is_long, high, low)
+    both = np.array([first, np.full(len(states), middle)]) - third
+    return np.where(states[:, 4] >= 0.0, both, both[::-1])
+
+
+def _tied(states: FloatArray, priors: Priors) -> tuple[FloatArray, FloatArray]:
+    """Differences of the logarithms of the moments of the motions from those wanted, over the tie.
+
+    An array (S, 2), and its derivatives (S, 2, 10) by the parameters.
+    """
+    ratios, slopes = with_slopes(states[:, OF_MOMENTS].T)
+    rows = np.zeros((len(states), 2, PARAMETERS))
+    rows[:, :, [3, 4, 6, 7]] = slopes.T
+    if math.isnan(priors.given[0]):
+        a, b = np.exp(-states[:, 14:16]).T
+        rows[:, 0, 8], rows[:, 0, 9] = -a / (a + b), b / (b + 1.0) - b / (a + b)
+        rows[:, 1, 8], rows[:, 1, 9] = a / (a + 1.0) - a / (a + b), -b / (a + b)
+    return (ratios - _wanted(states, priors)).T / priors.tie, rows / priors.tie
+
+
+def _cost(curve: EllipsoidCurve, states: FloatArray, priors: Priors) -> FloatArray:
+    """The sums of squares (S,) of states, with those of the priors."""
+    found = curve.costs(states) + _bend(priors) * np.sum(states[:, 14:16] ** 2, axis=1)
+    if priors.tie < math.inf:
+        ratios = moments(states[:, OF_MOMENTS].T).log_ratios
+        found += np.sum((ratios - _wanted(states, priors)) ** 2, axis=0) / priors.tie**2
+    return found
+
+
+def _bend(priors: Priors) -> float:
+    """Inverse variance of the logarithms of the shape."""
+    return 1.0 / priors.ratios**2
+
+
+def _linearised(curve: EllipsoidCurve, states: FloatArray, priors: Priors) -> _Near:
+    """The sums of squares near states, with those of the priors."""
+    products = curve.products(states)
+    cost, normal, gradient = products[:, 0, 0], products[:, 1:, 1:], products[:, 1:, 0]
+    shape = states[:, 14:16]
+    cost += _bend(priors) * np.sum(shape**2, axis=1)
+    normal[:, [8, 9], [8, 9]] += _bend(priors)
+    gradient[:, 8:] -= _bend(priors) * shape
+    if priors.tie < math.inf:
+        tied, rows = _tied(states, priors)
+        cost += np.sum(tied**2, axis=1)
+        normal += rows.swapaxes(1, 2) @ rows
+        gradient -= (tied[:, None, :] @ rows)[:, 0]
+    return _Near(cost, normal, gradient)
+
+
+def minimise(
+    problem: CurveProblem,
+    starts: FloatArray,
+    fixed: BoolArray,
+    priors: Priors,
+    iterations: int,
+    tolerance: float,
+) -> tuple[FloatArray, FloatArray]:
+    """The least sums of squares (S,) near starts (S, 16), and where they lie.
+
+    Shapes: starts (S, 16), fixed (10,).
+    """
+    curve = EllipsoidCurve(problem)
+    states, count = starts.copy(), len(starts)
+    best, damping = np.full(count, np.inf), np.full(count, _DAMPING)
+    normal, gradient = np.empty((count, PARAMETERS, PARAMETERS)), np.empty((count, PARAMETERS))
+    # the starts that go on, and where they try next
+    on, new = np.arange(count), starts
+    for iteration in range(iterations):
+        allowed = are_allowed(new, bool(fixed[6]))
+        cost = np.full(len(on), np.inf)
+        if iteration == iterations - 1:
+            cost[allowed] = _cost(curve, new[allowed], priors)
+            better = cost < best[on]
+            best[on[better]], states[on[better]] = cost[better], new[better]
+            break
+        near = _linearised(curve, new[allowed], priors)
+        cost[allowed] = near.cost
+        better = cost < best[on]
+        with np.errstate(invalid="ignore"):
+            gain = best[on] - cost
+        won, kept = on[better], better[allowed]
+        best[won], states[won] = cost[better], new[better]
+        normal[won], gradient[won] = near.normal[kept], near.gradient[kept]
+        damping[on] *= 4.0
+        damping[won] = np.maximum(0.075 * damping[won], 1e-9)
+        ended = better & (iteration > 3) & (gain < tolerance * best[on])
+        ended |= ~better & (damping[on] > _STUCK) | np.isinf(best[on])
+        on = on[~ended]
+        if not on.size:
+            break
+        here = _Near(best[on], normal[on], gradient[on])
+        new = moved(states[on], _steps(here, fixed, damping[on]))
+    return best, states
+
+
+def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
+    """The sum of squares (S,) of each start (S, 16)."""
+    return EllipsoidCurve(problem).costs(starts)
+
+
+# --------------------------------------------------------------------------------------------------
+# Ellipsoids from many starts: for given rates, random orientations, phases and shapes.
+
+# ln rho of rotation about an axis, which is then fixed with f, the phase and X.
+AXIAL = -20.0
+AXIAL_FIXED = np.array([False, False, False, False, True, True, True, True, False, False])
+_FREE = np.zeros(10, bool)
+# Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
+_AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
+# Standard deviation of the logarithms of squared ratios of axes.
+_RATIOS = 1.5
+
+
+class Held(NamedTuple):
+    """Standard deviation of the logarithms of the moments of the motion, and from which moments.
+
+    From those of the ellipsoid, or from those given, of which moments has the logarithms,
+    ascending.
+    """
+
+    width: float = math.inf
+    moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+
+
+_FREELY = Held()
+# Starts about a pole, each the best of so many random ones.
+_AROUND, _SCREENS = 8, 8
+# Relative difference of costs of two minima.
+_DISTINCT = 1e-3
+
+
+class Pool(NamedTuple):
+    """States (S, 16) of `many_starts`, the best first, and their costs (S,)."""
+
+    cost: FloatArray
+    states: FloatArray
+
+
+def rotations(generator: np.random.Generator, count: int) -> FloatArray:
+    """Uniformly random rotation matrices (count, 9)."""
+    q = generator.standard_normal((count, 4))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
+    rows = (
+        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.stack(rows, axis=-1)
+
+
+def starts(
+    generator: np.random.Generator, precession: FloatArray, nutation: FloatArray
+) -> FloatArray:
+    """A random start (S, 16) for each pair of rates (S,), turns per span."""
+    count = len(precession)
+    x = np.empty((count, WIDTH))
+    long_axis = nutation > 0.0
+    x[:, 0], x[:, 1] = precession, nutation
+    x[:, 2] = generator.random(count)
+    x[:, 3] = np.log(generator.uniform(*_RHO, count))
+    x[:, 4] = generator.random(count) * np.where(long_axis, *_X)
+    x[:, 5:14] = rotations(generator, count)
+    ratios = np.sort(generator.uniform(*_AXES, (count, 2)), axis=1)
+    ratios = np.concatenate([np.ones((count, 1)), ratios], axis=1)
+    axes = np.where(long_axis[:, None], ratios, ratios[:, ::-1])
+    flat = -2.0 * np.log(axes)
+    x[:, 14:] = flat[:, :2] - flat[:, 2:]
+    return x
+
+
+def minimised(
+    problem: CurveProblem,
+    states: FloatArray,
+    iterations: int,
+    *,
+    tie: Held = _FREELY,
+    fixed: BoolArray = _FREE,
+    gain: float = 1e-4,
+) -> Pool:
+    """The states after an iteration from each, in their order."""
+    priors = Priors(_RATIOS, tie.width, tie.moments)
+    return Pool(*minimise(problem, states, fixed, priors, iterations, gain))
+
+
+def screened(problem: CurveProblem, states: FloatArray, groups: int) -> FloatArray:
+    """The best state (groups, 16) of each of so many equal groups."""
+    cost = costs(problem, states)
+    size = len(states) // groups
+    best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(groups, size), axis=1)
+    return states[best + size * np.arange(groups)]
+
+
+def around(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    rates: list[Candidate],
+    count: int,
+    *,
+    screens: int = 8,
+    iterations: int = 8,
+    tie: Held = _FREELY,
+) -> Pool:
+    """Minima from `count` random starts for each pair of rates, in the order of the rates.
+
+    Each start is the best of `screens` random ones.
+    """
+    each = np.repeat(np.array(rates), count * screens, axis=0)
+    given = starts(generator, each[:, 0], each[:, 1])
+    chosen = screened(problem, given, len(rates) * count)
+    return minimised(problem, chosen, iterations, tie=tie)
+
+
+def best_of_each(pool: Pool, groups: int) -> Pool:
+    """The best state of each of so many equal groups."""
+    size = len(pool.cost) // groups
+    at = np.argmin(pool.cost.reshape(groups, size), axis=1) + size * np.arange(groups)
+    return Pool(pool.cost[at], pool.states[at])
+
+
+def in_order(*pools: Pool) -> Pool:
+    """All states of pools, the best first."""
+    cost = np.concatenate([each.cost for each in pools])
+    states = np.concatenate([each.states for each in pools])
+    order = np.argsort(cost, kind="stable")
+    order = order[np.isfinite(cost[order])]
+    return Pool(cost[order], states[order])
+
+
+def axial(
+    problem: CurveProblem, generator: np.random.Generator, rates: FloatArray, count: int
+) -> Pool:
+    """Rotations about one axis at rates (turns per span), from `count` starts for each."""
+    each = np.repeat(rates, count * 8)
+    given = starts(generator, 0.5 * each, -np.ones(len(each)))
+    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
+    chosen = screened(problem, given, len(rates) * count)
+    return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)
+
+
+def axial_at_poles(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    rates: FloatArray,
+    poles: FloatArray,
+    keep: int,
+) -> Pool:
+    """Rotations at rates (P,), turns per span, about directions (P, 3), which stay.
+
+    `keep` for each, the best of some starts, in the order of the poles.
+    """
+    count, size = len(poles), _AROUND * _SCREENS
+    each = np.repeat(0.5 * rates, size)
+    given = starts(generator, each, -np.ones(len(each)))
+    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
+    third = np.repeat(poles, size, axis=0)
+    first = np.cross(third, generator.standard_normal(third.shape))
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    turns = np.stack([first, np.cross(third, first), third], axis=-1)
+    given[:, 5:14] = turns.reshape(-1, 9)
+    chosen = screened(problem, given, count * _AROUND)
+    fixed = AXIAL_FIXED.copy()
+    fixed[:2] = True
+    pool = minimised(problem, chosen, 20, fixed=fixed)
+    costs = pool.cost.reshape(count, _AROUND)
+    at = np.argsort(costs, axis=1, kind="stable")
+    ordered = np.take_along_axis(costs, at, axis=1)
+    # starts that end at one minimum count once
+    new = np.diff(ordered, axis=1, prepend=-np.inf) > _DISTINCT * np.abs(ordered)
+    rank = np.where(new & np.isfinite(ordered), np.cumsum(new, axis=1), keep + 1)
+    row, column = np.nonzero(rank <= keep)
+    chosen_at = row * _AROUND + at[row, column]
+    return Pool(pool.cost[chosen_at], pool.states[chosen_at])
+
+
+def rates_of(pool: Pool, keep: int) -> list[Candidate]:
+    """The rates of the best states, without repetition."""
+    rates: list[Candidate] = []
+    for state in pool.states:
+        here = Candidate(float(state[0]), float(state[1]))
+        if not any(
+            2.0 * abs(here.precession - each.precession) < 0.4
+            and abs(here.nutation - each.nutation) < 0.4
+            for each in rates
+        ):
+            rates.append(here)
+            if len(rates) >= keep:
+                break
+    return rates

@@ -1,0 +1,414 @@
+"""Covariances that contain the error of the model: the delete-group jackknife.
+
+Residuals of one night, one observer or one part of the span are correlated where the model errs, so
+that the curvature alone gives errors that are too small.  Each group of points is left out in turn.
+What the parameters then change by follows from one step of Newton's, or, where that is more than
+one standard error, from another fit.  Directions in which the jackknife's variance exceeds that of
+the curvature, by more than the largest eigenvalue of a sample covariance does by chance (Marchenko
+& Pastur: (1 + sqrt(P/G))^2 for P parameters and G groups), take the jackknife's.
+
+Source: Cameron & Miller, Journal of Human Resources 50, 317 (2015), section VI; Shaby, J. Comput.
+Graph. Stat. 23, 801 (2014) for the adjustment of samples.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.inversion import _ellipsoid, _motions, _refinement
+from attitude.motions._propagation import propagate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._moving import MovingPoint
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Weighted
+    from attitude.inversion._shapes import KnownShape, Tie
+
+
+# Groups of one kind at least, and refits at most.
+_LEAST_GROUPS, _REFITS = 5, 12
+# Parts of the span, and epochs closer than this, s, which belong to one night.
+_PARTS, _NIGHT = 10, 0.3 * 86400.0
+
+
+class Modelled(Protocol):
+    """Magnitudes (N,) and their Jacobian (P, N)."""
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Of each point."""
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """By all parameters, those of the motion first."""
+
+
+class GroupErrors(NamedTuple):
+    """Covariances (K, K) of the parameters of the motion: of the density, and with model error.
+
+    widening (K, K) turns samples of the former into those of the latter.
+    """
+
+    formal: FloatArray
+    covariance: FloatArray
+    widening: FloatArray
+
+
+def errors(
+    found: Weighted,
+    here: Modelled,
+    groupings: Sequence[IntArray],
+    count: int,
+    refitted: Callable[[BoolArray], FloatArray | None],
+    formal: FloatArray | None = None,
+) -> GroupErrors:
+    """The covariances of the first `count` parameters.
+
+    Shapes: groupings (N,), formal (count, count).
+    """
+    normal, problem = found.refined.normal, found.problem
+    if formal is None:
+        formal = _refinement.inverse(normal)[:count, :count]
+    free = np.diag(normal)[:count] != 1.0
+    r = (problem.y - here.magnitude) * problem.root
+    r = r - problem.u.T @ (problem.u @ r)
+    jacobian = here.jacobian * problem.root
+    jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
+    scale = np.sqrt(np.diag(normal))
+    jacobian /= scale[:, None]
+    jacobian[:count][~free] = 0.0
+    scaled = normal / np.outer(scale, scale)
+    factor: FloatArray = np.asarray(
+        np.linalg.cholesky(_regular(formal[np.ix_(free, free)])), dtype=np.float64
+    )
+    inflation = np.eye(len(factor))
+    for group in groupings:
+        total = int(group.max()) + 1
+        if total < _LEAST_GROUPS:
+            continue
+        changes = []
+        for number in range(total):
+            on = group == number
+            part = jacobian[:, on]
+            change = np.linalg.solve(scaled - part @ part.T, -part @ r[on]) / scale
+            changes.append(np.linalg.solve(factor, change[:count][free]))
+        _refit(changes, group, refitted, factor, free)
+        spread = np.array(changes)
+        inner = (total - 1.0) / total * spread.T @ spread
+        inflation = _larger(inflation, inner, total)
+    root = _root(inflation)
+    widening, covariance = np.eye(count), np.zeros((count, count))
+    at = np.ix_(free, free)
+    widening[at] = factor @ root @ np.linalg.inv(factor)
+    covariance[at] = factor @ inflation @ factor.T
+    kept = np.zeros((count, count))
+    kept[at] = formal[at]
+    return GroupErrors(kept, 0.5 * (covariance + covariance.T), widening)
+
+
+def _refit(
+    changes: list[FloatArray],
+    group: IntArray,
+    refitted: Callable[[BoolArray], FloatArray | None],
+    factor: FloatArray,
+    free: BoolArray,
+) -> None:
+    """Replace changes of more than one standard error by those of fits, in place."""
+    length = np.array([float(np.linalg.norm(each)) for each in changes])
+    for number in np.argsort(-length)[:_REFITS]:
+        if length[number] < 1.0:
+            break
+        change = refitted(group != number)
+        if change is not None:
+            changes[number] = np.linalg.solve(factor, change[free])
+
+
+def _larger(inflation: FloatArray, inner: FloatArray, groups: int) -> FloatArray:
+    """A covariance, with that of a jackknife in the directions in which it is larger for sure."""
+    root = _root(inflation)
+    back = np.linalg.inv(root)
+    values, vectors = np.linalg.eigh(back @ inner @ back.T)
+    edge = (1.0 + math.sqrt(len(values) / groups)) ** 2
+    values = np.where(values > edge, values, 1.0)
+    found: FloatArray = root @ (vectors * values) @ vectors.T @ root.T
+    return found
+
+
+def _root(matrix: FloatArray) -> FloatArray:
+    """The symmetric root of a symmetric matrix."""
+    values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
+    found: FloatArray = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    return found
+
+
+def _regular(covariance: FloatArray) -> FloatArray:
+    """A covariance whose factor exists."""
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    scaled = covariance / np.outer(size, size) + 1e-10 * np.eye(len(size))
+    found: FloatArray = scaled * np.outer(size, size)
+    return found
+
+
+def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[IntArray, ...]:
+    """Nights, sessions and tenths of the span of epochs t (N,), spans.
+
+    Shapes: t (N,), session (N,).
+    """
+    parts = np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12)))
+    found = [_nights(t * span), _dense(parts)]
+    if session is not None and len(session) == len(t):
+        found.append(_dense(session))
+    return tuple(found)
+
+
+def _dense(numbers: FloatArray | IntArray) -> IntArray:
+    """The same groups numbered without gaps."""
+    return np.unique(numbers, return_inverse=True)[1].reshape(-1).astype(np.int64)
+
+
+def _nights(emission: FloatArray) -> IntArray:
+    """The number of the night of each epoch (s)."""
+    order = np.argsort(emission, kind="stable")
+    number = np.zeros(len(emission), np.int64)
+    number[order[1:]] = np.cumsum(np.diff(emission[order]) > _NIGHT)
+    return number
+
+
+# --------------------------------------------------------------------------------------------------
+# The covariance of a posterior density that is not normal: population Monte Carlo.
+#
+# Near a solution the curvature describes the density; some standard errors away it falls more
+# slowly, and in eight dimensions most of the mass lies there.  Samples of Student's distribution,
+# weighted by the density over their own, give second moments, from which the next samples are
+# drawn.
+#
+# Source: Cappe, Guillin, Marin & Robert, J. Comput. Graph. Stat. 13, 907 (2004); the truncation of
+# weights: Ionides, J. Comput. Graph. Stat. 17, 295 (2008).
+
+# Rounds, samples of each, and degrees of freedom of their distribution.
+_ROUNDS, _SAMPLES, _FREEDOM = 5, 350, 6.0
+# Widening of the samples over the second moments so far.
+_WIDER = 1.2
+
+
+def second_moments(
+    log_density: Callable[[FloatArray], FloatArray], size: int, generator: np.random.Generator
+) -> FloatArray:
+    """Second moments (D, D) about 0 of a density whose curvature at 0 is about 1."""
+    found = np.eye(size)
+    points, logs = [], []
+    mixture: list[FloatArray] = []
+    for _ in range(_ROUNDS):
+        factor: FloatArray = _WIDER * np.asarray(np.linalg.cholesky(found), dtype=np.float64)
+        mixture.append(factor)
+        chi = generator.chisquare(_FREEDOM, _SAMPLES) / _FREEDOM
+        z = generator.standard_normal((_SAMPLES, size)) / np.sqrt(chi)[:, None]
+        new = z @ factor.T
+        points.append(new)
+        logs.append(log_density(new))
+        every, log = np.concatenate(points), np.concatenate(logs)
+        # the density of all rounds together, as a mixture
+        drawn = np.logaddexp.reduce([_log_student(every, each) for each in mixture], axis=0)
+        ratio = log - drawn
+        weights = np.exp(ratio - ratio.max())
+        weights = np.minimum(weights, weights.mean() * math.sqrt(len(weights)))
+        weights /= weights.sum()
+        found = (every * weights[:, None]).T @ every + 1e-6 * np.eye(size)
+    return found
+
+
+def conditioned(covariance: FloatArray) -> FloatArray:
+    """A covariance whose factor exists."""
+    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
+    return found
+
+
+def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
+    """The logarithm of Student's density (S,), but for a constant."""
+    size = points.shape[1]
+    scaled = np.linalg.solve(factor, points.T)
+    squares = np.sum(scaled**2, axis=0)
+    found: FloatArray = -0.5 * (_FREEDOM + size) * np.log1p(squares / _FREEDOM)
+    return found - float(np.sum(np.log(np.abs(np.diag(factor)))))
+
+
+# --------------------------------------------------------------------------------------------------
+# The posterior density of the parameters of a motion, with the shape that fits each best.
+#
+# Areas follow a motion as they do to first order, and from there by one Gauss-Newton step: without
+# the former, a motion three standard errors away has a step so long that its predicted gain is 6
+# too large.
+
+# Parameters of the motion.
+SIZE = 8
+_SEED = 20180708
+
+
+def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
+    """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
+    at = np.ix_(*2 * [free(found)])
+    curvature = _refinement.inverse(found.refined.normal)[:SIZE, :SIZE][at]
+    factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(curvature)), dtype=np.float64)
+    density = log_density(found, tie, factor)
+
+    def densities(points: FloatArray) -> FloatArray:
+        return np.array([density(each) for each in points])
+
+    wide = second_moments(densities, len(factor), np.random.default_rng(_SEED))
+    moments = np.zeros((SIZE, SIZE))
+    moments[at] = factor @ wide @ factor.T
+    return moments
+
+
+def free(found: Weighted) -> IntArray:
+    """The parameters of the motion that do not stay: all, or those about one axis."""
+    return np.flatnonzero(np.diag(found.refined.normal)[:SIZE] != 1.0)
+
+
+def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
+    """The logarithm of the density of offsets in units of a factor of a covariance.
+
+    Both are of the parameters that are free.
+    """
+    problem, state, normal = found.problem, found.refined.state, found.refined.normal
+    which = free(found)
+    is_axial = len(which) < SIZE
+    follow = -np.linalg.solve(normal[SIZE:, SIZE:], normal[SIZE:, :SIZE])
+
+    def density(scaled: FloatArray) -> float:
+        offsets = np.zeros(SIZE)
+        offsets[which] = factor @ scaled
+        trial = moved(state, offsets)
+        trial[14:] += follow @ offsets
+        if is_axial:
+            return -0.5 * _refinement.profiled_cost(problem, trial, tie, True)
+        inside = _ellipsoid.LEAST_X < trial[4] < _ellipsoid.MOST_X
+        if not (inside and _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO):
+            return -math.inf
+        if not _motions.moments(trial[_ellipsoid.OF_MOMENTS]).exists:
+            return -math.inf
+        return -0.5 * _refinement.profiled_cost(problem, trial, tie, False)
+
+    return density
+
+
+def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
+    """The state after a change of the eight parameters."""
+    step = np.zeros(_refinement.SIZE)
+    step[:SIZE] = offsets
+    return _ellipsoid.moved(state, step)
+
+
+# --------------------------------------------------------------------------------------------------
+# Magnitudes and costs of many states of a free rotation of known shape, side by side.
+
+# Rows (states times points) that are computed together.
+BLOCK = 40_000
+
+
+class Costs(NamedTuple):
+    """Costs (M,), weighted residuals (M, N), and their parts along the linear terms (M, L)."""
+
+    cost: FloatArray
+    residual: FloatArray
+    along: FloatArray
+
+
+def costs(
+    problem: CurveProblem,
+    known: KnownShape,
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    seconds: FloatArray,
+    least: float,
+) -> Costs:
+    """The costs of states.
+
+    Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
+    """
+    turned = propagate(moments, wxyz, omega, seconds)
+    sun, observer = over_body(quaternion.matrix(turned), problem)
+    return of_magnitudes(problem, known.magnitudes(sun, observer, least))
+
+
+def over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:
+    """Directions (M, N, 3) to Sun and observer over body axes of attitudes (M, N, 3, 3)."""
+    sun = np.einsum("mnij,in->mnj", matrix, problem.sun)
+    return sun, np.einsum("mnij,in->mnj", matrix, problem.observer)
+
+
+def of_magnitudes(problem: CurveProblem, magnitude: FloatArray) -> Costs:
+    """The costs of magnitudes (M, N)."""
+    r = (problem.y - magnitude) * problem.root
+    along = r @ problem.u.T
+    return Costs(np.sum(r * r, axis=1) - np.sum(along * along, axis=1), r, along)
+
+
+# --------------------------------------------------------------------------------------------------
+# The posterior density of a free rotation of known shape: attitude and rates.
+#
+# Shadows of facets have steps, so that the density has many narrow peaks near a solution.  The
+# curvature is that of one of them; second moments are those of all.
+
+# Turn (rad, ICRF) and rates.
+STATE_SIZE = 6
+# Standard errors between two minima that count as two.
+_DISTINCT = 0.5
+
+
+def covariance_of_state(
+    found: Weighted, point: MovingPoint, seconds: FloatArray, known: KnownShape, least: float
+) -> FloatArray:
+    """Second moments (P, P) of the parameters about those of a solution; 0 of those that stay.
+
+    Shapes: seconds (N,) s.
+    """
+    formal = _refinement.inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
+    factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(formal)), dtype=np.float64)
+    wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
+    block = max(BLOCK // len(seconds), 1)
+
+    def density(scaled: FloatArray) -> FloatArray:
+        step = scaled @ factor.T
+        q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz)
+        w = omega + step[:, 3:]
+        parts = [
+            costs(
+                found.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
+                seconds, least,
+            ).cost
+            for k in range(0, len(step), block)
+        ]  # fmt: skip
+        return -0.5 * np.concatenate(parts)
+
+    wide = second_moments(density, STATE_SIZE, np.random.default_rng(_SEED))
+    moments = np.zeros((point.size, point.size))
+    moments[:STATE_SIZE, :STATE_SIZE] = factor @ wide @ factor.T
+    return moments
+
+
+def spread(covariance: FloatArray, rivals: Iterable[tuple[FloatArray, float]]) -> FloatArray:
+    """The second moments (P, P) that other minima add to the covariance of one.
+
+    Shapes: covariance (P, P), rivals (P,).
+    """
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-12, hermitian=True)
+    offsets, weights = [np.zeros(len(size))], [1.0]
+    for offset, behind in sorted(rivals, key=lambda each: each[1]):
+        steps = (np.array(offsets) - offset) / size
+        if np.min(np.einsum("np,pq,nq->n", steps, inverse, steps)) > _DISTINCT**2:
+            offsets.append(offset)
+            weights.append(math.exp(-0.5 * behind))
+    every, share = np.array(offsets), np.array(weights) / sum(weights)
+    found: FloatArray = (every * share[:, None]).T @ every
+    return found

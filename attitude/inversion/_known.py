@@ -1,0 +1,483 @@
+"""The states of a body of known shape and moments from brightness alone: spans that grow.
+
+Random attitudes and rates are screened on the points of a short span; the best are refined on it
+and on spans that grow to the whole curve, each time with the best of them and samples of their
+errors.  Many states are propagated and refined side by side.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.inversion import _errors, _moving, _problem, _refinement, _search, _shapes, _verdicts
+from attitude.inversion._refine import Refinement
+from attitude.inversion._shapes import Tie
+from attitude.motions._body import Body
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._propagation import propagate
+from attitude.motions._spin import Spin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.inversion._curve import LightCurve
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._shapes import KnownShape
+    from attitude.scattering._law import Law
+    from attitude.shape._mesh import Mesh
+
+
+# The first span: points at least, and turns at the largest rate at least.
+_FIRST_POINTS, _FIRST_TURNS = 16, 1.2
+# Random starts for each cell of rates of the first span, the width of a cell (turns), and bounds.
+_STARTS, _CELL, _FEWEST, _MOST = 400, 0.4, 20_000, 250_000
+# States that are refined first, and kept after the first span and at the end.
+_REFINED, _KEPT, _LEFT = 3000, 500, 60
+# Growth of the span, iterations on each span and on the whole.
+_GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
+# Reach beyond the first epoch of the next pass, a share of its distance; turns at the largest rate
+# and median distances of epochs without any, at which a pass ends.
+_ACROSS, _GAP_TURNS, _GAP_STEPS = 1.02, 5.0, 20.0
+# Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
+_ERRORS = 0.4, 0.1
+# First spans that are tried, and the number of points over the cost at which a state fits: errors
+# of the model are added to those of the points.
+_ATTEMPTS, _EXPECTED = 28, 1.3
+# A model with errors of its own, such as shadows of coarse facets, fits no better: searches that
+# have to end at one cost, the margin of that cost, and the mean square of its residuals without the
+# worst share of them.
+_AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
+# States that are sampled from their errors when the span grows, and samples of each.
+_SAMPLED, _SAMPLES = 12, 6
+# Distances at which two states are one: rad, and share of the rate times turns.
+_SAME = 0.1
+
+
+class States(NamedTuple):
+    """Attitudes (M, 4) and rates (M, 3), rad/s, at the origin; costs (M,)."""
+
+    wxyz: FloatArray
+    omega: FloatArray
+    cost: FloatArray
+
+    def rows(self, chosen: IntArray) -> States:
+        """Some of them."""
+        return States(self.wxyz[chosen], self.omega[chosen], self.cost[chosen])
+
+
+class NearMany(NamedTuple):
+    """Costs (M,), normal matrices (M, 6, 6) and gradients (M, 6) of states."""
+
+    cost: FloatArray
+    normal: FloatArray
+    gradient: FloatArray
+
+
+@dataclass(eq=False)
+class PassSearch:
+    """A search and what it has found.
+
+    Attributes
+    ----------
+    problem : CurveProblem
+    known : KnownShape
+        Over principal axes.
+    moments : (3,) array
+    most : float
+        Largest rate, rad/s.
+    generator : Generator
+    deadline : float
+        `time.monotonic` at which the search ends.
+    progress : callable
+    found : States
+        The best first, at the epoch `origin`.
+    origin : float
+        The middle of the first span, s since the epoch of the curve.
+    """
+
+    problem: CurveProblem
+    known: KnownShape
+    moments: FloatArray
+    most: float
+    generator: np.random.Generator
+    deadline: float
+    progress: Callable[[str], object]
+    found: States = field(init=False)
+    origin: float = field(init=False)
+
+    def run(self) -> None:
+        """Search from one first span after another, until the residuals are as the errors.
+
+        It also ends where several searches have found one state that the model fits roughly.
+        """
+        problem = self.problem
+        seconds = problem.t * problem.span
+        self.least = self.known.floor(problem.sun.T, problem.observer.T)
+        best: States | None = None
+        origin = 0.0
+        costs: list[float] = []
+        is_rough = False
+        for attempt in range(_ATTEMPTS):
+            middle, span = _first_span(seconds, self.most, attempt)
+            self._from(middle, span)
+            costs.append(float(self.found.cost[0]))
+            self.progress(f"attempt {attempt + 1}: cost {costs[-1]:.0f}")
+            if best is None or costs[-1] < best.cost[0]:
+                best, origin = self.found, self.origin
+                is_rough = self._mean_square() < _POOR
+            agreeing = sum(each < _MARGIN * min(costs) for each in costs)
+            fits = min(costs) < len(problem) / _EXPECTED
+            if fits or (is_rough and agreeing >= _AGREEING) or time.monotonic() > self.deadline:
+                break
+        assert best is not None
+        self.found, self.origin = best, origin
+
+    def _mean_square(self) -> float:
+        """Of the residuals of the best state over their errors, without the worst of them."""
+        problem = self.problem.with_model_error(_ERRORS[1])
+        here = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
+        squares = np.sort((here.residual - here.along @ problem.u)[0] ** 2)
+        return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
+
+    def _from(self, middle: float, span: float) -> None:
+        """Search from one first span: its middle and half its length, s."""
+        problem = self.problem
+        self.origin = middle
+        away = np.abs(problem.t * problem.span - middle)
+        own = problem.part(away <= span).with_model_error(_ERRORS[0])
+        self.found = self._screened(own, span)
+        self.found = self._refined(own, self.found, _ITERATIONS)
+        self._keep(_KEPT)
+        whole = float(away.max())
+        first = span
+        while span < whole:
+            # across a gap to the first points of the next pass
+            beyond = away[away > span].min() * _ACROSS
+            span = min(max(span * _GROWTH, float(beyond)), whole)
+            count = max(int(len(self.found.cost) / 1.35), _LEFT)
+            share = math.log(span / first) / math.log(whole / first)
+            error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
+            own = problem.part(away <= span).with_model_error(error)
+            self.found = self._refined(own, self._branched(own, self.found), _ITERATIONS)
+            self._keep(count)
+            self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
+            if time.monotonic() > self.deadline:
+                break
+        own = problem.with_model_error(_ERRORS[1])
+        self.found = self._refined(own, self._branched(own, self.found), _LAST)
+        self._keep(_LEFT)
+
+    def _screened(self, problem: CurveProblem, span: float) -> States:
+        """The best of random states on the first span."""
+        turns = self.most * 2.0 * span / (2.0 * math.pi)
+        count = int(_STARTS * 4.2 * (turns / _CELL + 0.5) ** 3)
+        count = min(max(count, _FEWEST), _MOST)
+        best: States | None = None
+        block = max(_errors.BLOCK // len(problem), 1)
+        for begin in range(0, count, block):
+            size = min(block, count - begin)
+            wxyz = self.generator.standard_normal((size, 4))
+            wxyz /= np.linalg.norm(wxyz, axis=1)[:, None]
+            omega = self.generator.standard_normal((size, 3))
+            omega /= np.linalg.norm(omega, axis=1)[:, None]
+            omega *= self.most * self.generator.random((size, 1)) ** (1.0 / 3.0)
+            new = States(wxyz, omega, self._costs(problem, wxyz, omega).cost)
+            both = new if best is None else _joined(best, new)
+            best = both.rows(np.argsort(both.cost, kind="stable")[:_REFINED])
+            if begin % (50 * block) == 0:
+                self.progress(f"{begin + size} of {count} random states")
+            if time.monotonic() > self.deadline:
+                break
+        assert best is not None
+        return best
+
+    def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> _errors.Costs:
+        """Costs of states."""
+        t = problem.t * problem.span - self.origin
+        return _errors.costs(problem, self.known, self.moments, wxyz, omega, t, self.least)
+
+    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+        """Costs and their derivatives by turn (rad, inertial axes) and rates."""
+        parts = []
+        block = max(_errors.BLOCK // len(problem), 1)
+        for begin in range(0, len(wxyz), block):
+            here = slice(begin, begin + block)
+            parts.append(self._near_block(problem, wxyz[here], omega[here]))
+        return NearMany(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+        t = problem.t * problem.span - self.origin
+        turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
+        matrix = quaternion.matrix(turned)
+        lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
+        across = np.einsum("mnij,mnj->mni", matrix, lit.across)
+        jacobian = np.einsum("mni,mnip->mpn", across, slopes[..., :6]) * problem.root
+        cost, r, along = _errors.of_magnitudes(problem, lit.magnitude)
+        out = jacobian @ problem.u.T
+        normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
+        gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
+        return NearMany(cost, normal, gradient)
+
+    def _refined(self, problem: CurveProblem, given: States, iterations: int) -> States:
+        """States after Levenberg and Marquardt's iteration, side by side."""
+        wxyz, omega = given.wxyz, given.omega
+        best = self._near(problem, wxyz, omega)
+        damping = np.full(len(wxyz), 1e-2)
+        active = np.arange(len(wxyz))
+        for _ in range(iterations):
+            part = NearMany(*(each[active] for each in best))
+            step = self._step(part, damping[active], omega[active])
+            q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
+            w = omega[active] + step[:, 3:]
+            trial = self._near(problem, q, w)
+            won = part.cost - trial.cost
+            better = won > 0.0
+            on = active[better]
+            wxyz[on], omega[on] = q[better], w[better]
+            for old, new in zip(best, trial, strict=True):
+                old[on] = new[better]
+            damping[active] = np.where(better, 0.3 * damping[active], 5.0 * damping[active])
+            damping = np.maximum(damping, 1e-6)
+            busy = ~better | (won > 1e-4 * part.cost)
+            active = active[busy & (damping[active] < 1e4)]
+            if not len(active):
+                break
+        return States(wxyz, omega, best.cost)
+
+    def _step(self, near: NearMany, damping: FloatArray, omega: FloatArray) -> FloatArray:
+        """Damped steps (M, 6) of limited length."""
+        scale = np.sqrt(np.maximum(np.einsum("mii->mi", near.normal), 1e-12))
+        scaled = near.normal / scale[:, :, None] / scale[:, None, :]
+        scaled += (damping[:, None, None] + 1e-9) * np.eye(6)
+        step = np.linalg.solve(scaled, (near.gradient / scale)[..., None])[..., 0] / scale
+        turn = np.linalg.norm(step[:, :3], axis=1) / 0.4
+        rate = np.linalg.norm(step[:, 3:], axis=1) / (0.15 * self.most)
+        found: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
+        return found
+
+    def _branched(self, problem: CurveProblem, states: States) -> States:
+        """The states, with samples of the errors of the best of them."""
+        best = states.rows(np.arange(min(_SAMPLED, len(states.cost))))
+        near = self._near(problem, best.wxyz, best.omega)
+        parts = [states]
+        for k in range(len(best.cost)):
+            scale = np.sqrt(np.maximum(np.diag(near.normal[k]), 1e-12))
+            values, vectors = np.linalg.eigh(near.normal[k] / np.outer(scale, scale))
+            spread = 2.0 / np.sqrt(np.maximum(values, 1e-6))
+            step = (self.generator.standard_normal((_SAMPLES, 6)) * spread) @ vectors.T / scale
+            longest = np.maximum(np.linalg.norm(step[:, :3], axis=1) / 0.5, 1.0)
+            step /= longest[:, None]
+            wxyz = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), best.wxyz[k])
+            parts.append(States(wxyz, best.omega[k] + step[:, 3:], np.zeros(_SAMPLES)))
+        return _joined(*parts)
+
+    def _keep(self, count: int) -> None:
+        """Keep the best distinct states."""
+        found = self.found
+        order = np.argsort(found.cost, kind="stable")
+        order = order[np.linalg.norm(found.omega[order], axis=1) < 1.2 * self.most]
+        chosen: list[int] = []
+        span = self.problem.span
+        for k in order:
+            if chosen:
+                rates = np.linalg.norm(found.omega[chosen] - found.omega[k], axis=1)
+                same = np.abs(found.wxyz[chosen] @ found.wxyz[k]) > math.cos(0.5 * _SAME)
+                if np.any(same & (rates * span < 5.0 * _SAME)):
+                    continue
+            chosen.append(int(k))
+            if len(chosen) == count:
+                break
+        self.found = found.rows(np.array(chosen))
+
+
+def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
+    """Middle and half the length of the first span: near the median epoch, later elsewhere."""
+    ordered = np.sort(seconds)
+    passes = _passes(ordered, most)
+    passes.sort(key=len, reverse=True)
+    ordered, attempt = passes[attempt % len(passes)], attempt // len(passes)
+    wanted = (0.5, 0.25, 0.75, 0.38, 0.62, 0.12, 0.88)[attempt % 7]
+    count = min(_FIRST_POINTS + 4 * (attempt // 7), len(ordered))
+    first = int(wanted * (len(ordered) - count))
+    turns = 2.0 * math.pi * _FIRST_TURNS / most
+    low, high = float(ordered[first]), float(ordered[first + count - 1])
+    return 0.5 * (low + high), 0.5 * max(high - low, turns) * 1.0001
+
+
+def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
+    """The epochs of each pass, of those that have enough for a first span."""
+    steps = np.diff(ordered)
+    longest = max(_GAP_TURNS * 2.0 * math.pi / most, _GAP_STEPS * float(np.median(steps)))
+    found = np.split(ordered, np.flatnonzero(steps > longest) + 1)
+    enough = [each for each in found if len(each) >= _FIRST_POINTS]
+    return enough or [ordered]
+
+
+def _joined(*given: States) -> States:
+    return States(*(np.concatenate(each) for each in zip(*given, strict=True)))
+
+
+# --------------------------------------------------------------------------------------------------
+# Ranked spin states of a body of known shape: a search, and least squares from its best states.
+
+# States of the search that are fitted, and the cost behind the best beyond which none is.
+_FITTED, _BEHIND = 12, 150.0
+# Rates and momenta closer than this, relative, are one.
+_SAME_RATES = 0.01
+# Turn, rad, and share of the rate, within which two minima are in one lobe of the density.
+_LOBE_TURN, _LOBE_RATE = 0.3, 0.1
+# Mean square of residuals, without the worst 3 %, over sigma and 0.01 mag of an accepted state.
+_FLOOR = 1.25
+
+
+def body_of(mesh: Mesh, moments: Any) -> Body:
+    """The body of a mesh: homogeneous, a Body that is given, or three moments about its axes."""
+    if isinstance(moments, Body):
+        return moments
+    if isinstance(moments, str) and moments == "shape":
+        return Body.from_shape(mesh, density=1.0)
+    if isinstance(moments, str) or np.ndim(moments) != 1:
+        raise AttitudeError(
+            f'moments is {moments!r}; with a known shape give "shape" (homogeneous), three moments '
+            "about its axes, or a Body."
+        )
+    return Body(moments=moments, relative=True)
+
+
+def found(
+    curve: LightCurve,
+    most: float,
+    mesh: Mesh,
+    law: str | Law | None,
+    moments: Any,
+    seconds: float,
+    seed: int,
+    progress: Callable[[str], object],
+) -> tuple[list[Refinement], str, str, tuple[str, ...]]:
+    """Solutions, the best first, the verdict, its criterion, and notes; see `spin_states`."""
+    body = body_of(mesh, moments)
+    axes = body.principal_axes
+    known = _shapes.known(mesh, law).over(axes)
+    zero_points = curve.zero_points
+    problem, bins = _problem.problem(
+        curve, most, _search.ELLIPSOID_ERROR, zero_points, is_known=True
+    )
+    notes = list(curve.notes)
+    if bins is not None:
+        notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+    made = PassSearch(
+        problem,
+        known,
+        body.moments,
+        2.0 * math.pi * most,
+        validation.generator(seed),
+        time.monotonic() + seconds,
+        progress,
+    )
+    made.run()
+    solutions = [
+        _fitted(curve, problem, known, body, made, k)
+        for k in range(len(made.found.cost))
+        if k < _FITTED and made.found.cost[k] < made.found.cost[0] + _BEHIND
+    ]
+    solutions.sort(key=lambda each: each.evidence)
+    kept: list[Refinement] = []
+    for each in solutions:
+        if not any(_is_same(each, other) for other in kept):
+            each.rank = len(kept)
+            each.relation = _relation(each, kept[0]) if kept else "best"
+            each.rivals = _rivals(each, solutions)
+            kept.append(each)
+    return kept, *_verdict(kept), tuple(notes)
+
+
+def _fitted(curve, problem, known, body, made, k):
+    """The least squares from a state of the search."""
+    epoch = curve.epoch.after(made.origin)
+    spin = Spin(epoch, made.found.wxyz[k], made.found.omega[k])
+    own = Body(moments=body.moments, relative=body.relative, mass=body.mass)
+    ends = float(curve.emission[0]), float(curve.emission[-1])
+    point = _moving.moving_point(FreeRotation(own, spin), curve.epoch, ends, None, None)
+    fit = _moving.moving_fit(curve.epoch, problem, point, known, Tie())
+    weighted = fit.weighted(problem, _moving.MovingState(point, np.zeros(0)))
+    return Refinement(curve, weighted, problem, fit, body)
+
+
+def _vectors(each: Refinement) -> tuple[FloatArray, FloatArray]:
+    """Momentum, over axes in space, and rates over body axes."""
+    first = FreeRotation(each.point.body, each.point.spin)
+    momentum = first.momentum / np.max(each.point.body.moments)
+    return momentum, each.point.spin.angular_velocity
+
+
+def _is_same(one: Refinement, other: Refinement) -> bool:
+    (a, v), (b, w) = _vectors(one), _vectors(other)
+    size = float(np.linalg.norm(w))
+    turn = abs(float(one.point.spin.wxyz_icrf @ other.point.spin.wxyz_icrf))
+    return bool(
+        np.linalg.norm(a - b) < _SAME_RATES * size
+        and np.linalg.norm(v - w) < _SAME_RATES * size
+        and turn > math.cos(0.05)
+    )
+
+
+def _rivals(
+    each: Refinement, solutions: Sequence[Refinement]
+) -> tuple[tuple[FloatArray, float], ...]:
+    """Offsets of the other minima in the lobe of one, and how far their evidence is behind."""
+    rate = float(np.linalg.norm(each.point.spin.angular_velocity))
+    found = []
+    for other in solutions:
+        offset = other.point.difference(each.point)
+        near = np.linalg.norm(offset[:3]) < _LOBE_TURN
+        if other is not each and near and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
+            found.append((offset, other.evidence - each.evidence))
+    return tuple(found)
+
+
+def _has_rates(one: Refinement, other: Refinement) -> bool:
+    """Whether two states have the same momentum in space, and the same sizes of the rates."""
+    (a, v), (b, w) = _vectors(one), _vectors(other)
+    size = float(np.linalg.norm(w))
+    near = np.linalg.norm(np.abs(v) - np.abs(w)) < 0.05 * size
+    return bool(near and np.linalg.norm(a - b) < 0.05 * size)
+
+
+def _relation(each: Refinement, best: Refinement) -> str:
+    if _has_rates(each, best):
+        return "same momentum, other attitude"
+    a, b = _vectors(each)[0], _vectors(best)[0]
+    cosine = float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
+    pole = "same pole" if cosine > 0.97 else "antipode" if cosine < -0.97 else "other pole"
+    same = abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0) < 0.02
+    return pole if same else f"other periods, {pole}"
+
+
+def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
+    """The verdict and its criterion in words."""
+    if not found:
+        return _verdicts.OPEN, "No solution was found."
+    best = found[0]
+    floor = _refinement.floor_ratio(best.weighted, best._problem)
+    gap = min(
+        (e.evidence - best.evidence for e in found[1:] if not _has_rates(e, best)),
+        default=math.inf,
+    )
+    words = (
+        f"chi2/N is {floor:.2f} with errors of sigma and {_refinement.FLOOR_ERROR:g} mag (floor "
+        f"{_FLOOR:g}); the next rates are {gap:.1f} behind in -2 ln(evidence) "
+        f"({_verdicts.COMPETING:g} needed)."
+    )
+    if floor < _FLOOR and gap > _verdicts.COMPETING:
+        return _verdicts.SOLVED, words
+    return _verdicts.OPEN, words

@@ -1,0 +1,130 @@
+"""Candidate rates from the spectrum of a light curve.
+
+A body with the symmetry of an ellipsoid has lines at i g + 2 j f alone, f = 1/P_psi and g either
+lambda/pi - f or, which is the same lattice, lambda/pi + f.  Every pair of frequencies of a grid is
+fitted as (g, 2 f) with |i|, |j| <= 2; each good pair then gives every rate lambda/pi = g + (2k+1) f
+in both modes, for both assignments of the pair.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.photometry import _spectrum
+from attitude.photometry._spectrum import OVERSAMPLING, RIDGE
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+    from attitude.inversion._problem import CurveProblem
+    from attitude.photometry._spectrum import Tables
+
+
+# Least frequency, turns per span.
+LEAST = 0.7
+# Distances at which two candidates are one: of lambda/pi and of f, turns per span.
+_SAME_RATE, _SAME_NUTATION = 0.7, 0.5
+
+
+class Candidate(NamedTuple):
+    """Rates to try: lambda / 2 pi and f, turns per span, f signed by the mode."""
+
+    precession: float
+    nutation: float
+
+
+def tables(problem: CurveProblem, count: int) -> Tables:
+    """The tables of `pair_scan` up to the grid frequency `count`."""
+    return _spectrum.tables(
+        problem.t, problem.root**2, problem.detrended, 1.0 / OVERSAMPLING, count + 1
+    )
+
+
+def lattice_pairs(
+    problem: CurveProblem, most: float, keep: int, order: int = 2
+) -> tuple[FloatArray, FloatArray]:
+    """The best pairs of frequencies (P, 2), turns per span, and the share of chi-squared left
+    (P,).
+    """
+    count = int(most * OVERSAMPLING) + 1
+    least = max(2, int(LEAST * OVERSAMPLING))
+    end = least + max(count - least, 3)
+    made = tables(problem, 4 * order * end + 2)
+    found = _spectrum.best(made, (least, end), (least, end), order, RIDGE, keep)
+    both = np.stack([found.first, found.second], axis=-1) / OVERSAMPLING
+    return both, found.left
+
+
+def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Pairs (P, 2) and the share of chi-squared left, the linear terms projected out exactly.
+
+    `pairs` takes them off the magnitudes only: zero points of sessions have parts along the lines
+    of a series, which a fit of both at once finds.  The best pair is first.
+    """
+    lines = _spectrum.harmonics(order)[1:]
+    y = problem.y * problem.root
+    y = y - problem.u.T @ (problem.u @ y)
+    total, left = float(y @ y), np.empty(len(found))
+    for k, pair in enumerate(found):
+        angle = 2.0 * np.pi * np.outer(lines @ pair, problem.t)
+        basis = np.concatenate([np.cos(angle), np.sin(angle)]) * problem.root
+        basis -= (basis @ problem.u.T) @ problem.u
+        along = basis @ y
+        normal = basis @ basis.T + RIDGE * np.eye(len(basis))
+        left[k] = 1.0 - float(along @ np.linalg.solve(normal, along)) / total
+    best = np.argsort(left, kind="stable")
+    return found[best], left[best]
+
+
+def candidates(
+    found: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
+) -> list[Candidate]:
+    """Rates from pairs (P, 2), the best pair first, without repetition.
+
+    `shifts` are frequencies (turns per span) by which windows of the epochs displace lines, such as
+    one cycle a day.
+    """
+    out: list[Candidate] = []
+    seen = set()
+    for a, b in found:
+        bases = [(a, b), (b, a), (a, b - a), (b, b - a), (a, a + b), (b, a + b)]
+        for shift in shifts:
+            bases += [(a, abs(b - shift)), (abs(a - shift), b), (b, abs(a - shift))]
+            bases += [(abs(b - shift), a), (a, b + shift), (b, a + shift)]
+        for g, h in bases:
+            for rate, f in _rates(g, 0.5 * h, most, modes):
+                key = round(rate / _SAME_RATE), round(f / _SAME_NUTATION)
+                if key not in seen:
+                    seen.add(key)
+                    out.append(Candidate(0.5 * rate, f))
+    return out
+
+
+def _rates(g, f, most, modes):
+    """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
+    for k in range(-2, 2):
+        rate = g + (2 * k + 1) * f
+        if f < LEAST or f > most:
+            continue
+        if "LAM" in modes and rate - f >= LEAST and rate <= most:
+            yield rate, f
+        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < 1.4 * rate:
+            yield rate, -f
+
+
+def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
+    """Frequencies (P,), turns per span, of the best series of one period with four harmonics."""
+    grid = np.arange(max(1, int(LEAST * OVERSAMPLING)), int(most * OVERSAMPLING) + 1)
+    made = tables(problem, 8 * int(grid[-1] + 1))
+    harmonics = np.array([(i, 0) for i in range(5)])
+    gain = np.empty(len(grid))
+    _spectrum.decreases(*made[:4], grid, grid, harmonics, RIDGE, gain)
+    found: list[float] = []
+    for k in np.argsort(-gain, kind="stable"):
+        here = float(grid[k]) / OVERSAMPLING
+        if all(abs(here - other) > 0.8 for other in found):
+            found.append(here)
+            if len(found) >= keep:
+                break
+    return np.array(found)

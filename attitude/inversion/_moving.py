@@ -1,0 +1,461 @@
+"""Motions with parameters: a free rotation, one that impulses divide, or one under torques.
+
+A point has a body whose principal axes are its axes, a spin, and changes with numbers to find: the
+momentum of each impulse (3), a torque that is fixed in the body (3), the strength of sunlight (1).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.inversion import _refinement, _shapes
+from attitude.inversion._search import ELLIPSOID_ERROR
+from attitude.motions._body import Body
+from attitude.motions._differentiable import changed
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._spin import Spin
+from attitude.torques._arcs import Arcs, Impulse
+from attitude.torques._radiation import SolarRadiation
+from attitude.torques._system import NODES
+from attitude.torques._torque import ConstantTorque, Torque
+from attitude.torques._torqued import TorquedRotation
+from attitude.torques._triggers import Trigger
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.epochs._instants import Instant
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Weighted
+    from attitude.inversion._shapes import KnownShape
+
+
+Motion = FreeRotation | Arcs | TorquedRotation
+# Parameters of the state: turn (rad, ICRF), rates (rad/s), ln I1/I3, ln I2/I3.
+STATE = 8
+# Error of the attitudes of torqued motions, rad: some 1e-4 mag.
+_TOLERANCE = 1e-4
+# Step of the differences by a torque: a share of the torque that would stop the body in the span.
+# A kick is linear in the torque.
+_SHARE = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class MovingPoint:
+    """A state and the changes of the motion from then on.
+
+    Attributes
+    ----------
+    body : Body
+    spin : Spin
+        Of ICRF axes.
+    impulses : tuple of Impulse
+    torques : tuple of Torque
+    reach : (float, float)
+        First and last epoch of the curve, s since that of the spin.
+    """
+
+    body: Body
+    spin: Spin
+    impulses: tuple[Impulse, ...]
+    torques: tuple[Torque, ...]
+    reach: tuple[float, float]
+
+    @property
+    def size(self) -> int:
+        """The number of parameters."""
+        return STATE + 3 * len(self.impulses) + sum(_numbers(each) for each in self.torques)
+
+    @property
+    def motion(self) -> Motion:
+        """The motion."""
+        return self.motion_of(self.spin)
+
+    def motion_of(self, spin: Spin) -> Motion:
+        """The motion from another spin, such as the same with a covariance."""
+        if self.impulses:
+            return Arcs(self.body, spin, self.impulses)
+        if self.torques:
+            low, high = min(self.reach[0], 0.0), max(self.reach[1], 0.0)
+            return TorquedRotation(
+                self.body, spin, self.torques, tolerance=_TOLERANCE, span=(low, high)
+            )
+        return FreeRotation(self.body, spin)
+
+    @property
+    def log_ratios(self) -> FloatArray:
+        """ln I1/I3 and ln I2/I3 (2,)."""
+        found: FloatArray = np.log(self.body.moments[:2] / self.body.moments[2])
+        return found
+
+    @property
+    def values(self) -> FloatArray:
+        """The numbers of the changes: momenta, torques (3 each), flux of sunlight in W/m2."""
+        found = [np.asarray(each.angular_momentum, float) for each in self.impulses]
+        for torque in self.torques:
+            if isinstance(torque, ConstantTorque):
+                found.append(np.asarray(torque.torque, float))
+            elif isinstance(torque, SolarRadiation):
+                found.append(np.array([torque.flux]))
+        return np.concatenate(found) if found else np.zeros(0)
+
+    def attitudes(self, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Rotation matrices (N, 3, 3) to ICRF and rotation vectors (N, 3, P) by the parameters."""
+        motion = self.motion
+        matrix = motion.at(seconds).matrix
+        if self.torques:
+            assert isinstance(motion, TorquedRotation)
+            made = motion.sensitivity_with_torques(self._others())
+            found = made.at(seconds, None, False)[0]
+        else:
+            found = motion._sensitivity.at(seconds, None, False)[0]
+            if isinstance(motion, Arcs):
+                more = motion._sensitivity.by_momenta(seconds, None)[0]
+                found = np.concatenate([found, more], axis=-1)
+        slopes = np.delete(found, 8, axis=-1)
+        slopes[..., 6:8] *= self.body.moments[:2]
+        return matrix, slopes
+
+    def difference(self, origin: MovingPoint) -> FloatArray:
+        """The parameters (P,) of this point from those of another."""
+        turn = quaternion.multiply(self.spin.wxyz_icrf, quaternion.conjugate(origin.spin.wxyz_icrf))
+        rates = self.spin.angular_velocity - origin.spin.angular_velocity
+        ratios = self.log_ratios - origin.log_ratios
+        values = self.values - origin.values
+        return np.concatenate([forms.to_rotation_vector(turn), rates, ratios, values])
+
+    def by_state(self) -> FloatArray:
+        """Changes (9, P) of the state of `Spin.covariance` for unit changes of the parameters."""
+        found = np.zeros((9, self.size))
+        found[range(6), range(6)] = 1.0
+        found[6, 6], found[7, 7] = self.body.moments[:2]
+        return found
+
+    def moved(self, step: FloatArray) -> MovingPoint | None:
+        """The point after a step of limited length; None if that is no body's."""
+        longest = max(
+            float(np.linalg.norm(step[:3])) / 0.5,
+            float(np.abs(step[6:8]).max()) / 0.3,
+            1.0,
+        )
+        step = step / longest
+        changes = np.concatenate([step[:6], self.body.moments[:2] * np.expm1(step[6:8]), [0.0]])
+        try:
+            body, spin = changed(self.body, self.spin, changes)
+        except AttitudeError:
+            return None
+        impulses, torques = self._changed(self.values + step[STATE:])
+        return MovingPoint(body, spin, impulses, torques, self.reach)
+
+    def _changed(self, values: FloatArray) -> tuple[tuple[Impulse, ...], tuple[Torque, ...]]:
+        """The changes with other numbers."""
+        count = len(self.impulses)
+        impulses = tuple(
+            Impulse(each.at, values[3 * k : 3 * k + 3], each.frame)
+            for k, each in enumerate(self.impulses)
+        )
+        torques, at = [], 3 * count
+        for torque in self.torques:
+            torques.append(_with_numbers(torque, values[at : at + _numbers(torque)]))
+            at += _numbers(torque)
+        return impulses, tuple(torques)
+
+    def _others(self) -> list[tuple[float, list[tuple[Torque, ...]]]]:
+        """A step for each number of the torques, and the torques there."""
+        values = self.values
+        length = max(self.reach[1] - self.reach[0], 1e-9)
+        momentum = float(np.linalg.norm(self.body.tensor @ self.spin.angular_velocity))
+        found = []
+        for k, value in enumerate(values):
+            is_flux = _numbers(self._owner(k)) == 1
+            size = _SHARE * (max(abs(float(value)), 1e-9) if is_flux else momentum / length)
+            many = []
+            for node in NODES:
+                other = values.copy()
+                other[k] += node * size
+                many.append(self._changed(other)[1])
+            found.append((size, many))
+        return found
+
+    def _owner(self, number: int) -> Torque:
+        """The torque to which a number belongs."""
+        end = 0
+        for torque in self.torques:
+            end += _numbers(torque)
+            if number < end:
+                return torque
+        raise AssertionError(number)
+
+
+def moving_point(
+    start: Motion, epoch: Instant, reach: tuple[float, float], arcs: Any, torques: Any
+) -> MovingPoint:
+    """The point of a motion and of changes that are given, at the epoch of its spin.
+
+    Shapes: reach (float, float).
+    """
+    if not isinstance(start, (FreeRotation, Arcs, TorquedRotation)):
+        raise AttitudeError(
+            f"start is {type(start).__name__}; give a Solution or Refinement, a FreeRotation, Arcs "
+            "or a TorquedRotation."
+        )
+    if arcs is None and isinstance(start, Arcs):
+        arcs = start.changes
+    if torques is None and isinstance(start, TorquedRotation):
+        torques = start.torques
+    impulses, loads = _listed(arcs, Impulse, "arcs"), _listed(torques, Torque, "torques")
+    if impulses and loads:
+        raise AttitudeError("arcs and torques are both given; give one of them.")
+    for k, impulse in enumerate(impulses):
+        if callable(impulse.angular_momentum) or isinstance(impulse.at, Trigger):
+            raise AttitudeError(
+                f"arcs[{k}] depends on the motion; give an Impulse at an epoch with three numbers."
+            )
+    body, spin = start.body, start.spin
+    axes = body.principal_wxyz
+    wxyz = quaternion.multiply(spin.wxyz_icrf, axes)
+    omega = spin.angular_velocity @ body.principal_axes
+    own = Body(moments=body.moments, relative=body.relative, mass=body.mass)
+    moved = any(each.frame == "body" for each in impulses) or bool(loads)
+    if moved and not np.allclose(body.principal_axes, np.eye(3)):
+        raise AttitudeError(
+            "the axes of the body are not its principal axes, over which momenta and torques are "
+            "fitted; give a Body with moments=."
+        )
+    shift = epoch.seconds - spin.epoch.seconds
+    ends = reach[0] + shift, reach[1] + shift
+    return MovingPoint(own, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
+
+
+def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> FloatArray:
+    """Seconds since the epoch of a point's spin, of seconds (N,) since another epoch."""
+    hi, lo = _inputs.seconds_since(point.spin.epoch, epoch)
+    return seconds + (float(hi) + (0.0 if lo is None else float(lo)))
+
+
+def _listed(given: Any, kind: type, name: str) -> tuple[Any, ...]:
+    """What is given, as a tuple of one kind."""
+    if given is None:
+        return ()
+    if isinstance(given, kind):
+        given = (given,)
+    if not isinstance(given, Iterable):
+        raise AttitudeError(f"{name} is {given!r}; give a list of {kind.__name__} objects.")
+    found = tuple(given)
+    for k, each in enumerate(found):
+        if not isinstance(each, kind):
+            raise AttitudeError(f"{name}[{k}] is {each!r}; give {kind.__name__} objects.")
+    return found
+
+
+def _numbers(torque: Torque) -> int:
+    """How many numbers of a torque are found; others than these two kinds are known."""
+    return 3 if isinstance(torque, ConstantTorque) else int(isinstance(torque, SolarRadiation))
+
+
+def _with_numbers(torque: Torque, values: FloatArray) -> Torque:
+    if isinstance(torque, ConstantTorque):
+        return ConstantTorque(values)
+    if isinstance(torque, SolarRadiation):
+        made = SolarRadiation(torque.shape, torque.path, torque.diffuse, torque.mirrored)
+        made._set("flux", float(values[0]))  # a fit may make the strength negative
+        return made
+    return torque
+
+
+# --------------------------------------------------------------------------------------------------
+# Least squares of a motion with parameters and a shape, convex or known, to a light curve.
+
+# Shares of the points, those nearest in time to the epoch of the start, that are fitted first.
+_STAGES = (0.25, 0.4, 0.6, 0.8)
+_ITERATIONS, _LAST = 12, 40
+# Mean square of residuals over the errors, above which the points are fitted in stages too.
+_BAD = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class MovingState:
+    """A point and the parameters of a convex shape, none for a known one."""
+
+    point: MovingPoint
+    shape: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MovingModel:
+    """Magnitudes (N,) of a state, their Jacobian (P, N), areas, and the slopes of the areas."""
+
+    magnitude: FloatArray
+    jacobian: FloatArray
+    areas: FloatArray
+    slopes: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MovingFound:
+    """A state near its least cost; attributes as of `refinement.Refined`."""
+
+    state: MovingState
+    cost: float
+    chi_squared: float
+    strain: float
+    normal: FloatArray
+    gradient: FloatArray
+    areas: FloatArray
+    magnitude: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MovingFit:
+    """What is fitted.
+
+    Attributes
+    ----------
+    epoch : Instant
+        Of the curve.
+    known : KnownShape or None
+        None for a convex shape, which is found too.
+    least : float
+        Flux of a known shape that counts as dark.
+    tie : Tie
+        Of the moments of motion and shape.
+    fixed : (P,) array of bool
+        Parameters that stay.
+    """
+
+    epoch: Instant
+    known: KnownShape | None
+    least: float
+    tie: _shapes.Tie
+    fixed: BoolArray
+
+    def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
+        """The magnitudes of a state, with derivatives."""
+        point = state.point
+        seconds = seconds_of(point, self.epoch, problem.t * problem.span)
+        matrix, slopes = point.attitudes(seconds)
+        sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.sun))
+        observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.observer))
+        if self.known is None:
+            lit = _shapes.magnitudes(sun, observer, state.shape)
+        else:
+            lit = self.known.lit(sun, observer, self.least)
+        across = np.einsum("nij,nj->ni", matrix, lit.across)
+        of_motion = np.einsum("ni,nip->pn", across, slopes)
+        jacobian = np.concatenate([of_motion, lit.by_shape])
+        return MovingModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
+
+    def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
+        """The cost near a state."""
+        here = self.model(problem, state)
+        priors = self._priors(state, here)
+        made = _refinement.linearised(problem, here.magnitude, here.jacobian, priors, self.fixed)
+        return MovingFound(state, *made, here.areas, here.magnitude)
+
+    def _priors(
+        self, state: MovingState, here: MovingModel
+    ) -> tuple[FloatArray, FloatArray, float]:
+        point = state.point
+        if self.known is not None:
+            return np.zeros(0), np.zeros((0, point.size)), 0.0
+        slopes = np.zeros((2, point.size))
+        slopes[0, 6] = slopes[1, 7] = 1.0
+        moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
+        given = state.shape, here.areas, here.slopes
+        return _shapes.penalties(*given, moments, point.size, self.tie)
+
+    def moved(self, best: MovingFound, step: FloatArray) -> MovingState | None:
+        """The state after a step; None outside of the bounds."""
+        count = best.state.point.size
+        shape = step[count:]
+        if len(shape):
+            longest = max(float(np.abs(shape[:2]).max()), float(np.abs(shape[2:]).max()) / 3.0)
+            step = step * min(1.0, 0.5 / max(longest, 1e-12))
+        point = best.state.point.moved(step[:count])
+        if point is None:
+            return None
+        new = best.state.shape + step[count:]
+        if len(new) and float(np.abs(new[:2]).max()) >= 6.0:
+            return None
+        return MovingState(point, new)
+
+    def minimum(
+        self,
+        problem: CurveProblem,
+        start: MovingState,
+        iterations: int = _ITERATIONS,
+        gain: float = 1e-3,
+    ) -> MovingFound:
+        """The state of least cost near a start."""
+
+        def at(state: MovingState) -> MovingFound:
+            try:
+                return self.near(problem, state)
+            except AttitudeError:
+                return _impossible(state, len(self.fixed), len(problem))
+
+        return _refinement.minimum(at, self.moved, start, iterations, gain)
+
+    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
+        """The state of largest posterior density, with Student's errors and a model error."""
+        whole = problem.with_model_error(ELLIPSOID_ERROR)
+        best = self.minimum(whole, start, _LAST)
+        if best.chi_squared > _BAD * len(whole):
+            grown = self._in_stages(whole, start)
+            best = min(best, grown, key=lambda each: each.cost)
+        if not math.isfinite(best.cost):
+            raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
+        for _ in range(2):
+            residual, _ = _refinement.residuals(whole, best.magnitude)
+            whole = problem.with_model_error(_refinement.model_error(problem, residual))
+            best = self.minimum(whole, best.state)
+
+        def fit(own: CurveProblem, state: MovingState) -> MovingFound:
+            return self.minimum(own, state, _LAST, 1e-5)
+
+        free = int(np.count_nonzero(~self.fixed[: start.point.size]))
+        return _refinement.student(whole, best.state, fit, free)
+
+    def _in_stages(self, problem: CurveProblem, start: MovingState) -> MovingFound:
+        """The least cost from fits of points near the epoch of the start, then of more."""
+        seconds = seconds_of(start.point, self.epoch, problem.t * problem.span)
+        away = np.abs(seconds)
+        state = start
+        for share in _STAGES:
+            chosen = away <= np.quantile(away, share)
+            if np.count_nonzero(chosen) > 12:
+                state = self.minimum(problem.part(chosen), state).state
+        return self.minimum(problem, state, _LAST)
+
+
+def moving_fit(
+    epoch: Instant,
+    problem: CurveProblem,
+    point: MovingPoint,
+    known: KnownShape | None,
+    tie: _shapes.Tie,
+    is_ellipsoid: bool = False,
+) -> MovingFit:
+    """What is fitted to a problem from a point; moments that are given or of a known shape stay."""
+    fixed = np.zeros(point.size + (0 if known else _shapes.SIZE), bool)
+    if known is not None or tie.given is not None:
+        fixed[6:8] = True
+    if is_ellipsoid:
+        fixed[point.size + _shapes.ELLIPSOID :] = True
+    least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
+    return MovingFit(epoch, known, least, tie, fixed)
+
+
+def _impossible(state: MovingState, size: int, count: int) -> MovingFound:
+    """What a state without magnitudes is: of infinite cost."""
+    normal, gradient = np.eye(size), np.zeros(size)
+    nothing = np.zeros(0), np.full(count, math.nan)
+    return MovingFound(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)

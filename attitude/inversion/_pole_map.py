@@ -1,0 +1,164 @@
+"""Poles of a rotation about one axis: the best convex bodies all over the sky, and their minima.
+
+Convex bodies have more minima than ellipsoids, and with the errors of the points more than with
+those of ellipsoids.  At each of many poles some bodies are fitted with the pole held; from the most
+probable of these the pole is free.  The rate that a pole needs differs from that of another one by
+the turn of the scene about each: the bisector of Sun and observer is followed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.inversion import _ellipsoid, _refinement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Refined, Weighted
+    from attitude.inversion._shapes import Tie
+
+
+# Where a state holds its pole.
+_POLE = [7, 10, 13]
+# Poles of the map, and bodies at each.
+POLES, _BODIES = 200, 2
+# Bodies at held poles from which the pole is free, and the most by which they may lie behind the
+# best, in -2 ln(evidence).
+_FREED, _BEHIND = 80, 50.0
+# Iterations, and the relative gain at which they end, of held and of free poles.
+_HELD, _FREE = (25, 1e-3), (40, 3e-4)
+# Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole, and the
+# cosine of that to those that are the same entry of a list.
+_SAME_RATE, _LOBE, _ENTRY = 0.35, math.radians(60.0), math.cos(math.radians(15.0))
+
+
+def sphere(count: int) -> FloatArray:
+    """Directions (count, 3) all over the sky, evenly."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
+
+
+def turn_of_scene(problem: CurveProblem, poles: FloatArray) -> FloatArray:
+    """The mean rate (P,), turns per span, of the bisector of Sun and observer about poles (P, 3).
+
+    The rate of a body about a pole, less this, is the rate at which the scene sees it turn.
+    """
+    bisector = problem.sun + problem.observer
+    t = problem.t - problem.t.mean()
+    out = np.empty(len(poles))
+    for number, pole in enumerate(poles):
+        first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
+        angle = np.unwrap(np.arctan2(np.cross(pole, first) @ bisector, first @ bisector))
+        out[number] = (t @ angle) / (t @ t) / (2.0 * math.pi)
+    return out
+
+
+def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
+    """Whether the scene sees two rotations about one axis turn at the same rate.
+
+    The rates about poles far from each other differ by twice the turn of the scene.
+    """
+    states = np.stack([a, b])
+    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, _POLE])
+    return bool(abs(seen[0] - seen[1]) < _SAME_RATE)
+
+
+def spread(
+    state: FloatArray, evidence: float, others: Sequence[tuple[FloatArray, float]]
+) -> FloatArray:
+    """Second moments (8, 8) that other minima add to the covariance of a rotation about one
+    axis.
+    """
+    frame = state[5:14].reshape(3, 3)
+    offsets, weights = [np.zeros(8)], [1.0]
+    for other, behind in others:
+        here = frame.T @ other[_POLE]
+        angle = math.acos(max(-1.0, min(1.0, float(here[2]))))
+        if angle < _LOBE:
+            offset = np.zeros(8)
+            across = math.hypot(here[0], here[1])
+            if across > 0.0:
+                offset[:2] = angle / across * np.array([-here[1], here[0]])
+            offset[3] = other[0] - state[0]
+            offsets.append(offset)
+            weights.append(math.exp(-0.5 * (behind - evidence)))
+    every, share = np.array(offsets), np.array(weights) / sum(weights)
+    found: FloatArray = (every * share[:, None]).T @ every
+    return found
+
+
+def minima(
+    problem: CurveProblem,
+    rough: CurveProblem,
+    best: FloatArray,
+    generator: np.random.Generator,
+    tie: Tie,
+    fixed: BoolArray,
+    is_over: Callable[[], bool],
+) -> list[Refined]:
+    """Rotations about one axis at all poles that compete, the most probable first.
+
+    Shapes: best (WIDTH,), fixed (SIZE,).
+    """
+    poles = sphere(POLES)
+    turns = turn_of_scene(rough, np.concatenate([best[None, _POLE], poles]))
+    rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
+    starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, _BODIES)
+    held = fixed.copy()
+    held[:2] = True
+    at_poles = _refined(problem, starts.states, tie, held, _HELD, is_over)
+    chosen = most_probable(at_poles, len(problem))[:_FREED]
+    states = np.array([each.state for each in chosen])
+    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), len(problem))
+
+
+def _refined(
+    problem: CurveProblem,
+    states: FloatArray,
+    tie: Tie,
+    fixed: BoolArray,
+    accuracy: tuple[int, float],
+    is_over: Callable[[], bool],
+) -> Iterator[Refined]:
+    iterations, gain = accuracy
+    for state in states:
+        if is_over():
+            return
+        yield _refinement.refine(
+            problem, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
+        )
+
+
+def most_probable(found: Iterable[Refined], points: int) -> list[Refined]:
+    """Those of rotations about one axis that compete, the best first, for so many points."""
+    values = [(each.cost + _refinement.occam(each.normal, points), each) for each in found]
+    values.sort(key=lambda pair: pair[0])
+    return [each for value, each in values if value < values[0][0] + _BEHIND]
+
+
+def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
+    """Poles of each rate that compete, the best first, 15 degrees apart, and those left out.
+
+    A list of neighbours would leave no place for other parts of the sky: their differences are
+    errors of one pole.
+    """
+    entries: list[Weighted] = []
+    beside: list[Weighted] = []
+    for each in sorted(found, key=lambda one: one.evidence):
+        if entries and each.evidence > entries[0].evidence + behind:
+            break
+        is_near = any(_is_entry(each.refined.state, other.refined.state) for other in entries)
+        (beside if is_near else entries).append(each)
+    return entries, beside
+
+
+def _is_entry(a: FloatArray, b: FloatArray) -> bool:
+    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE and a[_POLE] @ b[_POLE] > _ENTRY)

@@ -1,0 +1,275 @@
+"""A light curve as numbers: scaled epochs, directions, magnitudes, and projected-out terms.
+
+Epochs are in units of the span, from the middle, so that rates are turns per span.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude.inversion._curve import CALIBRATED
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._curve import LightCurve
+
+
+# Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
+_COPY = 1e-10
+
+
+def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
+    """W (L, K) with W W^T the inverse of B^T B + V^-1."""
+    inner = terms.T @ terms + np.diag(1.0 / prior**2)
+    scale = np.sqrt(np.diag(inner))
+    scale[scale == 0.0] = 1.0
+    values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
+    kept = values > _COPY
+    found: FloatArray = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class CurveProblem:
+    """Magnitudes with weights, and the terms in which they are linear.
+
+    Attributes
+    ----------
+    t : (N,) array
+        Epochs of emission from the middle of the span, in spans.
+    span : float
+        s.
+    sun, observer : (3, N) array
+        Unit vectors, ICRF.
+    magnitude : (N,) array
+        Reduced to unit distances.
+    sigma : (N,) array
+        Of the magnitudes as given.
+    terms : (N, L) array
+        Terms in which the magnitude is linear.
+    prior : (L,) array
+        Standard deviation of the coefficient of each term; infinite for a free one.
+    model_error : float
+        Magnitudes, added to sigma in quadrature.
+    """
+
+    t: FloatArray
+    span: float
+    sun: FloatArray
+    observer: FloatArray
+    magnitude: FloatArray
+    sigma: FloatArray
+    terms: FloatArray
+    prior: FloatArray
+    model_error: float
+    root: FloatArray
+    u: FloatArray
+    y: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        t: FloatArray,
+        span: float,
+        sun: FloatArray,
+        observer: FloatArray,
+        magnitude: FloatArray,
+        sigma: FloatArray,
+        terms: FloatArray,
+        prior: FloatArray,
+        model_error: float,
+    ) -> CurveProblem:
+        """The problem with a model error; `root`, `u` and `y` follow from the rest."""
+        root = 1.0 / np.hypot(sigma, model_error)
+        inverse = _inverse_factor(terms * root[:, None], prior)
+        # Marginal over coefficients of variance V: I - B (V^-1 + B^T B)^-1 B^T
+        u = np.ascontiguousarray(((terms * root[:, None]) @ inverse).T)
+        # a constant is a free term of every curve
+        y = magnitude - np.average(magnitude, weights=root**2)
+        return cls(
+            np.ascontiguousarray(t),
+            span,
+            np.ascontiguousarray(sun),
+            np.ascontiguousarray(observer),
+            magnitude,
+            sigma,
+            terms,
+            prior,
+            model_error,
+            root,
+            u,
+            np.ascontiguousarray(y),
+        )
+
+    def with_model_error(self, model_error: float) -> CurveProblem:
+        """The same magnitudes with another model error."""
+        given = self.t, self.span, self.sun, self.observer, self.magnitude
+        return CurveProblem.of(*given, self.sigma, self.terms, self.prior, model_error)
+
+    def with_sigma(self, sigma: FloatArray) -> CurveProblem:
+        """The same magnitudes with other errors (N,), and no model error."""
+        given = self.t, self.span, self.sun, self.observer, self.magnitude
+        return CurveProblem.of(*given, sigma, self.terms, self.prior, 0.0)
+
+    def part(self, chosen: BoolArray) -> CurveProblem:
+        """Some of the points (N,) alone."""
+        return CurveProblem.of(
+            self.t[chosen],
+            self.span,
+            self.sun[:, chosen],
+            self.observer[:, chosen],
+            self.magnitude[chosen],
+            self.sigma[chosen],
+            self.terms[chosen],
+            self.prior,
+            self.model_error,
+        )
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def coefficients(self, model: FloatArray) -> FloatArray:
+        """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
+        b = self.terms * self.root[:, None]
+        inverse = _inverse_factor(b, self.prior)
+        found: FloatArray = inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
+        return found
+
+    @property
+    def detrended(self) -> FloatArray:
+        """Magnitudes (N,) without the linear terms that fit them best."""
+        found: FloatArray = self.magnitude - self.terms @ self.coefficients(np.zeros(len(self)))
+        return found
+
+    def chi_squared(self, model: FloatArray) -> float:
+        """Sum of squares of weighted residuals, least over the coefficients."""
+        r = (self.magnitude - model) * self.root
+        along = self.u @ r
+        return float(r @ r - along @ along)
+
+
+# --------------------------------------------------------------------------------------------------
+# The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many.
+
+# Standard deviation of the fitted zero points, mag, above which they are taken as free.
+_UNCALIBRATED = 0.15
+# Points of a search; more are averaged.
+MOST_POINTS = 2500
+# Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
+_SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
+
+
+def problem(
+    curve: LightCurve,
+    most_frequency: float,
+    error: float,
+    zero_points: Any,
+    *,
+    is_known: bool = False,
+) -> Any:
+    """The problem of a curve, and its points (N,) or None where they are averages.
+
+    Shapes: error in mag.
+    """
+    span = curve.span
+    bins = _bins(curve, most_frequency)
+    values = _averaged(curve, bins)
+    t = values["emission"] / span
+    alpha = values["alpha"]
+    terms = [] if is_known else list(phase_terms(alpha, t).T)
+    prior = [] if is_known else [np.inf, np.inf, _CURVATURE, _DRIFT]
+    for k in range(len(curve.filters)):
+        terms.append((values["filter"] == k).astype(float))
+        prior.append(np.inf)
+    for k, width in enumerate(session_widths(curve, zero_points)):
+        if width > 0.0:
+            terms.append((values["session"] == k).astype(float))
+            prior.append(width)
+    found = CurveProblem.of(
+        t,
+        span,
+        values["sun"].T,
+        values["observer"].T,
+        values["reduced"],
+        values["sigma"],
+        np.stack(terms, axis=-1),
+        np.array(prior),
+        error,
+    )
+    return found, bins
+
+
+def are_free(offsets: FloatArray) -> bool:
+    """Whether fitted zero points (S,), mag, are those of sessions that share no system."""
+    return bool(len(offsets) > 2 and offsets.std() > _UNCALIBRATED)
+
+
+def phase_terms(alpha: FloatArray, t: FloatArray) -> FloatArray:
+    """Terms (N, 4) of the phase angle (rad) and of the epoch (spans) in the magnitude."""
+    return np.stack([alpha / _WIDE, np.exp(-alpha / _SURGE), (alpha / _WIDE) ** 2, 2.0 * t], axis=1)
+
+
+def session_widths(curve: LightCurve, zero_points: Any) -> FloatArray:
+    """Standard deviations (S,) of the zero points of the sessions, mag; 0 for a shared one."""
+    count = len(curve.sessions)
+    if count == 1 or zero_points == "shared":
+        return np.zeros(count)
+    if zero_points == "free":
+        return np.full(count, np.inf)
+    if zero_points == "auto":
+        return np.full(count, CALIBRATED)
+    if isinstance(zero_points, tuple):
+        return np.array([np.inf if each in zero_points else 0.0 for each in curve.sessions])
+    return np.full(count, float(zero_points))
+
+
+def _bins(curve: LightCurve, most_frequency: float) -> IntArray | None:
+    """The number of the average of each point; None if all points are taken."""
+    if len(curve) <= MOST_POINTS:
+        return None
+    width = min(1.0 / (40.0 * most_frequency), curve.span / MOST_POINTS)
+    while True:
+        cell = np.floor((curve.emission - curve.emission.min()) / width).astype(np.int64)
+        keys = (cell * len(curve.sessions) + curve.session) * len(curve.filters) + curve.filter
+        found = np.unique(keys, return_inverse=True)[1].reshape(-1)
+        if found.max() < 2 * MOST_POINTS or width > 1.0 / (12.0 * most_frequency):
+            return found.astype(np.int64)
+        width *= 1.3
+
+
+def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
+    unit = {}
+    for name in ("sun", "observer"):
+        vectors = getattr(curve, name)
+        unit[name] = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    values: dict[str, Any] = {
+        "emission": curve.emission,
+        "reduced": curve.reduced,
+        "sigma": curve.sigma,
+        "session": curve.session,
+        "filter": curve.filter,
+        **unit,
+    }
+    if bins is not None:
+        weight = 1.0 / curve.sigma**2
+        total = np.bincount(bins, weight)
+        first = np.unique(bins, return_index=True)[1]
+        for name in ("emission", "reduced"):
+            values[name] = np.bincount(bins, weight * values[name]) / total
+        for name in ("sun", "observer"):
+            mean = np.stack(
+                [np.bincount(bins, weight * values[name][:, k]) / total for k in range(3)], axis=1
+            )
+            values[name] = mean / np.linalg.norm(mean, axis=1)[:, None]
+        values["sigma"] = 1.0 / np.sqrt(total)
+        for name in ("session", "filter"):
+            values[name] = values[name][first]
+        order = np.argsort(values["emission"], kind="stable")
+        values = {name: each[order] for name, each in values.items()}
+    cross = np.linalg.norm(np.cross(values["sun"], values["observer"]), axis=1)
+    dot = np.sum(values["sun"] * values["observer"], axis=1)
+    values["alpha"] = np.arctan2(cross, dot)
+    return values

@@ -1,0 +1,510 @@
+"""A convex body as areas of facets of given normals: an ellipsoid times a smooth random factor.
+
+The logarithm of the factor is a Gaussian process on the sphere of normals, of which the largest
+modes are kept: areas are positive, smooth where the data say nothing, and a prior follows.  The
+moments of inertia of the homogeneous body are those of the ellipsoid with the same surface tensor,
+the integral of n n^T over the surface: for convex hulls with planed faces to 2 % (one standard
+deviation of ln I1/I3; the axes to 1 degree), see benchmarks/inversion.py.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude._compilation.decorators import reduction
+from attitude.errors import AttitudeError
+from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
+from attitude.scattering._law import law as known_law
+from attitude.scattering._weighted import LommelSeeligerLambert
+from attitude.shape._mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from attitude._support.annotations import FloatArray
+    from attitude.scattering._law import Law
+
+
+COUNT, MODES = 260, 90
+# Standard deviation of the logarithm of an area, and its correlation length, rad.
+_AMPLITUDE, _LENGTH = 1.0, 0.35
+# Largest residual of the closure, |sum of a n| / sum of a: one standard deviation.
+_CLOSURE = 0.01
+# Standard deviations of ln I1/I3 and ln I2/I3 of the motion from those of the homogeneous shape.
+TOLERANCE = 0.05
+# Turn of the axes of the shape against those of the motion, rad; least relative split of axes.
+_TURN, _SPLIT = 0.07, 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere:
+    """Normals (3, F), their squares, and modes (F, M) of the logarithm of the areas."""
+
+    normals: FloatArray
+    squares: FloatArray
+    modes: FloatArray
+
+
+@cache
+def sphere() -> Sphere:
+    """The normals and modes of all bodies."""
+    k = np.arange(COUNT) + 0.5
+    z = 1.0 - 2.0 * k / COUNT
+    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
+    normals = np.ascontiguousarray(np.stack([r * np.cos(angle), r * np.sin(angle), z]))
+    kernel = _AMPLITUDE**2 * np.exp((normals.T @ normals - 1.0) / _LENGTH**2)
+    values, vectors = np.linalg.eigh(kernel)
+    modes = vectors[:, ::-1][:, :MODES] * np.sqrt(values[::-1][:MODES])
+    # the sign of an eigenvector depends on the library of linear algebra
+    modes *= np.sign(modes[np.argmax(np.abs(modes), axis=0), np.arange(MODES)])
+    return Sphere(normals, normals**2, np.ascontiguousarray(modes))
+
+
+def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Areas (F,), the largest being 1, and slopes (F, 2 + M) of their logarithms.
+
+    Shapes: flat (2,), modes (M,).
+    """
+    on = sphere()
+    axes = np.array([math.exp(-flat[0]), math.exp(-flat[1]), 1.0])
+    across = axes @ on.squares
+    log_areas = on.modes @ modes - 2.0 * np.log(across)
+    slopes = np.concatenate([(2.0 * axes[:2, None] * on.squares[:2] / across).T, on.modes], axis=1)
+    return np.exp(log_areas - log_areas.max()), slopes
+
+
+def _of_ellipsoid(flat: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Logarithms (2,) of ratios of the surface tensor of an ellipsoid, and slopes (2, 2)."""
+    on = sphere()
+    axes = np.array([math.exp(-flat[0]), math.exp(-flat[1]), 1.0])
+    across = axes @ on.squares
+    weights = across**-2.0
+    tensor = on.squares @ weights
+    rise = 2.0 * axes[:2, None] * on.squares[:2] / across * weights  # (2, F)
+    by_flat = on.squares @ rise.T  # (3, 2)
+    relative = by_flat / tensor[:, None]
+    slopes: FloatArray = relative[:2] - relative[2]
+    return np.log(tensor[:2] / tensor[2]), slopes
+
+
+def equivalent(tensor: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The ellipsoid (2,) with the diagonal of a surface tensor (3, 3), and slopes (2, 2) by its
+    logarithms of ratios."""
+    wanted = np.log(np.diag(tensor)[:2] / tensor[2, 2])
+    flat = np.clip(start, -4.0, 4.0)
+    for _ in range(30):
+        value, slope = _of_ellipsoid(flat)
+        step = np.linalg.solve(slope, wanted - value)
+        flat = np.clip(flat + np.clip(step, -1.0, 1.0), -6.0, 6.0)
+        if np.abs(step).max() < 1e-9:
+            break
+    return flat, np.asarray(np.linalg.inv(slope), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """Residuals of a shape, in standard deviations, and their slopes by its parameters (2 + M).
+
+    Attributes
+    ----------
+    closure, turn : (3,) arrays
+        Of the closure, and of the directions of its principal axes.
+    by_closure, by_turn : (3, 2 + M) arrays
+    log_ratios : (2,) array
+        ln I1/I3 and ln I2/I3 of the homogeneous body.
+    by_ratios : (2, 2 + M) array
+    """
+
+    closure: FloatArray
+    by_closure: FloatArray
+    turn: FloatArray
+    by_turn: FloatArray
+    log_ratios: FloatArray
+    by_ratios: FloatArray
+
+
+def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Constraints:
+    """What a shape has to satisfy; arguments as of and from `areas`."""
+    n = sphere().normals
+    share = area / area.sum()
+    offset = n @ share
+    by_closure = ((n - offset[:, None]) * share) @ slopes
+    tensor = (n * share) @ n.T
+    found, by_ratio = equivalent(tensor, flat)
+    inner = (n**2 / np.diag(tensor)[:, None]) * share
+    by_flat = by_ratio @ ((inner[:2] - inner[2]) @ slopes)
+    a, b = np.exp(-found)
+    ratios = np.array([math.log((b + 1.0) / (a + b)), math.log((a + 1.0) / (a + b))])
+    chain = np.array(
+        [[a / (a + b), b / (a + b) - b / (b + 1.0)], [a / (a + b) - a / (a + 1.0), b / (a + b)]]
+    )
+    i, j = np.array([0, 0, 1]), np.array([1, 2, 2])
+    size = _TURN * np.hypot(np.diag(tensor)[i] - np.diag(tensor)[j], _SPLIT)
+    off = tensor[i, j]
+    by_turn = ((n[i] * n[j] - off[:, None]) * share) @ slopes
+    return Constraints(
+        offset / _CLOSURE,
+        by_closure / _CLOSURE,
+        off / size,
+        by_turn / size[:, None],
+        ratios,
+        chain @ by_flat,
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# Brightness of a convex body from the areas of its facets by normal, with derivatives; compiled.
+#
+# Lommel-Seeliger plus a share of Lambert: S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen
+# facet.
+
+
+@reduction
+def shares(sun, observer, normals, areas, lambert, parts, by_directions):
+    """Brightness of each facet and epoch, into parts (N, F), and slopes, into (N, 6).
+
+    sun, observer (N, 3): unit vectors over body axes; normals (3, F); areas (F,).  The slopes are
+    those of the sum by the vectors to Sun and observer.
+    """
+    count = areas.size
+    for i in range(sun.shape[0]):
+        s0, s1, s2 = sun[i, 0], sun[i, 1], sun[i, 2]
+        o0, o1, o2 = observer[i, 0], observer[i, 1], observer[i, 2]
+        a0 = a1 = a2 = b0 = b1 = b2 = 0.0
+        for j in range(count):
+            x, y, z = normals[0, j], normals[1, j], normals[2, j]
+            m0 = max(s0 * x + s1 * y + s2 * z, 0.0)
+            m = max(o0 * x + o1 * y + o2 * z, 0.0)
+            area = areas[j] if m0 * m > 0.0 else 0.0
+            over = 1.0 / max(m0 + m, 1e-9)
+            parts[i, j] = area * m0 * m * (over + lambert)
+            by_m0 = area * m * (m * over * over + lambert)
+            by_m = area * m0 * (m0 * over * over + lambert)
+            a0 += by_m0 * x
+            a1 += by_m0 * y
+            a2 += by_m0 * z
+            b0 += by_m * x
+            b1 += by_m * y
+            b2 += by_m * z
+        by_directions[i, 0], by_directions[i, 1], by_directions[i, 2] = a0, a1, a2
+        by_directions[i, 3], by_directions[i, 4], by_directions[i, 5] = b0, b1, b2
+
+
+# --------------------------------------------------------------------------------------------------
+# Magnitudes of a convex body of `facets`, with derivatives, and what its shape has to satisfy.
+#
+# The parameters of a shape are two of an ellipsoid and the coefficients of the modes of the areas.
+
+# Share of Lambert's law in the scattering, to that of Lommel and Seeliger.
+LAMBERT = 0.1
+# Parameters of the ellipsoid, and of a shape.
+ELLIPSOID = 2
+SIZE = ELLIPSOID + MODES
+# Standard deviations of the logarithms of the squared ratios of axes of the ellipsoid, and of the
+# coefficients of the modes.
+_RATIOS, _MODES = 1.5, 1.0
+# The same about one axis, those of bodies that are known: there many poles fit equally well with a
+# shape of their own, and wide priors prefer those from which least of the shape is seen.
+_AXIAL_RATIOS, _AXIAL_MODES = 0.9, 0.5
+# That of the logarithms of ratios of moments that are given.
+_GIVEN = 0.003
+_MAGNITUDE = -2.5 / math.log(10.0)
+
+
+class BodyLight(NamedTuple):
+    """Magnitudes (N,) of a body seen from given directions, and their derivatives.
+
+    across (N, 3): by a turn of the body, rad, over its own axes; by_shape (SIZE, N); areas (F,)
+    and the slopes (F, SIZE) of their logarithms.
+    """
+
+    magnitude: FloatArray
+    across: FloatArray
+    by_shape: FloatArray
+    areas: FloatArray
+    slopes: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """What the moments of the motion agree with.
+
+    Attributes
+    ----------
+    tolerance : float
+        Standard deviation of the logarithms of their ratios from those of the homogeneous shape;
+        infinite: any moments.
+    given : (3,) array, optional
+        Moments, ascending, in place of those of the shape.
+    """
+
+    tolerance: float = TOLERANCE
+    given: FloatArray | None = None
+
+    @property
+    def holds_axes(self) -> bool:
+        """Whether the principal axes of the shape are those of the motion."""
+        return self.given is not None or math.isfinite(self.tolerance)
+
+
+class MotionMoments(NamedTuple):
+    """ln I1/I3 and ln I2/I3 of a motion, their slopes (2, M) by its M parameters, and its mode.
+
+    is_swapped: I1 and I2 are exchanged against an order in which I1 is farthest from I3.
+    """
+
+    log_ratios: FloatArray
+    slopes: FloatArray
+    is_long_axis: bool
+    is_swapped: bool
+
+
+def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> BodyLight:
+    """The magnitudes of a shape (SIZE,) seen from unit vectors (N, 3) over its axes."""
+    count = len(sun)
+    area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
+    parts, by = np.empty((count, COUNT)), np.empty((count, 6))
+    shares(sun, observer, sphere().normals, area, LAMBERT, parts, by)
+    total = np.maximum(parts.sum(axis=1), 1e-12)
+    factor = _MAGNITUDE / total
+    across = (np.cross(by[:, :3], sun) + np.cross(by[:, 3:], observer)) * factor[:, None]
+    parts *= factor[:, None]
+    return BodyLight(_MAGNITUDE * np.log(total), across, (parts @ slopes).T, area, slopes)
+
+
+def penalties(
+    shape: FloatArray,
+    areas: FloatArray,
+    slopes: FloatArray,
+    moments: MotionMoments | None,
+    motion: int,
+    tie: Tie,
+) -> tuple[FloatArray, FloatArray, float]:
+    """Residuals of all priors (R,), their derivatives (R, motion + SIZE), and the strain.
+
+    Shapes: shape (SIZE,).
+    """
+    held = constraints(shape[:ELLIPSOID], areas, slopes)
+    count, size = 8 + SIZE, motion + SIZE
+    r, by = np.zeros(count), np.zeros((count, size))
+    r[:3], by[:3, motion:] = held.closure, held.by_closure
+    strain = 0.0
+    if tie.holds_axes:
+        r[3:6], by[3:6, motion:] = held.turn, held.by_turn
+        if moments is None:
+            above = held.log_ratios > 0.0
+            width = min(tie.tolerance, TOLERANCE)
+            r[6:8] = np.where(above, held.log_ratios, 0.0) / width
+            by[6:8, motion:] = np.where(above[:, None], held.by_ratios, 0.0) / width
+        elif tie.given is not None:
+            r[6:8] = (moments.log_ratios - wanted(tie.given, moments)) / _GIVEN
+            by[6:8, :motion] = moments.slopes / _GIVEN
+        else:
+            r[6:8] = (moments.log_ratios - held.log_ratios) / tie.tolerance
+            by[6:8, :motion] = moments.slopes / tie.tolerance
+            by[6:8, motion:] = -held.by_ratios / tie.tolerance
+        strain = float(r[3:8] @ r[3:8])
+    wide = widths(moments is None)
+    r[8:] = shape / wide
+    by[range(8, count), range(motion, size)] = 1.0 / wide
+    return r, by, strain
+
+
+def widths(is_axial: bool) -> FloatArray:
+    """Standard deviations (SIZE,) of the parameters of a shape before the curve is seen."""
+    ratios, modes = (_AXIAL_RATIOS, _AXIAL_MODES) if is_axial else (_RATIOS, _MODES)
+    found = np.full(SIZE, modes)
+    found[:ELLIPSOID] = ratios
+    return found
+
+
+def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
+    """ln I1/I3 and ln I2/I3 (2,) of given ascending moments over the axes of a motion."""
+    third, first = (given[0], given[2]) if moments.is_long_axis else (given[2], given[0])
+    both = np.log(np.array([first, given[1]]) / third)
+    return both[::-1] if moments.is_swapped else both
+
+
+# --------------------------------------------------------------------------------------------------
+# Magnitudes of a known shape under a known law, with their derivative by a turn of the body.
+
+# rad: of the differences.  Lobes of glints are wider by far.
+_STEP_OF_DIFFERENCES = 1e-4
+# Flux, over the mean, below which a magnitude is that of this flux: the body is unlit.
+_DARK = 1e-4
+_NOTHING = np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownShape:
+    """A mesh with its law.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Over the axes of the body, whose attitude is sought.
+    law : Law
+    """
+
+    mesh: Mesh
+    law: Law
+
+    def __getstate__(self) -> dict[str, object]:
+        # `_sums` is made anew: compiled loops are not pickled
+        return {"mesh": self.mesh, "law": self.law}
+
+    def over(self, axes: FloatArray) -> KnownShape:
+        """The same over other axes, the columns (3, 3)."""
+        if np.array_equal(axes, np.eye(3)):
+            return self
+        return KnownShape(self.mesh.turned(axes.T), self.law)
+
+    def flux(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
+        """Brightness (...) seen from unit vectors (..., 3) over the axes of the body, m2/sr."""
+        suns, observers, shape = paired(sun, observer)
+        found = np.empty(shape)
+        flat = found.reshape(-1)
+        for begin in range(0, flat.size, BLOCK):
+            end = begin + BLOCK
+            self._sums(components(suns, observers, begin, end), flat[begin:end])
+        return found
+
+    @cached_property
+    def _sums(self) -> Callable[[Sequence[FloatArray], FloatArray], None]:
+        """The sum over the facets: made once, since a search evaluates it thousands of times."""
+        return with_phase(kernel_of(self.mesh, self.law, True, 1), self.law)
+
+    def magnitudes(self, sun: FloatArray, observer: FloatArray, least: float) -> FloatArray:
+        """Magnitudes (...) of the flux, or of `least` where it is smaller."""
+        found: FloatArray = _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
+        return found
+
+    def floor(self, sun: FloatArray, observer: FloatArray) -> float:
+        """The least flux that counts, from directions (..., 3) over any axes."""
+        return max(_DARK * float(np.mean(self.flux(sun, observer))), 1e-300)
+
+    def lit(self, sun: FloatArray, observer: FloatArray, least: float) -> BodyLight:
+        """Magnitudes (N,) and their slopes (N, 3) by a turn of the body about its own axes."""
+        across = np.empty((*sun.shape[:-1], 3))
+        for k in range(3):
+            ends = [
+                self.magnitudes(_turned(sun, k, side), _turned(observer, k, side), least)
+                for side in (_STEP_OF_DIFFERENCES, -_STEP_OF_DIFFERENCES)
+            ]
+            across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
+        nothing = np.zeros((0, sun.shape[0]))
+        here = self.magnitudes(sun, observer, least)
+        return BodyLight(here, across, nothing, _NOTHING, np.zeros((0, 0)))
+
+
+def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
+    """The mesh with a law, or with its name; by default Lommel-Seeliger's and a tenth of
+    Lambert's.
+    """
+    chosen = LommelSeeligerLambert(c=0.1, a=0.0, k=0.0) if law is None else known_law(law)
+    if not isinstance(mesh, Mesh):
+        raise AttitudeError(f"shape is {mesh!r}; give a Mesh.")
+    found = KnownShape(mesh, chosen)
+    found.flux(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
+    return found
+
+
+def _turned(vectors: FloatArray, axis: int, angle: float) -> FloatArray:
+    """Vectors (..., 3) fixed in space, over the axes of a body that is turned about an own axis."""
+    c, s = math.cos(angle), math.sin(angle)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    out = vectors.copy()
+    out[..., i] = c * vectors[..., i] + s * vectors[..., j]
+    out[..., j] = c * vectors[..., j] - s * vectors[..., i]
+    return out
+
+
+# --------------------------------------------------------------------------------------------------
+# The convex polyhedron with given areas and normals of its facets: Minkowski's problem.
+#
+# The heights h of the planes minimise log(sum a h) - log(V)/3, where V is the volume of the
+# polyhedron (Little, "Extended Gaussian images", 1985; the derivative of V by a height is the area
+# of the facet).  Polyhedra come from the convex hull of their polar duals.
+
+_ITERATIONS = 400
+# Corners closer than this, over the size of the body, are one.
+_MERGED = 1e-4
+
+
+def closed(areas: FloatArray, normals: FloatArray) -> FloatArray:
+    """Areas (F,) changed least, relative to their size, such that the surface closes."""
+    weighted = normals * areas
+    inner = weighted @ normals.T
+    factor = 1.0 - normals.T @ np.linalg.solve(inner, normals @ areas)
+    return areas * np.maximum(factor, 1e-6)
+
+
+def mesh(areas: FloatArray, normals: FloatArray) -> Mesh:
+    """The polyhedron as a mesh about its centre of mass, of the volume of the unit sphere.
+
+    Shapes: areas (F,), normals (3, F).
+    """
+    from scipy.optimize import minimize
+
+    given = closed(areas, normals)
+    given = given / given.sum()
+    scale = np.sqrt((normals**2 * given).sum(axis=1))
+    start = np.sqrt(np.sum((normals / scale[:, None]) ** 2, axis=0))
+
+    def cost(logs: FloatArray) -> tuple[float, FloatArray]:
+        heights = np.exp(logs)
+        _, here = _polyhedron(heights, normals)
+        volume, total = heights @ here / 3.0, given @ heights
+        slope = given / total - here / (3.0 * volume)
+        return float(np.log(total) - np.log(volume) / 3.0), slope * heights
+
+    found = minimize(
+        cost, np.log(start), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}
+    )
+    corners, _ = _polyhedron(np.exp(found.x), normals)
+    return _meshed(corners)
+
+
+def _polyhedron(heights: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Corners (V, 3) and areas (F,) of the polyhedron of planes n.x = h."""
+    from scipy.spatial import ConvexHull
+
+    dual = (normals / heights).T
+    hull = ConvexHull(dual)
+    # a facet of the dual, n.x + d = 0, is the corner -n/d
+    corners = -hull.equations[:, :3] / hull.equations[:, 3:]
+    areas = np.zeros(len(heights))
+    simplices, neighbours = hull.simplices, hull.neighbors
+    for k in range(3):
+        # the neighbour across from corner k shares the two others
+        first, second = simplices[:, (k + 1) % 3], simplices[:, (k + 2) % 3]
+        length = np.linalg.norm(corners - corners[neighbours[:, k]], axis=1)
+        cosine = np.sum(normals[:, first] * normals[:, second], axis=0)
+        sine = np.sqrt(np.maximum(1.0 - cosine**2, 1e-30))
+        # each edge is met from both sides
+        for a, b in ((first, second), (second, first)):
+            distance = (heights[b] - heights[a] * cosine) / sine
+            areas += np.bincount(a, 0.25 * distance * length, len(areas))
+    return corners, areas
+
+
+def _meshed(corners: FloatArray) -> Mesh:
+    from scipy.spatial import ConvexHull
+
+    size = float(np.ptp(corners, axis=0).max())
+    _, kept = np.unique(np.round(corners / (size * _MERGED)), axis=0, return_index=True)
+    points = corners[np.sort(kept)]
+    hull = ConvexHull(points)
+    points, facets = points[hull.vertices], np.searchsorted(hull.vertices, hull.simplices)
+    a, b, c = (points[facets[:, k]] for k in range(3))
+    outward = np.sum(np.cross(b - a, c - a) * (a + b + c - 3.0 * points.mean(axis=0)), axis=1) > 0.0
+    facets = np.where(outward[:, None], facets, facets[:, ::-1])
+    rough = Mesh(points, facets)
+    found = rough.mass_properties(density=1.0)
+    radius = (3.0 * found.mass / (4.0 * np.pi)) ** (1.0 / 3.0)
+    return Mesh((points - found.center_of_mass) / radius, facets)

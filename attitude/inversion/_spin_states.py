@@ -1,0 +1,344 @@
+"""`spin_states`: the ranked spin states of a light curve."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.blocks import timed
+from attitude.errors import AttitudeError
+from attitude.inversion import (
+    _ellipsoid,
+    _known,
+    _lattices,
+    _problem,
+    _refinement,
+    _search,
+    _states,
+    _verdicts,
+)
+from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion._solution import Solution, SpinStates
+from attitude.shape._mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from attitude._support.annotations import FloatArray, Real
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Weighted
+    from attitude.motions._body import Body
+    from attitude.scattering._law import Law
+
+    ZeroPoints = str | float | tuple[str, ...]
+    Prepared = Callable[[ZeroPoints], _search.Search]
+
+
+_MODES = ("LAM", "SAM")
+_DAY = 86400.0
+_LABEL = "spin states"
+# Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is not
+# constant, and the least such ratio that no constant curve has.
+_CONSTANT, _CONSTANT_AT_MOST = 3.0, 1.5
+# Frequencies searched at most, turns per span; more need a shorter curve.
+_MOST_TURNS = 1500.0
+# Of the epochs, the share that lies within the same third of the day for one site.
+_ONE_SITE = 0.9
+_IS_CONSTANT = "the brightness is constant within the errors"
+# Solutions of one zero point that are refined with offsets of the sessions.
+_COMPARED = 6
+
+
+def spin_states(
+    curve: LightCurve,
+    max_frequency: Real,
+    *,
+    modes: Sequence[str] = _MODES,
+    shape: str | Mesh = "convex",
+    law: str | Law | None = None,
+    moments: str | float | Body | Sequence[float] = "shape",
+    budget: Real = 60.0,
+    seed: int = 0,
+    threads: int = 1,
+    progress: Callable[[str], object] | None = None,
+) -> SpinStates:
+    """The spin states that a light curve allows, found without a first guess.
+
+    Parameters
+    ----------
+    curve : LightCurve
+    max_frequency : float, Quantity or text
+        Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
+    modes : sequence of str
+        "LAM", "SAM" or both.
+    shape : str or Mesh
+        "convex", or "ellipsoid"; or a known mesh, such as a satellite, whose axes are the body's.
+        Then `max_frequency` is that of the rate itself, and solutions are `Refinement` objects.
+    law : str or Law, optional
+        Of a known mesh, such as `attitude.scattering.Materials`; by default Lommel-Seeliger's law
+        and a tenth of Lambert's.
+    moments : str, float, three floats or Body
+        "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
+        to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
+        moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
+        mesh "shape" is homogeneous, and three moments are about its own axes.
+    budget : float or text
+        Time, s, after which the best so far is returned.
+    seed : int
+        Of the random starts.  The same seed gives the same result if the budget is not exhausted.
+    threads : int
+        Of the linear algebra.
+    progress : callable, optional
+        Called with a text after each stage.  By default a bar of the time is drawn where standard
+        error is a terminal.
+
+    Returns
+    -------
+    SpinStates
+        A sequence of `Solution`, the best first, with a verdict.
+
+    Raises
+    ------
+    AttitudeError
+        For arguments out of range, and a curve that spans less than a turn at `max_frequency`.
+
+    Notes
+    -----
+    Ctrl-C ends the search, and the best so far is returned.
+    """
+    if isinstance(shape, Mesh):
+        most = _checked_turns(curve, max_frequency)
+        seconds = validation.positive(budget, "budget", unit="s")
+        number = validation.count(threads, "threads")
+        with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
+            given = curve, most, shape, law, moments, seconds, seed, report
+            return SpinStates(*_known.found(*given))
+    if law is not None:
+        raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
+    most, tie = _checked(curve, max_frequency, modes, shape, moments)
+    seconds = validation.positive(budget, "budget", unit="s")
+    validation.count(threads, "threads")
+    _compile(curve, most)
+    deadline = time.monotonic() + seconds
+    with _refinement.limited(threads), timed(_LABEL, seconds, progress) as report:
+
+        def prepared(zero_points: ZeroPoints) -> _search.Search:
+            given = curve, most, zero_points, modes, shape, tie, seed, deadline, report
+            return _prepared(*given)
+
+        found = _searched(curve, prepared)
+    return _results(curve, found)
+
+
+def _compile(curve: LightCurve, most: float) -> None:
+    """Run every compiled loop once: the time of compilation is not counted."""
+    generator = np.random.default_rng(0)
+    problem, _ = _problem.problem(curve, most, _search.ELLIPSOID_ERROR, "shared")
+    found, _ = _lattices.lattice_pairs(problem, 2.0, 1)
+    rate = _lattices.Candidate(float(found[0, 0]), -1.0)
+    pool = _ellipsoid.around(problem, generator, [rate], 1, iterations=1, tie=_ellipsoid.Held(1.0))
+    _refinement.refine(problem, pool.states[0], iterations=1)
+
+
+def _checked_turns(curve, max_frequency):
+    """The largest frequency, Hz."""
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    most = validation.positive(max_frequency, "max_frequency", unit="1/s")
+    turns = most * curve.span
+    if turns < 2.0:
+        raise AttitudeError(
+            f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
+            f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
+        )
+    if turns > _MOST_TURNS:
+        raise AttitudeError(
+            f"the light curve spans {turns:.0f} turns at max_frequency; at most {_MOST_TURNS:.0f} "
+            f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
+            "the curve."
+        )
+    return most
+
+
+def _checked(curve, max_frequency, modes, shape, moments):
+    most = _checked_turns(curve, max_frequency)
+    if not modes or isinstance(modes, str):
+        raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
+    for mode in modes:
+        validation.one_of(mode, "modes", _MODES)
+    validation.one_of(shape, "shape", ("convex", "ellipsoid"))
+    return most, _states.of(moments)
+
+
+def _prepared(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
+    problem, bins = _problem.problem(curve, most, _search.ELLIPSOID_ERROR, zero_points)
+    made = _search.Search(
+        problem,
+        most * curve.span,
+        tuple(modes),
+        tie,
+        _shifts(curve),
+        validation.generator(seed),
+        deadline,
+        progress,
+        is_ellipsoid=shape == "ellipsoid",
+    )
+    made.notes = list(curve.notes)
+    if bins is not None:
+        made.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+    return made
+
+
+def _searched(curve, prepared):
+    """The search with the zero points of sessions that a curve asks for, after it has run.
+
+    Offsets of short sessions take up a rotation of days.  So one zero point for all sessions is
+    tried first, and offsets follow where evidence prefers them.
+    """
+    one = prepared("shared")
+    if is_constant(one.problem):
+        one.notes.append(_IS_CONSTANT + ".")
+        return one
+    if curve.zero_points != "auto":
+        own = prepared(curve.zero_points)
+        if is_constant(own.problem):
+            own.notes.append(
+                f"{_IS_CONSTANT} with the zero points of the sessions; with one zero point "
+                f"chi2/N is {_mean_square(one.problem):.1f}."
+            )
+        else:
+            _run(own)
+        return own
+    if len(curve.sessions) == 1:
+        _run(one)
+        return one
+    return _with_offsets_if_needed(one, prepared)
+
+
+def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.Search:
+    """The search with one zero point, or one with offsets, whichever has the better evidence."""
+    own = prepared("auto")
+    may_be_constant = is_constant(own.problem)
+    asked = []
+
+    def asks() -> bool:
+        asked.append(_asks_for_offsets(one, own))
+        return asked[-1] and not may_be_constant
+
+    if not _run(one, asks):
+        return one
+    if may_be_constant and is_better_constant(own.problem, one.solutions):
+        one.solutions = []
+        offsets = _offsets_of(_refinement.constant(own.problem))
+        one.notes.append(
+            f"{_IS_CONSTANT} with zero points of the sessions of {np.std(offsets):.3f} mag rms; "
+            f"with one zero point chi2/N is {_mean_square(one.problem):.1f}."
+        )
+        return one
+    if not asked[-1]:
+        return one
+    own.follow(one)
+    if _search.is_axial(own.solutions[0].refined.state) or not own.has_reached_floor:
+        _run(own)
+    offsets = _offsets_of(own.solutions[0])
+    if _problem.are_free(offsets):
+        free = prepared("free")
+        _run(free)
+        own = free if free.solutions else own
+    own.notes.append(f"sessions have zero points of their own, {np.std(offsets):.2f} mag rms.")
+    return own
+
+
+def _run(made: _search.Search, is_ended: Callable[[], bool] = _search.never) -> bool:
+    """Run a search; False if it was interrupted."""
+    try:
+        made.run(is_ended)
+    except KeyboardInterrupt:
+        made.notes.append("the search was interrupted.")
+        if not made.solutions:
+            made.finish()
+        return False
+    return True
+
+
+def _asks_for_offsets(one: _search.Search, own: _search.Search) -> bool:
+    """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
+    if not one.solutions:
+        return False
+    own.begin([each.refined.state for each in one.solutions[:_COMPARED]])
+    better = _evidence(one.solutions[0]) - _evidence(own.solutions[0])
+    return better > _verdicts.COMPETING
+
+
+def _evidence(found: Weighted) -> float:
+    """That of a solution among others with other zero points."""
+    return found.evidence + _refinement.volume_of_offsets(found.problem)
+
+
+def _mean_square(problem: CurveProblem) -> float:
+    """Of the magnitudes without the linear terms, over the errors."""
+    return float(np.mean((problem.detrended / problem.sigma) ** 2))
+
+
+def is_constant(problem: CurveProblem) -> bool:
+    """Whether the linear terms alone explain the magnitudes.
+
+    Terms with a prior count by it: offsets beyond it are no constant brightness.  Free zero points
+    of many nights take degrees of freedom, and most of a slow variation.
+    """
+    own = problem.with_model_error(0.0)
+    taken = np.linalg.matrix_rank((own.terms * own.root[:, None])[:, np.isinf(own.prior)])
+    free = len(own) - int(taken)
+    most = min(_CONSTANT_AT_MOST, 1.0 + _CONSTANT * math.sqrt(2.0 / free))
+    return own.chi_squared(np.zeros(len(own))) < most * free
+
+
+def is_better_constant(problem: CurveProblem, found: Sequence[Weighted]) -> bool:
+    """Whether offsets alone have better evidence, by 13, than any solution without them."""
+    most = min((_evidence(each) for each in found), default=math.inf) - _verdicts.COMPETING
+    return _evidence(_refinement.constant(problem)) < most
+
+
+def _shifts(curve: LightCurve) -> tuple[float, ...]:
+    """A day in turns per span, if most points lie at one time of the day."""
+    if curve.span < 2.0 * _DAY:
+        return ()
+    angle = 2.0 * np.pi * curve.seconds / _DAY
+    hour = np.mod(angle - np.angle(np.mean(np.exp(1j * angle))) + np.pi, 2.0 * np.pi) - np.pi
+    one_site = np.mean(np.abs(hour) < np.pi / 3.0) > _ONE_SITE
+    return (curve.span / _DAY,) if one_site else ()
+
+
+def _offsets_of(found: Weighted) -> FloatArray:
+    """Fitted zero points of the calibrated sessions of a solution, mag."""
+    coefficients = found.problem.coefficients(found.refined.magnitude)
+    return coefficients[found.problem.prior == CALIBRATED]
+
+
+def _results(curve, found):
+    solutions = [
+        Solution(curve, each, found.problem, found.tie, k)
+        for k, each in enumerate(found.solutions)
+        if _states.is_admissible(each.refined.state)
+    ]
+    for k, each in enumerate(solutions):
+        each.rank = k
+        each.relation = _verdicts.relation(each.state, solutions[0].state, each._problem)
+        each._rivals = [each] + [
+            other
+            for other in solutions
+            if other is not each and abs(other.evidence - each.evidence) < _verdicts.COMPETING_POLES
+        ]
+        each._beside = [
+            one
+            for one in found.beside
+            if each.is_axial and abs(one.evidence - each.evidence) < _verdicts.COMPETING_POLES
+        ]
+    weighted = [each.weighted for each in solutions]
+    given = weighted, found.problem, found.is_complete, found.most
+    verdict, criterion = _verdicts.verdict(*given)
+    return SpinStates(solutions, verdict, criterion, tuple(found.notes))

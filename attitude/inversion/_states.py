@@ -1,0 +1,174 @@
+"""From the parameters of a search to a motion: moments, attitude and rates at the epoch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+import numpy as np
+
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
+from attitude.inversion._search import is_axial
+from attitude.inversion._shapes import Tie
+from attitude.motions._body import Body
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._spin import Spin
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.epochs._instants import Instant
+    from attitude.inversion._errors import GroupErrors
+    from attitude.inversion._moving import MovingPoint
+    from attitude.inversion._refinement import Weighted
+
+
+# --------------------------------------------------------------------------------------------------
+# What `moments=` says: the moments of the motion are free, those of the shape, or given.
+
+
+def of(moments: str | float | Body | Sequence[float]) -> Tie:
+    """The tie of "shape", "free", a tolerance, three principal moments or a Body."""
+    if isinstance(moments, str):
+        if moments not in ("shape", "free"):
+            raise AttitudeError(
+                f'moments is {moments!r}; give "shape", "free", a tolerance, three moments or a '
+                "Body."
+            )
+        return Tie() if moments == "shape" else Tie(math.inf)
+    if isinstance(moments, Body):
+        known = moments
+    elif np.ndim(moments) == 0:
+        return Tie(validation.positive(cast("float", moments), "moments"))
+    else:
+        known = Body(moments=moments, relative=True)
+    ordered = np.sort(known.moments)
+    if ordered[0] <= 0.0:
+        raise AttitudeError("moments has one of zero; a light curve is that of a body with width.")
+    return Tie(given=ordered / ordered[2])
+
+
+def with_moments(point: MovingPoint, given: FloatArray) -> MovingPoint:
+    """The point with given moments (3,), ascending, in the order of those that it has."""
+    order = np.argsort(np.argsort(point.body.moments))
+    scaled = given[order] * (float(point.body.moments.max()) / given[2])
+    body = Body(moments=scaled, relative=point.body.relative, mass=point.body.mass)
+    return replace(point, body=body)
+
+
+# Steps of the derivatives of state by parameters, relative to their scales.
+_STEP = 1e-6
+# Iterations of a fit without a group of points.
+_REFITTED = 30
+
+
+class PhysicalState(NamedTuple):
+    """Rotation matrix (3, 3) to ICRF at the middle of the span, rates (rad per span), moments."""
+
+    matrix: FloatArray
+    rates: FloatArray
+    moments: FloatArray
+
+
+def physical(state: FloatArray) -> PhysicalState:
+    """The state of motion of the parameters of a search; the largest moment is 1."""
+    body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
+    matrix = state[5:14].reshape(3, 3) @ body
+    if is_axial(state):
+        held = _shapes.constraints(state[14:16], *_shapes.areas(state[14:16], state[16:]))
+        ratios = np.exp(np.append(held.log_ratios, 0.0))
+        ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
+        return PhysicalState(
+            matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
+        )
+    found = _motions.moments(state[_ellipsoid.OF_MOMENTS])
+    ratios = np.exp(np.append(found.log_ratios, 0.0))
+    return PhysicalState(matrix, found.momentum * body[2] / ratios, ratios / ratios.max())
+
+
+def is_admissible(state: FloatArray) -> bool:
+    """Whether a body has the moments of a state."""
+    if is_axial(state):
+        return True
+    return bool(_motions.moments(state[_ellipsoid.OF_MOMENTS]).exists)
+
+
+def motion(
+    state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
+) -> FreeRotation:
+    """The free rotation of a state, its covariance as of `Spin`; the moments are relative."""
+    here = physical(state)
+    wxyz = quaternion.from_matrix(here.matrix)
+    spin = Spin(epoch, wxyz, here.rates / span, covariance=covariance)
+    return FreeRotation(Body(moments=here.moments, relative=True), spin)
+
+
+def covariance(
+    found: Weighted,
+    groups: Sequence[IntArray],
+    tie: Tie,
+    rivals: Sequence[Weighted] = (),
+) -> tuple[FloatArray, GroupErrors]:
+    """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
+
+    Shapes: groups (N,).
+    """
+    state, problem = found.refined.state, found.problem
+    fixed = np.diag(found.refined.normal) == 1.0
+
+    def refitted(keep: BoolArray) -> FloatArray | None:
+        again = _refinement.refine(
+            problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
+        )
+        return _difference(again.state, state)
+
+    here = _refinement.model(problem, state)
+    formal = _errors.covariance_of_motion(found, tie)
+    made = _errors.errors(found, here, groups, 8, refitted, formal)
+    if is_axial(state):
+        others = [
+            (each.refined.state, each.evidence)
+            for each in rivals
+            if is_axial(each.refined.state)
+            and _pole_map.has_turn(problem, each.refined.state, state)
+        ]
+        wider = made.covariance + _pole_map.spread(state, found.evidence, others)
+        made = made._replace(covariance=wider)
+    slopes = _slopes(state)
+    total = slopes @ made.covariance @ slopes.T
+    return 0.5 * (total + total.T), made
+
+
+def _difference(state: FloatArray, origin: FloatArray) -> FloatArray:
+    """The parameters (8,) of the motion of a state from those of another."""
+    turn = quaternion.from_matrix(origin[5:14].reshape(3, 3).T @ state[5:14].reshape(3, 3))
+    return np.concatenate([forms.to_rotation_vector(turn), state[:5] - origin[:5]])
+
+
+def _slopes(state: FloatArray) -> FloatArray:
+    """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
+    slopes = np.zeros((9, 8))
+    scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
+    for p in range(8):
+        if is_axial(state) and p >= 4:
+            continue
+        ends = []
+        for sign in (1.0, -1.0):
+            step = np.zeros(_refinement.SIZE)
+            step[p] = sign * _STEP * scale[p]
+            ends.append(physical(_ellipsoid.moved(state, step)))
+        turn = ends[0].matrix @ ends[1].matrix.T
+        vector = 0.5 * np.array(
+            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+        )
+        width = 2.0 * _STEP * scale[p]
+        slopes[:3, p] = vector / width
+        slopes[3:6, p] = (ends[0].rates - ends[1].rates) / width
+        slopes[6:, p] = (ends[0].moments - ends[1].moments) / width
+    return slopes

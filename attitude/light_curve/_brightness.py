@@ -1,0 +1,569 @@
+"""Brightness of a shape under a law, for arrays of directions: input checks, choice of the loop."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._compilation.decorators import reduction_over
+from attitude._compilation.simd import (
+    at_most,
+    bits_set_in_bytes,
+    chosen,
+    eight,
+    every,
+    lanes,
+    positive_bits,
+    summed_up,
+)
+from attitude._support.arrays import read_only
+from attitude._support.blocks import ProgressBar, in_blocks
+from attitude.errors import AttitudeError
+from attitude.light_curve._sums import SIZE, WORD, aligned, clusters_of
+from attitude.light_curve._visibility import POINTS, Visibility
+from attitude.scattering._law import TERMS, laws
+from attitude.scattering._law import law as known_law
+from attitude.shape._ellipsoid import Ellipsoid
+from attitude.shape._mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from typing import Any
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude._compilation.decorators import Compilable, EntryPoint
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.scattering._law import Law
+
+
+# --------------------------------------------------------------------------------------------------
+# Directions of Sun and observer, checked, as one array per component for the compiled loops.
+
+# Tolerance of the squared length of a unit vector.
+_UNIT = 1e-6
+
+
+def paired(
+    sun: ArrayLike, observer: ArrayLike
+) -> tuple[NDArray[Any], NDArray[Any], tuple[int, ...]]:
+    """Both directions as arrays (N, 3), if possible without a copy, and the shape of the result."""
+    arrays = []
+    for value, name in ((sun, "sun"), (observer, "observer")):
+        try:
+            array = np.asarray(value)
+        except ValueError as err:
+            raise AttitudeError(f"{name} is ragged; give unit vectors (..., 3).") from err
+        if array.ndim < 1 or array.shape[-1] != 3 or array.dtype.kind not in "fiu":
+            raise AttitudeError(
+                f"{name} has shape {array.shape} of {array.dtype}; give unit vectors (..., 3)."
+            )
+        arrays.append(array)
+    try:
+        shape = np.broadcast_shapes(arrays[0].shape, arrays[1].shape)
+    except ValueError as err:
+        raise AttitudeError(
+            f"sun has shape {arrays[0].shape} and observer {arrays[1].shape}; they must broadcast."
+        ) from err
+    # A reshape would copy a broadcast direction: skip it for arrays of two axes.
+    flat = [
+        np.broadcast_to(a, shape) if len(shape) == 2 else np.broadcast_to(a, shape).reshape(-1, 3)
+        for a in arrays
+    ]
+    return flat[0], flat[1], shape[:-1]
+
+
+def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) -> list[FloatArray]:
+    """Six contiguous float64 arrays of a block: x, y, z of the Sun, then of the observer."""
+    from attitude.light_curve._sums import stray
+
+    parts = []
+    for array, name in ((sun, "sun"), (observer, "observer")):
+        # read-only everywhere: one compiled version
+        own = [
+            read_only(np.ascontiguousarray(array[begin:end, k], dtype=np.float64)) for k in range(3)
+        ]
+        # The sum of (|v|^2 - 1)^2 exceeds the bound if any single vector does; NaN stays NaN.
+        if not stray(*own) <= _UNIT**2:
+            _refuse_the_first(own, name, begin)
+        parts.extend(own)
+    return parts
+
+
+def _refuse_the_first(own: list[FloatArray], name: str, begin: int) -> None:
+    """Raise for the first vector beyond the bound, if any: the sum of many may exceed it too."""
+    excess = own[0] ** 2 + own[1] ** 2 + own[2] ** 2 - 1.0
+    wrong = np.flatnonzero(~(np.abs(excess) <= _UNIT))
+    if len(wrong):
+        bad = int(wrong[0])
+        raise AttitudeError(
+            f"{name} at epoch {begin + bad} is {[float(v[bad]) for v in own]}; give finite "
+            "vectors of length 1."
+        )
+
+
+# Epochs in a block: some 0.5 MB of temporary arrays, and a few milliseconds of work; more of an
+# ellipsoid, since threads wait for each other between blocks.
+BLOCK = 8192
+_BLOCK_OF_ELLIPSOIDS = 32768
+
+# Facets that are gathered at a time, 0.4 MB of temporary arrays.
+_GATHERED = 16384
+
+# Tables of shadows; each lives as long as its mesh.
+_visibility: weakref.WeakKeyDictionary[Mesh, Visibility] = weakref.WeakKeyDictionary()
+
+
+def brightness(
+    shape: Ellipsoid | Mesh,
+    law: str | Law,
+    sun: ArrayLike,
+    observer: ArrayLike,
+    *,
+    shadows: bool | Visibility = True,
+    threads: int = 1,
+    out: FloatArray | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> FloatArray:
+    """Intensity that a body sends to the observer, over the Sun's irradiance on it.
+
+    Parameters
+    ----------
+    shape : Ellipsoid or Mesh
+        An ellipsoid needs a law with a closed form (Lommel-Seeliger); for other laws give its
+        facets, `Ellipsoid.facets`.
+    law : str or Law
+        A law of `attitude.scattering`, or its name.
+    sun, observer : (..., 3) array_like
+        Unit vectors from the body to Sun and observer in body axes.  Arrays (N, 3) of float64 in
+        component-major memory are read in place; others are copied block by block.
+    shadows : bool or Visibility
+        Whether facets of a mesh that is not convex shade and hide each other.  True makes a table
+        at the first use of a mesh (0.5 s for 2000 facets, 4 s for 20,000), shows a bar meanwhile,
+        and keeps the table as long as the mesh, and on disk; `Visibility.of` makes one beforehand.
+        Convex meshes need none.
+    threads : int
+        Number of threads; it does not change the bits of the result.
+    out : (...) float64 array, optional
+        Output array in C order.
+    progress : callable, optional
+        Called with (number of epochs done, number of epochs) after each block; by default a bar on
+        a terminal.
+
+    Returns
+    -------
+    (...) array
+        m2/sr, 0 where no facet is both lit and seen; for magnitudes see
+        `attitude.light_curve.reduced_magnitude`.
+
+    Raises
+    ------
+    AttitudeError
+        For vectors that are not unit to 1e-6 or not finite, arrays that do not broadcast,
+        inside-out meshes, facets whose material the law lacks, and ellipsoids under a law without
+        a closed form.
+
+    Notes
+    -----
+    Memory beyond the arguments and the result: 2 MB, and the table of shadows (by default at most
+    256 MiB).  Speed and accuracy are measured by benchmarks/light_curve.py.
+
+    Examples
+    --------
+    A white sphere of radius 1 m under Lambert's law at full phase returns 2/3 m2/sr.
+
+    >>> from attitude.shape import Ellipsoid
+    >>> sphere = Ellipsoid((1, 1, 1)).facets(5000)
+    >>> print(brightness(sphere, "lambert", [0, 0, 1], [0, 0, 1]).round(3))
+    0.667
+    """
+    law = known_law(law)
+    suns, observers, shape_out = paired(sun, observer)
+    kernel = kernel_of(shape, law, shadows, threads)
+    if out is None:
+        out = np.empty(shape_out)
+    elif not (
+        isinstance(out, np.ndarray)
+        and out.shape == shape_out
+        and out.dtype == np.float64
+        and out.flags.c_contiguous
+        and out.flags.writeable
+    ):
+        raise AttitudeError(
+            f"out is {_described(out)}; give a writable float64 array of shape {shape_out} in C "
+            "order."
+        )
+    flat, work = out.reshape(-1), with_phase(kernel, law)
+
+    def fill(begin: int, end: int) -> None:
+        work(components(suns, observers, begin, end), flat[begin:end])
+
+    bar = ProgressBar("light curve") if progress is None else progress
+    block = _BLOCK_OF_ELLIPSOIDS if isinstance(shape, Ellipsoid) else BLOCK
+    in_blocks(fill, flat.size, block, threads, bar)
+    return out if out.ndim else out[()]
+
+
+def with_phase(
+    kernel: Callable[..., object], law: Law
+) -> Callable[[Sequence[FloatArray], FloatArray], None]:
+    """The function of `components` and an output array: a `kernel_of` the law, and its phase."""
+    has_phase = law.has_phase
+    if has_phase:
+        from attitude._solver.vectors import separation
+
+    def work(parts: Sequence[FloatArray], out: FloatArray) -> None:
+        kernel(*parts, out)
+        if has_phase:
+            out *= law.phase(separation(*parts))
+
+    return work
+
+
+def stream(
+    shape: Ellipsoid | Mesh,
+    law: str | Law,
+    blocks: Iterable[tuple[ArrayLike, ArrayLike]],
+    *,
+    shadows: bool | Visibility = True,
+    threads: int = 1,
+    progress: Callable[[int], object] | None = None,
+) -> Iterator[FloatArray]:
+    """Yield the brightness (m2/sr) of each pair of direction arrays, for curves longer than memory.
+
+    Parameters
+    ----------
+    shape, law, shadows, threads : as of `brightness`
+    blocks : iterable of pairs (sun, observer)
+        Arrays (..., 3) as of `brightness`.  Only one block is in memory at a time if the iterable
+        is lazy.
+    progress : callable, optional
+        Called with the number of epochs done after each block.
+    """
+    done = 0
+    for sun, observer in blocks:
+        part = brightness(shape, law, sun, observer, shadows=shadows, threads=threads)
+        done += np.size(part)
+        if progress is not None:
+            progress(done)
+        yield part
+
+
+def _described(out: object) -> str:
+    """Type, element type and shape of what was given as output array."""
+    if not isinstance(out, np.ndarray):
+        return f"a {type(out).__name__}"
+    return f"an array of {out.dtype} of shape {out.shape}"
+
+
+def kernel_of(
+    shape: object, law: Law, shadows: bool | Visibility, threads: int
+) -> Callable[..., object]:
+    """The function of six components and an output array that evaluates one block.
+
+    Without the phase function of the law; arguments as of `brightness`.
+    """
+    if isinstance(shape, Ellipsoid):
+        return _ellipsoid_kernel(shape, law)
+    if not isinstance(shape, Mesh):
+        raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
+    if len(shape.inward_facets):
+        shape.require_closed()
+    table = _table(shape, shadows, threads)
+    if law.weights is None:
+        return _facet_kernel(shape, law, table)
+    return _fused_kernel(shape, law, table)
+
+
+def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
+    require_ellipsoid_form(law)
+    from attitude.light_curve._sums import ellipsoid
+
+    assert law.weights is not None
+    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
+    return lambda *arrays: ellipsoid(*axes, factor, *arrays)
+
+
+def require_ellipsoid_form(law: Law) -> None:
+    """AttitudeError for a law without a closed form of an ellipsoid."""
+    if not law.has_ellipsoid_form:
+        names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
+        raise AttitudeError(
+            f"law is {law!r}, but an ellipsoid has a closed form under the law {names} only; give "
+            "its facets, Ellipsoid.facets(count), or that law."
+        )
+
+
+def _table(mesh: Mesh, shadows: bool | Visibility, threads: int) -> Visibility | None:
+    """The table of shadows of a mesh; None if nothing casts a shadow or shadows are off."""
+    if isinstance(shadows, Visibility):
+        if not shadows.is_of(mesh):
+            raise AttitudeError(
+                "shadows is the Visibility of another mesh; give Visibility.of(mesh)."
+            )
+        return shadows
+    if shadows is not True and shadows is not False:
+        raise AttitudeError(f"shadows is {shadows!r}; give True, False or a Visibility.")
+    if not shadows or mesh.is_convex:
+        return None
+    if mesh not in _visibility:
+        _visibility[mesh] = Visibility.of(mesh, threads=threads)
+    return _visibility[mesh]
+
+
+def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+    """The sum for laws with weights: the weights are part of the rows of each facet."""
+    from attitude.light_curve import _sums
+
+    clusters = clusters_of(mesh)
+    blocks = clusters.rows()
+    height, area = blocks[:, 2], blocks[:, 3] / (1 if table is None else POINTS)
+    assert law.weights is not None
+    seeliger, lambert = law.weights
+    blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
+    tables = aligned(blocks), clusters.axes, clusters.sky, clusters.cells
+    if table is None:
+        return _times(
+            clusters.area, lambda *arrays: _sums.fused(*tables, None, None, None, *arrays)
+        )
+    masks, resolution = table.masks.view(np.uint64), table.resolution
+
+    def kernel(*arrays: FloatArray) -> None:
+        cells = _cells(resolution, arrays[:3]), _cells(resolution, arrays[3:6])
+        _sums.fused(*tables, masks, *cells, *arrays)
+
+    return _times(clusters.area, kernel)
+
+
+def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
+    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    from attitude.light_curve import _sums
+
+    if resolution == 0:
+        return np.zeros(directions[0].size)
+    missing = -directions[0].size % SIZE
+    if missing:
+        directions = [np.append(each, np.ones(missing)) for each in directions]
+        for each in directions:
+            each.flags.writeable = False  # as `components` gives them: one compiled version
+    cells = np.empty(directions[0].size)
+    _sums.cells_of(*directions, float(resolution), cells)
+    return cells
+
+
+def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+    """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
+    from attitude.light_curve import _sums
+
+    clusters = clusters_of(mesh)
+    rows, number = law.rows(mesh.materials)
+    # Names of the same material are one row: fewer facets are filled up.
+    rows, same = np.unique(rows, axis=0, return_inverse=True)
+    number = same.reshape(-1)[number]
+    packs = packs_of(mesh, number, len(rows), clusters.order)
+    if packs is not None and law.elements is not None:
+        return _times(clusters.area, _few_kernel(law, rows, packs, table))
+    which = np.where(clusters.order < 0, -1, number[clusters.order])
+    masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
+    masks.flags.writeable = False
+    if table is not None:
+        masks, resolution = table.masks.view(np.uint64), table.resolution
+    facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
+    found = *facets, _segments(which, len(rows)), which.astype(float), masks
+    assert law.of_phase is not None
+    if law.elements is not None:
+        summed = _sums.by_sixteen(law.of_phase, law.elements)
+    else:
+        assert law.element is not None
+        summed = _sums.by_facet(law.of_phase, law.element)
+    size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
+
+    def kernel(*arrays: FloatArray) -> None:
+        *directions, out = arrays
+        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        half = np.empty((2, out.size))
+        _sums.halves(*directions, *half)
+        ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
+        given = *found, *cells, *directions, *np.empty((3, size)), ends
+        summed(rows, given, *half, out)
+
+    return _times(clusters.area, kernel)
+
+
+def _few_kernel(
+    law: Law, rows: FloatArray, packs: Packs, table: Visibility | None
+) -> Callable[..., None]:
+    """The sum over a mesh of few facets, all of which are evaluated."""
+    from attitude.light_curve import _sums
+
+    assert law.of_phase is not None and law.elements is not None
+    masks, resolution = arranged(np.zeros((1, 0), dtype=np.uint8), packs), 0
+    if table is not None:
+        masks, resolution = table.arranged(packs), table.resolution
+    summed = summed_few_facets(law.of_phase, law.elements)
+
+    def kernel(*arrays: FloatArray) -> None:
+        *directions, out = arrays
+        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        half = np.empty((2, out.size))
+        _sums.halves(*directions, *half)
+        summed(rows, packs.first, packs.facets, masks, *cells, *directions, *half, out)
+
+    return kernel
+
+
+def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
+    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    found = []
+    of_clusters = which.reshape(-1, SIZE)
+    for row in range(rows):
+        holds = np.any(of_clusters == row, axis=1)
+        padded = np.zeros(-(-len(holds) // WORD) * WORD, dtype=np.uint8)
+        padded[: len(holds)] = holds
+        words = np.packbits(padded, bitorder="little").view("<u8")
+        # each row has a segment, be it empty
+        used = np.flatnonzero(words) if np.any(words) else [0]
+        found += [(word, int(words[word]), row) for word in used]
+    return np.array(found, dtype=np.uint64)
+
+
+def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
+    """The kernel of a sum over facet areas in units of the whole area.
+
+    The sums treat totals below a fixed bound as 0; with these units it fits bodies of any size.
+    """
+
+    def kernel(*arrays: FloatArray) -> None:
+        summed(*arrays)
+        arrays[-1][:] *= area
+
+    return kernel
+
+
+# --------------------------------------------------------------------------------------------------
+# The sum over a mesh of few facets under a law that is evaluated facet by facet.
+#
+# All facets of an epoch are evaluated, eight at a time, the dark ones too.  Up to some tens of
+# facets that takes less time than to gather those that are both lit and seen, as `sums` does for
+# more: their number changes from epoch to epoch, and the processor guesses branches wrong.
+
+# Packs of eight facets up to which evaluating all of them is faster (benchmarks/light_curve.py).
+MOST_PACKS = 6
+# Numbers of each facet, in rows of SIZE: the normal and the area.
+_ROWS = 4
+_ZEROS = (0.0,) * SIZE
+# Unsigned indices: for signed ones numba adds a test for negative values to every access.
+_PACK = np.uint64(_ROWS * SIZE)
+_Y, _Z, _AREA = (np.uint64(k * SIZE) for k in (1, 2, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Packs:
+    """Facets in packs of eight that have the same row of a law.
+
+    Attributes
+    ----------
+    facets : (P * 32,) array
+        Pack by pack: x, y and z of the normals, and areas in units of the whole area, 0 in empty
+        places.
+    first : (M + 1,) array of int
+        The packs of row m of the law are first[m] to first[m + 1].
+    order : (P * 8,) array of int
+        The facet in each place, -1 in empty places.
+    """
+
+    facets: FloatArray
+    first: IntArray
+    order: IntArray
+
+
+def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs | None:
+    """The facets of a mesh in packs; None if there are more than `MOST_PACKS`.
+
+    `number` (F,) is the row of the law of each facet; `order` has the facets, -1 in empty places,
+    such that neighbours have similar normals: dark packs are skipped.
+    """
+    counts = np.bincount(number, minlength=rows)
+    packs = -(-counts // SIZE)
+    if np.sum(packs) > MOST_PACKS:
+        return None
+    first = np.concatenate([[0], np.cumsum(packs)])
+    places = np.full(first[-1] * SIZE, -1)
+    near = order[order >= 0]
+    for row in range(rows):
+        own = near[number[near] == row]
+        places[first[row] * SIZE : first[row] * SIZE + len(own)] = own
+    used = places >= 0
+    blocks = np.zeros((_ROWS, len(places)))
+    blocks[:3, used] = mesh.normals[places[used]].T
+    blocks[3, used] = mesh.areas[places[used]] / np.sum(mesh.areas)
+    blocks = np.swapaxes(blocks.reshape(_ROWS, -1, SIZE), 0, 1)
+    return Packs(aligned(blocks), first, places)
+
+
+def arranged(
+    masks: NDArray[np.uint8], packs: Packs, order: IntArray | None = None
+) -> NDArray[np.uint64]:
+    """The masks of `Visibility`, a column for each facet in `order`, as a word for each pack.
+
+    Zeros without an order.
+    """
+    found = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
+    if order is not None:
+        own, column = order >= 0, np.empty(len(order), dtype=np.int64)
+        column[order[own]] = np.flatnonzero(own)
+        used = packs.order >= 0
+        found[:, used] = masks[:, column[packs.order[used]]]
+    words: NDArray[np.uint64] = found.view(np.uint64)
+    words.flags.writeable = False
+    return words
+
+
+@cache
+def summed_few_facets(of_phase: Compilable, elements: Compilable) -> EntryPoint:
+    """The sum of mu0 mu (r / mu0) dA over packs for the functions of a law.
+
+    It is called with the rows of the law (M, W), `first` and `facets` of `Packs`, the masks of
+    `arranged` (one row where nothing casts a shadow), `cells_of` both directions, the components of
+    the directions, the cosines and sines of half the phase angles, and the output, a number for
+    each epoch.
+    """
+
+    @reduction_over(of_phase, elements)
+    def summed(
+        rows, first, facets, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, cosines, sines,
+        out,
+    ):  # fmt: skip
+        terms = np.empty(TERMS)
+        zeros = lanes(_ZEROS)
+        shaded = masks.shape[0] > 1
+        for t in range(out.size):
+            a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
+            free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
+            total = 0.0
+            for m in range(rows.shape[0]):
+                row = rows[m]
+                of_phase(row, cosines[t], sines[t], terms)
+                part = zeros
+                for n in range(np.uint64(first[m]), np.uint64(first[m + 1])):
+                    i = n * _PACK
+                    x, y, z = eight(facets, i), eight(facets, i + _Y), eight(facets, i + _Z)
+                    weight = eight(facets, i + _AREA)
+                    p, q = x * a + y * b + z * c, x * d + y * e + z * f
+                    if shaded:
+                        free = masks[free_sun, n] & masks[free_eye, n]
+                        weight = weight * (0.125 * bits_set_in_bytes(free))
+                    by = at_most(at_most(p, q), weight)
+                    if positive_bits(by) != 0:
+                        # dark facets have a place where every law is finite, and no weight
+                        p, q = chosen(by, p, every(1.0, p)), chosen(by, q, every(1.0, q))
+                        weight = chosen(by, weight, zeros)
+                        part = part + weight * (p * q) * elements(row, terms, p, q)
+                total += summed_up(part)
+            out[t] = total
+
+    return summed

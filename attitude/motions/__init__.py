@@ -1,0 +1,57 @@
+"""Motions of a body, and what they answer at epochs: attitudes, rates, periods, derivatives.
+
+_body, _spin       what is given: the inertia, and the state of rotation at an epoch
+_motion, _history  the contract of motions, and the attitudes that they return
+_free_rotation     the exact free rotation; _description, _polhode, _predictability and
+                   _differentiable say more of it
+_table             attitudes that are given at epochs
+_propagation       `propagate`: plain arrays in, plain arrays out
+_published         states in the form of papers; _conventions of their angles, _uncertainty
+_axes              attitudes relative to other axes than ICRF
+
+Chains of free rotations and motions under torques stand in `attitude.torques`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    # The names of _WHERE, for editors and type checkers.
+    from attitude._solver.regime import Mode as Mode
+    from attitude.motions._body import Body as Body
+    from attitude.motions._free_rotation import FreeRotation as FreeRotation
+    from attitude.motions._history import AttitudeHistory as AttitudeHistory
+    from attitude.motions._motion import Motion as Motion
+    from attitude.motions._propagation import propagate as propagate
+    from attitude.motions._spin import Spin as Spin
+    from attitude.motions._table import AttitudeTable as AttitudeTable
+
+# The module that defines each name, imported when the name is first used.
+_WHERE = {
+    "AttitudeHistory": "attitude.motions._history",
+    "AttitudeTable": "attitude.motions._table",
+    "Body": "attitude.motions._body",
+    "FreeRotation": "attitude.motions._free_rotation",
+    "Mode": "attitude._solver.regime",
+    "Motion": "attitude.motions._motion",
+    "Spin": "attitude.motions._spin",
+    "propagate": "attitude.motions._propagation",
+}
+
+__all__ = sorted(_WHERE)
+
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    def __getattr__(name: str) -> Any:
+        if name not in _WHERE:
+            raise AttributeError(f"module 'attitude.motions' has no attribute {name!r}")
+        value = getattr(import_module(_WHERE[name]), name)
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_WHERE})

@@ -1,0 +1,426 @@
+"""What follows from the derivatives of a free rotation: sensitivities, covariances, samples."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from abc import ABC, abstractmethod
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Literal, Self, overload
+
+import numpy as np
+
+from attitude._compilation.streaming import LINE
+from attitude._solver import covariance as covariances
+from attitude._solver import sensitivities
+from attitude._solver.elements import inputs_by_elements
+from attitude._support import validation
+from attitude._support.arrays import new_array
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError, CovarianceWarning
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions._body import Body
+from attitude.motions._motion import Motion
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude._support.annotations import Epochs, FloatArray
+    from attitude.motions._spin import Spin
+
+
+# --------------------------------------------------------------------------------------------------
+# Derivatives and covariances of the attitudes of one free rotation.
+
+
+class Derivatives(ABC):
+    """The derivatives of a motion at any epoch, and the covariances that follow from them."""
+
+    @abstractmethod
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+
+    @abstractmethod
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
+
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
+        attitude, omega = self.at(seconds, low, rates)
+        both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
+        factored = both @ covariances.factor(given)
+        found: FloatArray = factored @ np.swapaxes(factored, -1, -2)
+        return found
+
+
+class Sensitivity(Derivatives):
+    """The derivatives of one motion at any epoch.
+
+    Parameters
+    ----------
+    constants : (1,) structured array
+        Of `evaluation.constants_of`.
+    body, spin : Body, Spin
+    """
+
+    def __init__(self, constants: NDArray[Any], body: Body, spin: Spin) -> None:
+        self._constants = constants
+        self._tangents = sensitivities.tangents_of(
+            body.moments_as_pairs[None],
+            spin.wxyz_icrf[None],
+            body.principal_wxyz[None],
+            constants,
+        )
+        self._last: tuple[FloatArray, sensitivities.Factored] | None = None
+
+    def _factored(self, given: FloatArray) -> sensitivities.Factored:
+        """The factors for a covariance (9, 9); those of the last one are kept."""
+        last = self._last
+        if last is None or not np.array_equal(last[0], given):
+            factors = covariances.factor(given)[None]
+            last = given.copy(), sensitivities.factored(self._constants, self._tangents, factors)
+            self._last = last
+        return last[1]
+
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        t, t_low = _row(seconds), None if low is None else _row(low)
+        attitude = new_array(1, 3, 9, t.size)
+        omega = new_array(1, 3, 9, t.size) if rates else None
+        sensitivities.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
+        shape = (*seconds.shape, 3, 9)
+        found = np.moveaxis(attitude[0], -1, 0).reshape(shape)
+        return found, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
+
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements."""
+        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
+
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """As `Derivatives.covariance_at`, in one loop over the epochs."""
+        t, t_low = _row(seconds), None if low is None else _row(low)
+        size = 6 if rates else 3
+        # Rows of whole lines of the cache are stored faster.
+        out = new_array(1, size, size, -(-t.size // LINE) * LINE)
+        sensitivities.covariances(
+            self._constants, self._tangents, self._factored(given), t, t_low, out
+        )
+        found: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
+        return found.reshape(*seconds.shape, size, size)
+
+
+def of_momentum(body: Body, spin: Spin) -> FloatArray:
+    """Changes (3, 9) of the angular momentum, ICRF axes, for unit changes of the parameters."""
+    to_icrf, axes = quaternion.matrix(spin.wxyz_icrf), body.principal_axes
+    momentum = to_icrf @ body.tensor @ spin.angular_velocity
+    by_turn = np.cross(np.eye(3), momentum).T
+    by_moment = axes * (spin.angular_velocity @ axes)
+    return np.concatenate([by_turn, to_icrf @ body.tensor, to_icrf @ by_moment], axis=1)
+
+
+def to_body_axes(wxyz: FloatArray, start: FloatArray, attitude: FloatArray) -> FloatArray:
+    """Changes of attitude (S, 3, 9) over inertial axes, over the body axes then and at first."""
+    turned: FloatArray = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude
+    turned[..., :3] = turned[..., :3] @ quaternion.matrix(start)
+    return turned
+
+
+def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
+    """Body and Spin with one change (9,) of the parameters (ICRF axes)."""
+    turn = forms.from_rotation_vector(changes[:3])
+    wxyz = quaternion.multiply(turn, spin.wxyz_icrf)
+    moved = type(spin)(spin.epoch, wxyz, spin.angular_velocity + changes[3:6])
+    if not np.any(changes[6:]):
+        return body, moved
+    moments = body.moments + changes[6:]
+    more: dict[str, Any] = {
+        "mass": body.mass,
+        "relative": body.relative,
+        "center_of_mass": body.center_of_mass,
+    }
+    if np.array_equal(body.principal_axes, np.eye(3)):
+        return Body(moments=moments, **more), moved
+    axes = body.principal_axes
+    tensor = (axes * moments) @ axes.T
+    return Body(tensor=0.5 * (tensor + tensor.T), **more), moved
+
+
+def _row(array):
+    return np.ascontiguousarray(array, dtype=np.float64).reshape(1, -1)
+
+
+# Squares of turns, rad2, that are rounding errors of attitudes.
+_ROUNDING = 1e-28
+# Standard deviation of the attitude, rad, and nonlinearity from which a covariance means nothing: a
+# normal distribution of 60 deg reaches round the circle, and half of the change is of second order.
+_LARGEST_SIGMA = math.pi / 3.0
+_LARGEST_NONLINEARITY = 0.5
+# Standard deviation, rad, from which the nonlinearity is looked at: 2 r motions at one epoch.
+_CHECKED_SIGMA = 0.25
+
+
+class Differentiable(Motion):
+    """A motion whose attitudes have derivatives by its initial state and its moments.
+
+    A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity`` (an object with
+    the methods of `attitude.motions._differentiable.Sensitivity`) and ``_with(body, spin)``, the
+    same motion from another state.
+    """
+
+    # Whether another motion takes no steps, so that covariances can look at the nonlinearity.
+    _has_closed_form = False
+
+    if TYPE_CHECKING:
+        body: Body
+        spin: Spin
+
+        @property
+        def _sensitivity(self) -> Derivatives: ...
+
+    def _with(self, body: Body, spin: Spin) -> Self:
+        raise NotImplementedError(f"{type(self).__name__} defines no _with")
+
+    @overload
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        low: ArrayLike | None = None,
+        *,
+        axes: str = "inertial",
+        by: str = "state",
+    ) -> FloatArray: ...
+
+    @overload
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: Literal[True],
+        axes: str = "inertial",
+        by: str = "state",
+    ) -> tuple[FloatArray, FloatArray]: ...
+
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: bool = False,
+        axes: str = "inertial",
+        by: str = "state",
+    ) -> FloatArray | tuple[FloatArray, FloatArray]:
+        """The derivatives of the attitude by the initial state and the moments, in closed form.
+
+        Parameters
+        ----------
+        t, low
+            Epochs, as for `at`.
+        angular_velocity : bool
+            Whether the derivatives of the angular velocity are returned too.
+        axes : str
+            "inertial" (ICRF) or "body": axes of the changes of attitude, then and at the epoch.
+        by : str
+            "state", or "elements": eight columns, of the attitude at the epoch (3) and of
+            `elements` (5) in their order.
+
+        Returns
+        -------
+        attitude : (S, 3, 9) array
+            Rotation vector (rad) of the change of attitude for a unit change of the attitude at the
+            epoch (3, rotation vector, rad), the angular velocity (3, rad/s, body axes) and the
+            principal moments (3, in the unit of the body; their common scale changes nothing).
+        omega : (S, 3, 9) array
+            Of the angular velocity, body axes; only with `angular_velocity`.
+
+        Raises
+        ------
+        AttitudeError
+            For the rod, epochs that cannot be read, and epochs to which a rotation about an
+            unstable axis multiplies errors by more than 1e121.
+
+        Notes
+        -----
+        Errors are 4e-15 of the largest entry of a column, near the separatrix 1e-15/mc: closed
+        forms (docs/derivation.md), not differences.  For motions under torques see
+        `attitude.splitting.TorquedRotation`.
+        """
+        seconds, lo = _inputs.seconds_since(self.epoch, t, low)
+        if axes not in ("inertial", "body"):
+            raise AttitudeError(f'axes is {axes!r}; give "inertial" or "body".')
+        validation.one_of(by, "by", ("state", "elements"))
+        rates = validation.flag(angular_velocity, "angular_velocity")
+        attitude, omega = self._sensitivity.at(seconds, lo, rates)
+        if axes == "body":
+            wxyz = self._evaluate(seconds, lo, 0)[0]
+            attitude = to_body_axes(wxyz, self.spin.wxyz_icrf, attitude)
+            if omega is not None:
+                omega[..., :3] = omega[..., :3] @ quaternion.matrix(self.spin.wxyz_icrf)
+        if by == "elements":
+            change = self._sensitivity.by_elements()
+            attitude = _combined(attitude, change)
+            omega = None if omega is None else _combined(omega, change)
+        return attitude if omega is None else (attitude, omega)
+
+    def covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
+    ) -> FloatArray:
+        """Covariance (S, 6, 6), or (S, 3, 3) without rates; see `Motion.covariance_at`."""
+        hi, lo = _inputs.plain_seconds(seconds, low)
+        found = self._linear_covariance_at(hi, lo, rates)
+        self._warn_of_large(found, hi, lo)
+        return found
+
+    def _linear_covariance_at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """`covariance_at` without the warning."""
+        return self._sensitivity.covariance_at(self._errors(), seconds, low, rates)
+
+    def _warn_of_large(
+        self, covariance: FloatArray, seconds: FloatArray, low: FloatArray | None
+    ) -> None:
+        """Warn once if covariances (S, n, n) do not describe the errors of the attitude."""
+        if "_has_warned" in self.__dict__ or not covariance.size:
+            return
+        variances = [covariance[..., k, k] for k in range(3)]
+        largest = math.sqrt(
+            np.fmax.reduce([np.fmax.reduce(each, axis=None) for each in variances], initial=0.0)
+        )
+        if largest > _LARGEST_SIGMA:
+            found = f"{math.degrees(largest):.3g} deg"
+            self._warn(f"the standard deviation of the attitude reaches {found}")
+            return
+        # The nonlinearity grows with the errors: it is looked at again where they are larger.
+        known = self.__dict__.get("_checked_sigma", _CHECKED_SIGMA)
+        if not self._has_closed_form or not largest > known:
+            return
+        self._set("_checked_sigma", 1.5 * largest)
+        at = np.unravel_index(np.nanargmax(sum(variances)), seconds.shape)
+        with suppress(AttitudeError):  # errors that lead to moments of no body
+            self.nonlinearity_at(seconds[at], None if low is None else low[at])
+
+    def _warn(self, what: str) -> None:
+        """Warn, once for the motion, that its covariances mean little."""
+        if "_has_warned" not in self.__dict__:
+            self._set("_has_warned", True)
+            warnings.warn(
+                f"{what}: covariances do not describe such errors. Take motion.sample(n), "
+                "motion.sigma_points(), or epochs within motion.predictable_time().",
+                CovarianceWarning,
+                stacklevel=2,
+            )
+
+    @property
+    def momentum_covariance(self) -> FloatArray:
+        """(3, 3) covariance of the momentum over ICRF axes; see `Motion.momentum_covariance`."""
+        changes = of_momentum(self.body, self.spin) @ covariances.factor(self._errors())
+        return changes @ changes.T
+
+    def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Second over first order (S,) of the attitude's errors of one standard deviation.
+
+        From the motions of `sigma_points`; below 0.1 covariances describe the errors.
+        """
+        hi, lo = _inputs.plain_seconds(seconds, low)
+        wxyz = self._evaluate(hi, lo, 0)[0]
+        turns = []
+        for motion in self.sigma_points():
+            other = motion._evaluate(hi, lo, 0)[0]
+            turn = quaternion.multiply(other, quaternion.conjugate(wxyz))
+            turns.append(forms.to_rotation_vector(turn))
+        if not turns:
+            return np.zeros(hi.shape)
+        plus, minus = np.array(turns[0::2]), np.array(turns[1::2])
+        first = np.sum((0.5 * (plus - minus)) ** 2, axis=(0, -1))
+        second = np.sum((0.5 * (plus + minus)) ** 2, axis=(0, -1))
+        found = np.sqrt(np.divide(second, first, out=np.zeros_like(first), where=first > _ROUNDING))
+        # A turn of more than half a revolution is another one's: nothing is linear any more.
+        far = np.max(np.sum(plus**2 + minus**2, axis=-1), axis=0) > 0.5 * np.pi**2
+        found = np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(found, 1.0), found))
+        largest = float(np.fmax.reduce(found, axis=None, initial=0.0))
+        if largest > _LARGEST_NONLINEARITY:
+            self._warn(f"the nonlinearity of the errors of the attitude reaches {largest:.2g}")
+        return found
+
+    def sigma_points(self) -> list[Self]:
+        """Motions one standard deviation to either side along each principal axis of the errors.
+
+        2 r motions for a covariance of rank r, in pairs; (mean, covariance) of any quantity over
+        them is that of the linear theory where it is linear.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance, or its errors lead to moments that are no body's.
+        """
+        columns = covariances.factor(self._errors()).T
+        points = [column for column in columns if np.any(column)]
+        return [self.changed(sign * point) for point in points for sign in (1.0, -1.0)]
+
+    def sample(self, count: int, seed: int | np.random.Generator = 0) -> list[Self]:
+        """Motions drawn from the normal distribution of the covariance of the spin.
+
+        Parameters
+        ----------
+        count : int
+        seed : int
+            Of numpy's default generator.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance, or if 9 of 10 draws are no body's moments.
+
+        Notes
+        -----
+        Draws whose moments are no body's are drawn anew.
+        """
+        number = validation.count(count, "count")
+        factor = covariances.factor(self._errors())
+        generator = validation.generator(seed)
+        found: list[Self] = []
+        most = 10 * number + 100
+        for _ in range(most):
+            if len(found) == number:
+                return found
+            with suppress(AttitudeError):
+                found.append(self.changed(factor @ generator.standard_normal(9)))
+        raise AttitudeError(
+            f"{most} draws gave {len(found)} motions whose moments are those of a body; give "
+            "smaller errors of the moments."
+        )
+
+    def _errors(self) -> FloatArray:
+        given = self.spin.covariance_icrf
+        if given is None:
+            raise AttitudeError(
+                "the spin has no covariance; make it with Spin(..., covariance=...), or take "
+                "spin.with_covariance(...)."
+            )
+        return given
+
+    def changed(self, changes: ArrayLike) -> Self:
+        """The motion after a change (9,) of the parameters of `sensitivity_at` (ICRF axes).
+
+        Raises
+        ------
+        AttitudeError
+            If the moments are then not those of a body.
+        """
+        given = validation.real(changes, "changes", shape=(9,))
+        return self._with(*changed(self.body, self.spin, given))
+
+
+def _combined(columns: FloatArray, change: FloatArray) -> FloatArray:
+    """Columns (..., 3, 8) by attitude and elements from those (..., 3, 9) by the state."""
+    return np.concatenate([columns[..., :3], columns[..., 3:] @ change], axis=-1)

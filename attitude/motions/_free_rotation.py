@@ -1,0 +1,577 @@
+"""The free rotation of a body: attitudes at any epoch from the state at one epoch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import evaluation
+from attitude._solver.elements import Elements, elements_of, state_of
+from attitude._solver.regime import Mode, regime_of, regimes
+from attitude._support import markup, validation
+from attitude._support.arrays import frozen, new_array
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.motions import _conventions, _polhode, _predictability, _published
+from attitude.motions._body import Body
+from attitude.motions._differentiable import Differentiable, Sensitivity
+from attitude.motions._motion import RateBounds
+from attitude.motions._spin import Spin
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._solver.regime import Regime
+    from attitude._support.annotations import Epoch, EpochOrSeconds, Epochs, FloatArray, Real, Reals
+    from attitude.epochs._instants import Instant
+    from attitude.motions._published import Published
+    from attitude.motions._uncertainty import Uncertain
+
+
+# --------------------------------------------------------------------------------------------------
+# The normal form of a free rotation: its elements, and the motion that has given ones.
+
+
+# --------------------------------------------------------------------------------------------------
+# The state of a motion at another epoch, as a Spin with its covariance.
+
+
+def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
+    """The Spin at one epoch of a motion that has a spin, in the frame of that spin."""
+    hi, lo = _inputs.seconds_since(motion.epoch, epoch, name="epoch")
+    if hi.shape != () or not np.isfinite(hi):
+        raise AttitudeError(f"epoch is {epoch!r}; give one finite epoch.")
+    history = motion.at(hi, low=np.zeros(()) if lo is None else lo)
+    at: Instant = motion.epoch.after(float(hi), 0.0 if lo is None else float(lo))
+    frame = motion.spin.frame
+    back = quaternion.conjugate(frames.wxyz_to_icrf(frame))
+    wxyz = history.wxyz if frame == "icrf" else quaternion.multiply(back, history.wxyz)
+    found = Spin(at, wxyz, history.angular_velocity, frame)
+    if motion.spin.covariance is None:
+        return found
+    return found.with_covariance(_covariance(motion, hi, lo, frame))
+
+
+def _covariance(motion: Any, hi: FloatArray, lo: FloatArray | None, frame: str) -> FloatArray:
+    """The covariance (9, 9) there, with the attitude over the axes of a frame."""
+    attitude, rates = motion.sensitivity_at(hi, lo, angular_velocity=True)
+    changes = np.eye(9)
+    changes[:3], changes[3:6] = frames.matrix_to_icrf(frame).T @ attitude, rates
+    found: FloatArray = changes @ motion.spin.covariance_icrf @ changes.T
+    return 0.5 * (found + found.T)
+
+
+# --------------------------------------------------------------------------------------------------
+# Upper bounds of the derivatives of a body-fixed direction, used to prove intervals free of zeros.
+#
+# A body axis a, seen from inertial axes, moves by R a with
+#
+#     |(R a)'| <= |w|,   |(R a)''| <= |w'| + |w|^2,   |(R a)'''| <= |w''| + 3 |w'| |w| + |w|^3.
+#
+# For a free rotation the greatest |w| follows from energy and momentum, and Euler's equations
+# w1' = k1 w2 w3 with |k| <= 1 (no moment exceeds the sum of the others) give the rest:
+# |w'|^2 <= sum k_i^2 w_j^2 w_k^2, also <= |w|^4 / 3, and |w''| <= sqrt(2) |w'| |w|.
+
+# Factor that covers the rounding of the closed forms.
+_ROUNDED = 1.0 + 1e-12
+
+
+def of_free_rotation(body: Body, omega: FloatArray) -> RateBounds:
+    """`RateBounds` of a free rotation from its angular velocity (3,), rad/s in body axes."""
+    moments = np.asarray(body.moments)
+    rates = body.rates_about_principal_axes(np.array(omega))[:, 0]
+    w = float(np.max(regimes(moments, rates).spin_rate_range)) if np.any(rates) else 0.0
+    rate = _acceleration(moments, rates, w)
+    w, rate = w * _ROUNDED, rate * _ROUNDED
+    return RateBounds(w, rate + w * w, np.sqrt(2.0) * rate * w + 3.0 * rate * w + w**3)
+
+
+def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
+    """A bound of |w'|: the lower of that from the greatest components and |w|^2 / sqrt 3."""
+    some = moments > 0.0
+    if not w > 0.0:
+        return 0.0
+    scaled = rates / w
+    energy = np.sum(moments * scaled**2)
+    momentum = np.sum((moments * scaled) ** 2)
+    squares = np.zeros(3)
+    squares[some] = np.minimum(energy / moments[some], momentum / moments[some] ** 2)
+    total = 0.0
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        if some[i]:
+            gain = (moments[j] - moments[k]) / moments[i]
+            total += gain * gain * squares[j] * squares[k]
+    return w * w * float(min(np.sqrt(total), np.sqrt(1.0 / 3.0)))
+
+
+# Relative change that counts as rounding of the input: 16 units in the last place.
+_ROUNDING = 16.0 * np.finfo(float).eps
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeRotation(Differentiable):
+    """Torque-free motion of a rigid body, in closed form.
+
+    Parameters
+    ----------
+    body : Body
+    spin : Spin
+
+    Attributes
+    ----------
+    mode : Mode
+        Of the exact doubles given; see also `within_rounding`.
+    period_psi, period_phi : float
+        s; of the rotation about the axis about which the momentum circulates (the long axis in
+        long-axis mode, the short one in short-axis mode), and the mean period of that axis about
+        the momentum.  Limits, or inf, in the other modes.
+    momentum : (3,) array
+        In ICRF, kg m2/s (in the body's unit of inertia if that is relative).
+    energy : float
+        J (in the body's unit of inertia if that is relative).
+
+    Raises
+    ------
+    AttitudeError
+        For objects of other classes; from `at`, for epochs more than 5e16 turns away.
+
+    Notes
+    -----
+    Attitudes err by at most 4e-15 rad for the exact doubles given, at any epoch within 1e15 turns
+    (5e-14 rad at 5e16 turns): van Zon & Schofield (2006), in the form of docs/derivation.md.
+    Errors of the input limit a prediction, see `predictable_time`.
+
+    >>> motion = FreeRotation(
+    ...     Body(moments=(10, 20, 26)),
+    ...     Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1)),
+    ... )
+    >>> motion.mode.name, round(motion.period_psi, 6), round(motion.period_phi, 6)
+    ('SHORT_AXIS', 2.347113, 0.370161)
+    >>> motion.at(60.0).wxyz.shape
+    (4,)
+    """
+
+    # Without field(), dataclass takes None, the class attribute of Motion, as the default.
+    body: Body = field()
+    spin: Spin = field()
+    _value = ("body", "spin")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
+            raise AttitudeError(
+                "FreeRotation takes a Body and a Spin, as in FreeRotation(body, spin); given were "
+                f"{type(self.body).__name__} and {type(self.spin).__name__}."
+            )
+        self._constants: Any
+        body, spin = self.body, self.spin
+        wxyz, low = spin.wxyz_icrf, None
+        if spin.is_rounded:
+            low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
+        rates, differences = body.over_principal_axes(spin.angular_velocity)
+        constants = evaluation.constants_of(
+            body.moments_as_pairs[None],
+            wxyz[None],
+            rates[None],
+            body.principal_wxyz[None],
+            differences=differences,
+            wxyz_low=low,
+        )
+        self._set("_constants", frozen(constants))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The constants are computed anew: their record may change between versions.
+        return FreeRotation, (self.body, self.spin)
+
+    @property
+    def epoch(self) -> Instant:
+        """Instant from which its seconds count: that of the spin."""
+        return self.spin.epoch
+
+    def rate_bounds(self, seconds: float) -> RateBounds:
+        """`RateBounds` of a body-fixed direction, the same at all epochs."""
+        return of_free_rotation(self.body, self.spin.angular_velocity)
+
+    def angular_acceleration_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2 in body axes, at TDB seconds since the epoch.
+
+        By Euler's equations from `angular_velocity` (..., 3), rad/s in body axes at these epochs,
+        which is computed if it is not given.
+        """
+        if angular_velocity is None:
+            angular_velocity = self.angular_velocity_at(seconds, low)
+        return self.angular_acceleration_from(angular_velocity)
+
+    def angular_acceleration_from(self, angular_velocity: FloatArray) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2, of angular velocities (..., 3), rad/s.
+
+        Both over the body axes: Euler's equations.
+        """
+        axes, moments = self.body.principal_axes, self.body.moments
+        angular_velocity = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
+        w = np.moveaxis(angular_velocity @ axes, -1, 0)
+        rate = np.zeros(w.shape)
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            if moments[i] > 0.0:
+                rate[i] = (moments[j] - moments[k]) / moments[i] * w[j] * w[k]
+        accelerations: FloatArray = np.moveaxis(rate, 0, -1) @ axes.T
+        return accelerations
+
+    @property
+    def mode(self) -> Mode:
+        """The `Mode` of the exact doubles given; see also `within_rounding`."""
+        return Mode(int(self._constants["mode"][0]))
+
+    @property
+    def period_psi(self) -> float:
+        """Period in s of the rotation about the axis about which the momentum circulates."""
+        return _period(self._constants["psi_rate"][0])
+
+    @property
+    def period_phi(self) -> float:
+        """Mean period in s of the axis of `period_psi` about the momentum."""
+        return _period(self._constants["phi_rate"][0])
+
+    @cached_property
+    def regime(self) -> Regime:
+        """The `Regime` of the motion: E/E0, periods in both conventions, ranges, times."""
+        return regime_of(self.body.moments_as_pairs[None], self._constants)
+
+    def published(
+        self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
+    ) -> Published:
+        """The motion in the form of papers: mode, periods, pole, angles at the epoch.
+
+        Parameters
+        ----------
+        convention : "L" or "S"
+            Whether phi is the angle of the long or of the short axis about the momentum.
+        frame : str, optional
+            Of the pole; by default the frame of the spin.
+        at : epoch or seconds, optional
+            Epoch of the angles; that of the spin by default.
+
+        Returns
+        -------
+        Published
+            ``Spin.from_periods(body, **published.keywords())`` makes the same spin.
+
+        Raises
+        ------
+        AttitudeError
+            For a body at rest, and an unknown convention or frame.
+        """
+        if at is not None:
+            return FreeRotation(self.body, self.spin_at(at)).published(convention, frame)
+        frame = self.spin.frame if frame is None else frames.known(frame)
+        wxyz = quaternion.multiply(
+            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.spin.wxyz_icrf
+        )
+        return _published.published(
+            self.body,
+            self.regime,
+            self.spin.wxyz if frame == self.spin.frame else wxyz,
+            self.spin.angular_velocity,
+            convention=convention,
+            epoch=self.spin.epoch,
+            frame=frame,
+        )
+
+    def angles(self, t: Epochs, convention: str, frame: str | None = None) -> FloatArray:
+        """Euler angles (S, 3) about the momentum at epochs t: phi, theta, psi, in rad.
+
+        3-1-3 angles of the axes of a convention, as in `published`: phi counts from the direction
+        of growing colatitude at the pole in `frame` (by default that of the spin); phi and psi in
+        [0, 2 pi).
+        """
+        frame = self.spin.frame if frame is None else frame
+        wxyz = quaternion.multiply(
+            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.at(t).wxyz
+        )
+        wxyz = quaternion.multiply(wxyz, _conventions.axes_wxyz(self.body, convention))
+        momentum = frames.matrix_to_icrf(frame).T @ self.momentum
+        momentum = quaternion.rotate(quaternion.conjugate(wxyz), momentum)
+        return np.stack(_conventions.angles_of(wxyz, momentum)[1:], axis=-1)
+
+    def polhode(self, points: int = 361) -> FloatArray:
+        """The path (points, 3) of the angular velocity in body axes, rad/s, over one P_psi.
+
+        A closed curve where the momentum circulates; see attitude.motions._polhode.
+        """
+        return _polhode.polhode(self._constants[0], self.body.principal_axes, points)
+
+    def herpolhode(self, t: Epochs) -> FloatArray:
+        """The path (S, 2) of the angular velocity in the invariable plane, rad/s, at epochs t.
+
+        Its origin is on the momentum, its axes are those of attitude.motions._polhode.plane.
+        """
+        return _polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
+
+    def predictable_time(
+        self,
+        *,
+        moments_error: Reals | None = None,
+        rates_error: Reals | None = None,
+        tolerance: Real = 0.1,
+    ) -> float:
+        """Seconds until errors of the input reach a tolerance of the attitude.
+
+        Without `moments_error` and `rates_error` the errors are those of the spin's covariance:
+        the result is when the largest standard deviation of the attitude reaches the tolerance.
+
+        Parameters
+        ----------
+        moments_error : float or (3,) array_like
+            One standard deviation of each principal moment, relative to it.
+        rates_error : float or (3,) array_like
+            One standard deviation of each angular velocity component over the principal axes,
+            relative to the magnitude of the angular velocity.
+        tolerance : float or Quantity
+            rad.
+
+        Returns
+        -------
+        float
+            s, inf without errors; see `predictable_time` and `time_of_covariance` of
+            attitude.motions._predictability.
+        """
+        if moments_error is None and rates_error is None and self.spin.covariance is not None:
+            return _predictability.time_of_covariance(self, tolerance)
+        return _predictability.predictable_time(
+            self.body.moments_as_pairs,
+            self.body.rates_about_principal_axes(self.spin.angular_velocity),
+            moments_error=0.0 if moments_error is None else moments_error,
+            rates_error=0.0 if rates_error is None else rates_error,
+            tolerance=tolerance,
+        )
+
+    def deviations(self) -> dict[str, Uncertain]:
+        """Periods, angles, momentum and energy with their errors of one standard deviation.
+
+        See attitude.motions._description for the names; ``deviations()["period_psi"].plus``.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin has no covariance.
+        """
+        from attitude.motions._description import deviations
+
+        return deviations(self, self._errors())
+
+    smooth = True
+
+    @cached_property
+    def momentum(self) -> FloatArray:
+        """Angular momentum (3,) in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
+        in_body = self.body.tensor @ self.spin.angular_velocity
+        return frozen(quaternion.rotate(self.spin.wxyz_icrf, in_body))
+
+    @cached_property
+    def energy(self) -> float:
+        """Kinetic energy in J, or in rad2/s2 times the relative unit of inertia."""
+        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
+        return float(0.5 * np.sum(self.body.moments * rates**2))
+
+    @property
+    def circulates_about(self) -> str | None:
+        """ "long" or "short": the axis about which the momentum circulates; None for neither.
+
+        For symmetric bodies and for rotation about an extreme axis it is the axis of the limit of
+        a vanishing nutation.
+        """
+        axis = int(self._constants["circulates"][0])
+        if axis < 0 or self.mode is Mode.SEPARATRIX:
+            return None
+        moments = self.body.moments
+        others = np.delete(moments, axis)
+        return "long" if moments[axis] <= others.min() else "short"
+
+    @cached_property
+    def separatrix_distance(self) -> float:
+        """1 - 2 E I2 / L^2 for the middle moment I2: 0 on the separatrix, negative in LAM.
+
+        Computed without cancellation: all its digits are significant, even at 1e-16.  NaN at rest.
+        """
+        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
+        moments = self.body.moments
+        if not np.any(rates):
+            return math.nan
+        scale = np.max(np.abs(rates))
+        squares = moments / moments.max() * (rates / scale) ** 2
+        total = np.sum(moments / moments.max() * squares)
+        if self.mode in (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC, Mode.SEPARATRIX):
+            c = self._constants[0]
+            sign = -1.0 if self.circulates_about == "long" else 1.0
+            momentum = c["moments"][:, 0] * c["omega"][:, 0]
+            return float(sign * c["d2"][0] / np.sum(momentum**2))
+        middle = np.sort(moments)[1]
+        return float(np.sum((moments - middle) / moments.max() * squares) / total)
+
+    @cached_property
+    def within_rounding(self) -> tuple[Mode, ...]:
+        """Modes other than `mode` that rounding of the input by a few last places could produce.
+
+        A rotated tensor of a symmetric body is hardly ever exactly symmetric, and a rate converted
+        from degrees hardly ever exactly on the separatrix.
+        """
+        found = []
+        moments = np.sort(self.body.moments)
+        rates = np.abs(self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0])
+        close = np.diff(moments) <= _ROUNDING * moments[-1]
+        if np.all(close):
+            found.append(Mode.SPHERICAL)
+        elif self.mode is not Mode.AT_REST:
+            if np.sum(rates > _ROUNDING * rates.max()) == 1:
+                found.append(Mode.PRINCIPAL_AXIS)
+            elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
+                found.append(Mode.SEPARATRIX)
+        if np.any(close) and not np.all(close):
+            found.append(Mode.SYMMETRIC)
+        return tuple(mode for mode in found if mode is not self.mode)
+
+    def __repr__(self) -> str:
+        return f"<FreeRotation: {self.mode.name}, from {self.spin.epoch.utc_iso} UTC>"
+
+    def __str__(self) -> str:
+        from attitude.motions._description import description
+
+        return description(self)
+
+    def _repr_html_(self) -> str:
+        """The description as a table, and the polhode, for notebooks."""
+        return markup.table(*markup.rows_of(str(self)), *_polhode.pictures(self))
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        shape = seconds.shape
+        # frozen: a new view each, also of the caller's array
+        t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
+        t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
+        wxyz = new_array(1, 4, t.size)
+        omega = new_array(1, 3, t.size) if order else None
+        evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
+        found = [wxyz[0].T.reshape(*shape, 4)]
+        if omega is not None:
+            found.append(omega[0].T.reshape(*shape, 3))
+        if order > 1:
+            found.append(self.angular_acceleration_from(found[1]))
+        return found
+
+    _has_closed_form = True
+
+    if TYPE_CHECKING:
+        _constants: Any
+
+        def __init__(self, body: Body, spin: Spin) -> None: ...
+
+    @cached_property
+    def _sensitivity(self) -> Sensitivity:
+        return Sensitivity(self._constants, self.body, self.spin)
+
+    def _with(self, body: Body, spin: Spin) -> Self:
+        return type(self)(body, spin)
+
+    @cached_property
+    def elements(self) -> Elements:
+        """The normal form: rates, phase, amplitude and ellipticity of the motion.
+
+        Raises
+        ------
+        AttitudeError
+            Where no nutation is defined: at rest, spheres, the middle axis, and the equator of a
+            symmetric body.
+        """
+        return elements_of(self._constants[0])
+
+    @classmethod
+    def from_elements(
+        cls,
+        elements: Elements | Sequence[float],
+        *,
+        epoch: Epoch,
+        wxyz: Reals,
+        frame: str = "icrf",
+        largest_moment: Real | None = None,
+    ) -> Self:
+        """The motion with given elements.
+
+        Parameters
+        ----------
+        elements : Elements or five numbers
+            precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
+            `attitude._solver.elements`.
+        epoch, wxyz, frame
+            As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
+            (the momentum circulates about the third, the second is the middle one).
+        largest_moment : float or Quantity, optional
+            kg m2.  Without it the moments are relative, the largest being 1.
+
+        Raises
+        ------
+        AttitudeError
+            For elements outside their range, and elements that no body has.
+        """
+        numbers = validation.real(elements, "elements", shape=(5,), finite=False)
+        given = Elements(*numbers.tolist())
+        moments, omega = state_of(given)
+        if largest_moment is not None:
+            moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
+        body = Body(moments=moments, relative=largest_moment is None)
+        return cls(body, Spin(epoch, wxyz, omega, frame))
+
+    def spin_at(self, epoch: EpochOrSeconds) -> Spin:
+        """The state at another epoch: ``FreeRotation(body, motion.spin_at(t))`` is this motion.
+
+        Parameters
+        ----------
+        epoch : epoch or seconds
+            One, as `at` takes it.
+
+        Returns
+        -------
+        Spin
+            In the frame of the spin, with its covariance (to first order) if it has one.
+
+        Raises
+        ------
+        AttitudeError
+            For several epochs, and those that `at` refuses.
+        """
+        return spin_of(self, epoch)
+
+    def obliquity(self, orbit: Any, at: EpochOrSeconds | None = None) -> float:
+        """The angle between the angular momentum and that of an orbit, 0 to pi rad.
+
+        Parameters
+        ----------
+        orbit : Path or skyfield object
+            Of the body about its center; one about the barycentre is taken about the Sun.
+        at : epoch or seconds, optional
+            Of the osculating orbit; that of the spin by default.
+        """
+        from attitude.motions._axes import obliquity
+
+        hi, lo = _inputs.seconds_since(self.epoch, self.epoch if at is None else at)
+        low = np.zeros(hi.shape) if lo is None else lo
+        assert self.momentum is not None  # that of a free rotation is constant
+        return float(obliquity(self.momentum, orbit, self.epoch, hi, low))
+
+
+def _period(rate: float) -> float:
+    """The period in s of a rate in turns per second."""
+    return math.inf if rate == 0.0 else float(abs(1.0 / rate))

@@ -1,0 +1,393 @@
+"""The contract of motions: attitudes at any TDB epoch of a span.
+
+Free rotations, chains of arcs, torqued motions, tables and C-kernels are motions; events, scenes,
+files and the command line use no other members than those of `Motion`.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+
+from attitude._support import markup, validation
+from attitude._support.arrays import Valued, copied, frozen
+from attitude.epochs import _inputs, _instants
+from attitude.errors import AttitudeError
+from attitude.motions._history import AttitudeHistory
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Protocol
+
+    from numpy.typing import ArrayLike
+
+    from attitude._solver.regime import Regime
+    from attitude._support.annotations import Epoch, Epochs, FloatArray
+    from attitude.motions._body import Body
+
+    class HasAttitudes(Protocol):
+        """A motion, or any other object with ``.at(t)``; see `motion_of`."""
+
+        def at(self, t: Any, /) -> AttitudeHistory:
+            """The attitudes at some epochs."""
+
+
+_NO_JOINTS = frozen(np.zeros(0))
+
+
+class RateBounds(NamedTuple):
+    """Upper bounds of |(R a)'|, |(R a)''|, |(R a)'''| for any unit vector a fixed in the body.
+
+    In rad/s, rad/s2, rad/s3; inf for an unknown bound.
+    """
+
+    first: float
+    second: float
+    third: float
+
+
+class Motion(Valued):
+    """Base of all motions; it implements what follows from attitudes at epochs.
+
+    A new kind of motion defines
+
+    ``epoch``
+        Instant from which its seconds count.
+    ``_evaluate(seconds, low, order)``
+        Attitudes (..., 4) body to ICRF, for an order of 1 or more angular velocities (..., 3) in
+        rad/s over the body axes, for 2 angular accelerations (..., 3) in rad/s2, as a list, at
+        TDB seconds + low since the epoch (float64 arrays of any shape; low may be None).  The list
+        may be longer than `order` requires.  NaN for NaN; an AttitudeError outside of its span.
+
+    and, if the defaults of the base do not hold,
+
+    ``span``
+        First and last Instant of its attitudes, or None: any epoch.
+    ``joints``
+        (N,) TDB seconds since the epoch, ascending, at which the angular velocity jumps.  The state
+        there is that after the jump.  Writers of files start a new segment there.
+    ``breaks()``
+        The joints in two doubles, if one is not exact.
+    ``body``; ``body_at(t)``, ``constant_body(what)``, ``momentum_in_body(history)``
+        The Body at the epoch, None if the inertia is unknown; the methods if it changes.
+    ``momentum``
+        (3,) angular momentum in ICRF, kg m2/s, if it is constant, else None.
+    ``smooth``
+        Whether angular accelerations are known and continuous between joints.
+    ``rate_bounds(seconds)``
+        `RateBounds` that hold from there to the next joint, or None if they are unknown.
+    ``has_rates_at(seconds, low)``
+        Whether angular velocities there are more exact than differences of attitudes.
+    ``_value``
+        Names of the attributes that two equal motions share; without them a motion equals itself
+        alone.
+    ``meta``
+        Names and comments of the file from which the motion was read.
+    ``close()``
+        Release its resources; motions are context managers.
+
+    >>> from attitude import Body, Spin
+    >>> class Swing(Motion):                # 0.1 rad about z to either side, at 1 Hz
+    ...     epoch = epochs.instant("2026-01-01")
+    ...     def _evaluate(self, seconds, low, order):
+    ...         w = 2.0 * np.pi
+    ...         angle, zero = 0.05 * np.sin(w * seconds), 0.0 * seconds
+    ...         wxyz = np.stack([np.cos(angle), zero, zero, np.sin(angle)], axis=-1)
+    ...         rate = np.stack([zero, zero, 0.1 * w * np.cos(w * seconds)], axis=-1)
+    ...         bend = np.stack([zero, zero, -0.1 * w**2 * np.sin(w * seconds)], axis=-1)
+    ...         return [wxyz, rate, bend]
+    >>> Swing().at([0.0, 0.25]).angular_velocity.round(6) + 0.0
+    array([[0.      , 0.      , 0.628319],
+           [0.      , 0.      , 0.      ]])
+    """
+
+    if TYPE_CHECKING:
+        # Read-only for type checkers, so that a subclass may define attributes or properties.
+        @property
+        def epoch(self) -> _instants.Instant:
+            """Instant from which the seconds count."""
+
+        @property
+        def span(self) -> tuple[_instants.Instant, _instants.Instant] | None:
+            """First and last Instant of the attitudes, or None: any epoch."""
+
+        @property
+        def joints(self) -> FloatArray:
+            """(N,) TDB seconds since the epoch at which the angular velocity jumps."""
+
+        @property
+        def body(self) -> Body | None:
+            """The Body at the epoch, None if the inertia is unknown."""
+
+        @property
+        def momentum(self) -> FloatArray | None:
+            """(3,) angular momentum in ICRF, kg m2/s, if it is constant, else None."""
+
+        @property
+        def smooth(self) -> bool:
+            """Whether angular accelerations are known and continuous between joints."""
+
+        @property
+        def meta(self) -> Mapping[str, Any]:
+            """Names and comments of the file from which the motion was read."""
+    else:
+        span = None
+        joints = _NO_JOINTS
+        body = None
+        momentum = None
+        smooth = False
+        meta = MappingProxyType({})
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        raise NotImplementedError(f"{type(self).__name__} defines no _evaluate")
+
+    def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
+        """The attitudes at some epochs.
+
+        Parameters
+        ----------
+        t : array_like
+            TDB seconds since the epoch of the motion (plain numbers or time Quantities), or epochs:
+            astropy Time, skyfield Time, datetime, datetime64, ISO text in UTC, or lists of them.
+            A scalar gives a scalar history; NaN gives NaN.
+        low : array_like, optional
+            With plain numbers: a second double; t + low are the seconds.
+
+        Returns
+        -------
+        AttitudeHistory
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read, or outside of the span of the motion.
+        """
+        hi, lo = _inputs.seconds_since(self.epoch, t, low)
+        # The history makes its arrays read-only, so the caller's arrays are copied.
+        kept = None if lo is None else copied(lo)
+        return self.at_seconds(hi if type(t) is float else copied(hi), kept)
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
+        found = self._evaluate(seconds, low, 0)
+        history = AttitudeHistory(self, self.epoch, seconds, low, found[0])
+        if len(found) > 1:
+            history.__dict__["angular_velocity"] = frozen(found[1])
+        return history
+
+    def angular_velocity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Angular velocity (..., 3), rad/s in body axes, at TDB seconds since the epoch."""
+        hi, lo = _inputs.plain_seconds(seconds, low)
+        return self._evaluate(hi, lo, 1)[1]
+
+    def angular_acceleration_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Angular acceleration (..., 3), rad/s2 in body axes, at TDB seconds since the epoch.
+
+        `angular_velocity` (..., 3), rad/s in body axes at the same epochs, saves motions with a
+        body a second evaluation.
+        """
+        hi, lo = _inputs.plain_seconds(seconds, low)
+        return self._evaluate(hi, lo, 2)[2]
+
+    def covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True
+    ) -> FloatArray:
+        """Covariance at TDB seconds since the epoch, from that of the spin.
+
+        (S, 6, 6): rotation vector of the attitude (rad, ICRF axes) and angular velocity (rad/s,
+        body axes); without rates (S, 3, 3), of the attitude.
+
+        Raises
+        ------
+        AttitudeError
+            If the spin of the motion has no covariance, or the motion no derivatives.
+
+        Warns
+        -----
+        CovarianceWarning
+            Once for a motion: where a standard deviation of the attitude exceeds 60 deg, or the
+            nonlinearity at the largest one (of free rotations) exceeds 0.5.
+        """
+        raise self._without_derivatives()
+
+    def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Second over first order (S,) of the errors; as `covariance_at`."""
+        raise self._without_derivatives()
+
+    @property
+    def momentum_covariance(self) -> FloatArray:
+        """(3, 3) covariance of `momentum`, in its unit squared, from that of the spin.
+
+        AttitudeError as `covariance_at`.
+        """
+        raise self._without_derivatives()
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: the description, or the class and its span."""
+        return markup.described(str(self), self.span)
+
+    def _without_derivatives(self) -> AttitudeError:
+        follow = "standard deviations and covariances follow from a FreeRotation whose spin has one"
+        return AttitudeError(f"{self._kind} has no derivatives; {follow}.")
+
+    @property
+    def _kind(self) -> str:
+        """Name of the class in error messages."""
+        return type(self).__name__
+
+    def body_at(self, t: Epoch | float) -> Body | None:
+        """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
+        return self.body
+
+    def constant_body(self, what: str) -> Body:
+        """The Body that the motion has at all epochs.
+
+        Parameters
+        ----------
+        what : str
+            Name of the quantity computed from the body, for the error message.
+
+        Raises
+        ------
+        AttitudeError
+            If the motion has no body, or one that changes.
+        """
+        if self.body is None:
+            raise AttitudeError(
+                f"{what} follows from a body's inertia, but the motion ({type(self).__name__}) has "
+                "none, or one that changes; give a motion with one body."
+            )
+        return self.body
+
+    def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
+        """Angular momentum (S, 3), kg m2/s over the body axes, at the epochs of a history.
+
+        Raises
+        ------
+        AttitudeError
+            If the motion has no body.
+        """
+        tensor = self.constant_body("the angular momentum").tensor
+        momentum: FloatArray = history.angular_velocity @ tensor
+        return momentum
+
+    @property
+    def regime(self) -> Regime:
+        """The `Regime` of a free rotation: its periods and ranges.
+
+        Raises
+        ------
+        AttitudeError
+            For any other motion.
+        """
+        raise AttitudeError(
+            f"{type(self).__name__} has no regime, periods or mode; give a FreeRotation."
+        )
+
+    def breaks(self) -> FloatArray:
+        """The joints in two doubles of TDB seconds since the epoch, (N, 2)."""
+        return np.stack([self.joints, np.zeros(len(self.joints))], axis=1)
+
+    def rate_bounds(self, seconds: float) -> RateBounds | None:
+        """Upper bounds that hold from TDB seconds since the epoch to the next joint, or None."""
+        return None
+
+    def has_rates_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> bool:
+        """Whether angular velocities there are more exact than differences of attitudes.
+
+        At TDB seconds + low since the epoch.
+        """
+        return True
+
+    def close(self) -> None:
+        """Release the resources of the motion; a second call does nothing."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+class Foreign(Motion):
+    """Any other object with ``.at(t)`` that returns an AttitudeHistory, as a Motion.
+
+    Parameters
+    ----------
+    given : object
+        Its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+        ``momentum``, ``span`` and ``meta`` are used if it has them.
+    """
+
+    given: Any
+
+    def __init__(self, given: Any) -> None:
+        self._set("given", given)
+        self._set("epoch", _epoch_of(given))
+        for name in ("body", "momentum", "span", "meta"):
+            if getattr(given, name, None) is not None:
+                self._set(name, getattr(given, name))
+
+    @property
+    def _kind(self) -> str:
+        return type(self.given).__name__
+
+    def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
+        """The attitudes at some epochs; see `Motion.at`."""
+        found: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
+        return found
+
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """See `Motion.at_seconds`."""
+        return self.at(seconds, low)
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        history = self.at(seconds, low)
+        found = [history.wxyz]
+        if order > 0:
+            found.append(history.angular_velocity)
+        if order > 1:
+            found.append(history.angular_acceleration)
+        return found
+
+
+def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:
+    """The motion itself, or a `Foreign` motion of any other object with ``.at(t)``."""
+    if isinstance(given, Motion):
+        return given
+    validation.refuse_class(given, name)
+    if not callable(getattr(given, "at", None)):
+        raise AttitudeError(
+            f"{name} is {type(given).__name__}; give a FreeRotation, or another object with .at(t) "
+            "that returns an AttitudeHistory."
+        )
+    return Foreign(given)
+
+
+def _epoch_of(given: Any) -> _instants.Instant:
+    """The Instant from which the seconds of an object count."""
+    for owner in (given, getattr(given, "spin", None)):
+        epoch = getattr(owner, "epoch", None)
+        if isinstance(epoch, _instants.Instant):
+            return epoch
+    raise AttitudeError(
+        f"the motion ({type(given).__name__}) has neither .epoch nor .spin, from which its seconds "
+        "count; give it an Instant as .epoch."
+    )

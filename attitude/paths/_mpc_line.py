@@ -1,0 +1,142 @@
+"""Orbit lines of the Minor Planet Center: MPCORB.DAT for minor planets, CometEls.txt for comets.
+
+Elements are heliocentric, on the ecliptic of J2000, at TT epochs.  Sources: the MPC's pages
+MPOrbitFormat and CometOrbitFormat.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from attitude._support.constants import ASTRONOMICAL_UNIT_M
+from attitude.errors import AttitudeError
+from attitude.paths._two_body import GM, kepler
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import Real
+    from attitude.paths._two_body import Kepler
+
+
+# Columns of the two kinds of lines, counted from 0.
+_MINOR_PLANET = {
+    "mean anomaly": (26, 35),
+    "argument of perihelion": (37, 46),
+    "longitude of the node": (48, 57),
+    "inclination": (59, 68),
+    "eccentricity": (70, 79),
+    "semi-major axis": (92, 103),
+}
+_COMET = {
+    "year of perihelion": (14, 18),
+    "month of perihelion": (19, 21),
+    "day of perihelion": (22, 29),
+    "perihelion distance": (30, 39),
+    "eccentricity": (41, 49),
+    "argument of perihelion": (51, 59),
+    "longitude of the node": (61, 69),
+    "inclination": (71, 79),
+}
+_PACKED_DATE = re.compile(r"[I-L]\d\d[1-9A-C][1-9A-V]")
+
+
+def mpc_orbit(line: str, *, gm: Real = GM["sun"]) -> Kepler:
+    """The heliocentric two-body path of an orbit line of the Minor Planet Center.
+
+    Parameters
+    ----------
+    line : str
+        One line of MPCORB.DAT (with a packed epoch such as K25BL in columns 21-25), or one of
+        CometEls.txt.
+    gm : float or Quantity
+        GM of the Sun, m3/s2.
+
+    Raises
+    ------
+    AttitudeError
+        For a line of neither file, or with a column that cannot be read; the message has its name.
+
+    Notes
+    -----
+    The period follows from the semi-major axis, as in skyfield; the mean motion is printed with
+    fewer digits.
+    """
+    if not isinstance(line, str):
+        raise AttitudeError(f"the orbit line is {line!r}; give one line of text.")
+    line = line.rstrip("\r\n")
+    if _PACKED_DATE.fullmatch(line[20:25]):
+        return _minor_planet(line, gm)
+    if len(line) >= 79 and line[14:18].strip().lstrip("-").isdigit():
+        return _comet(line, gm)
+    raise AttitudeError(
+        f"the orbit line {line[:60]!r} is neither of MPCORB.DAT (a packed epoch such as K25BL in "
+        "columns 21-25) nor of CometEls.txt (the year of perihelion in columns 15-18); give a "
+        "whole line, with its spaces."
+    )
+
+
+def _minor_planet(line, gm):
+    """The path of a line of MPCORB.DAT."""
+    value = _numbers(line, _MINOR_PLANET)
+    packed = line[20:25]
+    year = 100 * _digit(packed[0]) + int(packed[1:3])
+    name = line[166:194].strip() or line[:7].strip()
+    return kepler(
+        semi_major_axis=value["semi-major axis"] * ASTRONOMICAL_UNIT_M,
+        mean_anomaly=f"{value['mean anomaly']!r} deg",
+        epoch=f"{year:04d}-{_digit(packed[3]):02d}-{_digit(packed[4]):02d} TT",
+        source="MPC orbit line",
+        **_shared(value, gm, name),
+    )
+
+
+def _comet(line, gm):
+    """The path of a line of CometEls.txt."""
+    value = _numbers(line, _COMET)
+    day = value["day of perihelion"]
+    midnight = f"{int(value['year of perihelion']):04d}-{int(value['month of perihelion']):02d}"
+    from attitude.epochs._inputs import instant
+
+    start = instant(f"{midnight}-{int(day):02d} TT", "the time of perihelion")
+    name = line[102:158].strip() or line[:12].strip()
+    return kepler(
+        pericenter_distance=value["perihelion distance"] * ASTRONOMICAL_UNIT_M,
+        # A second of TT equals one of TDB to 3e-10, and the day is printed to 9 s.
+        epoch=start.after((day - int(day)) * 86400.0),
+        source="MPC comet orbit line",
+        **_shared(value, gm, name),
+    )
+
+
+def _shared(value, gm, name):
+    """Arguments of `kepler` that both kinds of lines have."""
+    return {
+        "eccentricity": value["eccentricity"],
+        "inclination": f"{value['inclination']!r} deg",
+        "node": f"{value['longitude of the node']!r} deg",
+        "pericenter_argument": f"{value['argument of perihelion']!r} deg",
+        "gm": gm,
+        "name": name,
+        "center": "sun",
+        "frame": "ecliptic",
+    }
+
+
+def _numbers(line, columns):
+    """The numbers in the columns of a line, by their names."""
+    found = {}
+    for name, (first, last) in columns.items():
+        text = line[first:last].strip()
+        try:
+            found[name] = float(text)
+        except ValueError as err:
+            raise AttitudeError(
+                f"the orbit line {line[:40]!r}... has {text!r} for the {name} in columns "
+                f"{first + 1}-{last}; it must be a number."
+            ) from err
+    return found
+
+
+def _digit(letter):
+    """The number for a character of a packed date."""
+    return int(letter) if letter.isdigit() else ord(letter) - 55

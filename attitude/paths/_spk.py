@@ -1,0 +1,409 @@
+"""JPL kernels (SPK files): one path for each pair of bodies that a file holds.
+
+jplephem reads the directory of a file; the coefficients of types 2 and 3 (Chebyshev polynomials)
+are mapped into memory and evaluated by `chebyshev_loops`, at some 20 ns an epoch and pair of
+bodies.  spiceypy evaluates all other types; see `spk_spice`.
+
+Source: NAIF, SPK Required Reading; jplephem.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from attitude import frames
+from attitude._support import pairs, validation
+from attitude._support.arrays import read_only
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError
+from attitude.paths import _compressed
+from attitude.paths._path import Ephemeris, Path, body_name, since, spelled
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FilePath
+
+
+# --------------------------------------------------------------------------------------------------
+# The base class of the segments of a kernel.
+
+# The supported inertial frames of SPICE, by SPICE's numbers.
+FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
+
+
+class Segment(Path):
+    """A segment of an SPK file: one body, relative to one center, over one span.
+
+    Attributes
+    ----------
+    kernel : Kernel
+    number : int
+        Position of the segment in the file, from 0.
+    rotation : (3, 3) array, read-only
+        Axes of the segment to ICRF.
+    is_turned : bool
+        Whether the axes differ from ICRF.
+    name, center, source, span
+        As for all paths.
+    """
+
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
+        self.kernel = kernel
+        self.number = number
+        self.name = name
+        self.center = body_name(segment.center)
+        self.source = kernel.source
+        self.span = Instant(segment.start_second), Instant(segment.end_second)
+        self.rotation = frames.matrix_to_icrf(FRAMES[segment.frame])
+        self.is_turned = segment.frame != 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self.kernel.segment, (self.number,)
+
+    def _in_icrf(self, vectors):
+        """Vectors (3, N) over ICRF axes."""
+        return self.rotation @ vectors if self.is_turned else vectors
+
+
+# --------------------------------------------------------------------------------------------------
+# Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy.
+#
+# SPICE keeps loaded kernels in a pool for the whole process; this module reads one segment of one
+# file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe: compress
+# the path of such a segment before several threads use it.
+
+
+class SpiceSegment(Segment):
+    """A segment that SPICE evaluates, one epoch at a time: some 4 microseconds each.
+
+    SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); the motion in
+    the remaining time is added by the velocity.
+    """
+
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
+        super().__init__(kernel, number, name, segment)
+        if importlib.util.find_spec("spiceypy") is None:
+            raise AttitudeError(
+                f"{kernel.source} has {name} in a segment of type {segment.data_type}, which needs "
+                f"SPICE; install it by {validation.installing('spice')}."
+            )
+        self._arguments = (kernel.file, number)
+
+    def _state(self, instant, hi, lo):
+        import spiceypy
+
+        self.check_span(instant, hi, lo)
+        seconds, rest = pairs.add((hi, lo), instant.seconds, instant.low)
+        seconds, rest = np.broadcast_arrays(seconds, rest)
+        handle, descriptor = _handle(*self._arguments)
+        states = np.empty((seconds.size, 6))
+        for k, second in enumerate(seconds.tolist()):
+            try:
+                states[k] = spiceypy.spkpvn(handle, descriptor, second)[1]
+            except spiceypy.exceptions.SpiceyError as err:
+                spiceypy.reset()
+                raise AttitudeError(
+                    f"SPICE cannot evaluate {self.name} in {self.source} at {second!r} s past "
+                    f"J2000 ({err.short}); check the file with SPICE's brief."
+                ) from err
+        position, velocity = 1e3 * states.T[:3], 1e3 * states.T[3:]
+        position += velocity * rest
+        return self._in_icrf(position), self._in_icrf(velocity)
+
+
+@lru_cache(maxsize=64)
+def _handle(file, number):
+    """SPICE's handle of a file, opened for reading outside of the pool, and a descriptor."""
+    import spiceypy
+
+    handle = spiceypy.dafopr(file)
+    spiceypy.dafbfs(handle)
+    for _ in range(number + 1):
+        spiceypy.daffna()
+    return handle, spiceypy.dafgs()[:5]
+
+
+_KM = 1000.0
+
+
+class Kernel(Ephemeris):
+    """The bodies of one SPK file.  Made by `open_kernel`, which keeps one for each file.
+
+    ``kernel.step(body)`` is the path of a body relative to the center that the file gives for it.
+
+    Attributes
+    ----------
+    file : str
+        Absolute path.
+    source : str
+        Name of the file.
+    """
+
+    advice = "Give one of these, or another kernel."
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.source = os.path.basename(file)
+        # jplephem's segments with their numbers in the file, by the target; paths by that number.
+        self._segments: dict[int, list[tuple[int, Any]]] = {}
+        self._paths: dict[int, Segment] = {}
+        for number, segment in enumerate(_directory(file)):
+            self._segments.setdefault(segment.target, []).append((number, segment))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return open_kernel, (self.file,)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The names of the bodies in the file, and of the centers of their paths."""
+        centers = {segment.center for each in self._segments.values() for _, segment in each}
+        return tuple(body_name(number) for number in sorted(centers | set(self._segments)))
+
+    def segment(self, number: int) -> Segment:
+        """The path of one segment, by its number in the file from 0."""
+        for target, segments in self._segments.items():
+            if any(number == each for each, _ in segments):
+                self.step(target)
+                return self._paths[number]
+        raise AttitudeError(
+            f"{self.source} has no segment {number} any more, so another file has replaced it; "
+            "make the path anew."
+        )
+
+    def _step(self, name: str) -> Path | None:
+        numbers = [number for number in self._segments if body_name(number) == name]
+        return self._opened(name, self._segments[numbers[0]]) if numbers else None
+
+    def _opened(self, name, segments):
+        """The path of a body from its segments."""
+        centers = {segment.center for _, segment in segments}
+        if len(centers) > 1:
+            listed = ", ".join(sorted(body_name(center) for center in centers))
+            raise AttitudeError(
+                f"{self.source} gives {name} relative to {listed} at different times; give a file "
+                "with one center for it."
+            )
+        parts = [_segment_path(self, name, number, segment) for number, segment in segments]
+        self._paths.update((part.number, part) for part in parts)
+        # Where segments overlap, the last in the file is used, as in SPICE.
+        return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
+
+
+def open_kernel(file: FilePath) -> Kernel:
+    """The `Kernel` of an SPK file, which is opened once."""
+    path = os.path.abspath(os.path.expanduser(os.fspath(file)))
+    if not os.path.isfile(path):
+        raise AttitudeError(
+            f"the kernel {os.fspath(file)!r} is not a file; give the path of an SPK file (.bsp), "
+            "which must exist already: nothing is downloaded."
+        )
+    status = os.stat(path)
+    return _open_once(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=64)
+def _open_once(path, modified, size):
+    return Kernel(path)
+
+
+def _directory(file):
+    """jplephem's segments of a file, without the coefficients, which `_words` reads."""
+    from jplephem.daf import DAF
+    from jplephem.spk import SPK
+
+    # Opened here: SPK.open of jplephem before 2.23 leaves a file open that it cannot read.
+    try:
+        with open(file, "rb") as opened:
+            spk = SPK(DAF(opened))
+    except Exception as err:  # jplephem raises whatever its unpacking raises
+        raise AttitudeError(
+            f"{os.path.basename(file)} is not an SPK kernel ({err}); give a file such as de440.bsp."
+        ) from err
+    segments = spk.segments
+    if not segments or spk.daf.ni != 6:
+        raise AttitudeError(
+            f"{os.path.basename(file)} holds no positions of bodies (it is a DAF of another kind, "
+            "or empty); give an SPK kernel such as de440.bsp."
+        )
+    return segments
+
+
+def _words(file, segment):
+    """All numbers of a segment, mapped into memory."""
+    order = {b"BIG-IEEE": ">f8", b"LTL-IEEE": "<f8"}[segment.daf.locfmt]
+    count = segment.end_i - segment.start_i + 1
+    start = 8 * (segment.start_i - 1)
+    try:
+        words = np.memmap(file, dtype=order, mode="r", offset=start, shape=(count,))
+    except ValueError as err:
+        raise AttitudeError(
+            f"{os.path.basename(file)} ends before the numbers that its directory lists; it is "
+            "damaged or was copied in part: get it anew."
+        ) from err
+    # A plain array: a memmap is slow to slice, and numba does not support foreign byte order.
+    return np.asarray(words).view(np.ndarray).astype(np.float64, copy=False)
+
+
+def _segment_path(kernel, name, number, segment):
+    """The path of one segment, by its type."""
+    if segment.frame not in FRAMES:
+        raise AttitudeError(
+            f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
+            "frames are read: J2000 (1) and ECLIPJ2000 (17)."
+        )
+    if segment.data_type in (2, 3):
+        return KernelSegment(kernel, number, name, segment)
+    return SpiceSegment(kernel, number, name, segment)
+
+
+class KernelSegment(Segment):
+    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals.
+
+    Attributes
+    ----------
+    pieces : EqualPieces
+    """
+
+    def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
+        super().__init__(kernel, number, name, segment)
+        words = _words(kernel.file, segment)
+        start, width, size, count = words[-4:].tolist()
+        self._has_rates = segment.data_type == 3
+        components = 6 if self._has_rates else 3
+        rows, size = int(count), int(size)
+        if not (width > 0.0 and rows * size + 4 == words.size and (size - 2) % components == 0):
+            raise AttitudeError(
+                f"{kernel.source} has a damaged segment for {name}: its directory does not fit "
+                "its size; get the file anew."
+            )
+        self.pieces = _compressed.EqualPieces(
+            start=Instant(start),
+            width=width,
+            records=read_only(words[:-4].reshape(rows, size)),
+            skip=2,
+            count=(size - 2) // components,
+            factor=_KM,
+            least=segment.start_second - start,
+            most=segment.end_second - start,
+        )
+
+    def _position(self, instant, hi, lo):
+        return self._in_icrf(
+            _compressed.values(self.pieces, *_compressed.placed(self, instant, hi, lo))
+        )
+
+    def _state(self, instant, hi, lo):
+        placed = _compressed.placed(self, instant, hi, lo)
+        if self._has_rates:
+            # Type 3 has separate polynomials for the velocity, after those of the position.
+            position = _compressed.values(self.pieces, *placed)
+            skip = self.pieces.skip + 3 * self.pieces.count
+            velocity = _compressed.values(self.pieces, *placed, skip=skip)
+        else:
+            position, velocity = _compressed.values_and_rates(self.pieces, *placed)
+        return self._in_icrf(position), self._in_icrf(velocity)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Succession(Path):
+    """Paths of one body from one center that cover different spans of time.
+
+    At an epoch that several cover, the first in `parts` is used.
+
+    Attributes
+    ----------
+    parts : tuple of Path
+        Each with a span.
+    name : str
+    """
+
+    parts: tuple[Path, ...]
+    name: str
+
+    @property
+    def center(self) -> str | Path:  # type: ignore[override]  # computed
+        """The center that all parts have."""
+        return self.parts[0].center
+
+    @property
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The sources of the parts, separated by commas."""
+        return ", ".join(dict.fromkeys(part.source for part in self.parts))
+
+    @property
+    def span(self) -> tuple[Instant, Instant]:  # type: ignore[override]  # computed
+        """The first and last epoch of all parts; there may be gaps between them."""
+        ends = [part.span for part in self.parts if part.span is not None]
+        return (
+            min((end[0] for end in ends), key=lambda each: (each.seconds, each.low)),
+            max((end[1] for end in ends), key=lambda each: (each.seconds, each.low)),
+        )
+
+    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
+        """Raise the AttitudeError for the epoch instant + seconds, which no part covers."""
+        spans = [part.span for part in self.parts if part.span is not None]
+        spans.sort(key=lambda span: span[0].seconds)
+        listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in spans)
+        raise AttitudeError(
+            f"{self.name} is known from {listed} ({self.source}), but an epoch is "
+            f"{spelled(instant.after(float(seconds)))}; leave that epoch out, or give a path that "
+            "covers it."
+        )
+
+    def _position(self, instant, hi, lo):
+        position = np.empty((3, hi.size))
+        for part, here, at in self._by_part(instant, hi, lo):
+            position[:, here] = part._position(instant, *at)
+        return position
+
+    def _state(self, instant, hi, lo):
+        position, velocity = np.empty((2, 3, hi.size))
+        for part, here, at in self._by_part(instant, hi, lo):
+            position[:, here], velocity[:, here] = part._state(instant, *at)
+        return position, velocity
+
+    def _by_part(self, instant, hi, lo):
+        """Yield each part that is used, a mask or slice of its epochs, and their hi and lo."""
+        given, lo = lo, np.broadcast_to(lo, hi.shape)
+        left = np.ones(hi.size, dtype=bool)
+        for part in self.parts:
+            first, last = (since(each, instant) for each in part.span)
+            here = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
+            here &= (hi - last[0]) + (lo - last[1]) <= 0.0
+            if here.all():
+                yield part, slice(None), (hi, given)
+                return
+            if here.any():
+                yield part, here, (np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here]))
+                left &= ~here
+        if left.any():
+            self.refuse_outside(instant, hi[np.argmax(left)])
+
+
+def spk(file: FilePath, target: str | int) -> Path:
+    """The path of a target in an SPK file, relative to the center that the file gives for it.
+
+    Parameters
+    ----------
+    file : path
+        An SPK kernel.  Types 2 and 3 need no other package, all others (21 of Horizons, 9, 13, 1,
+        ...) need spiceypy: the extra ``spice``.
+    target : str or int
+        A name such as "moon", or a NAIF number such as 20099942.
+
+    Raises
+    ------
+    AttitudeError
+        For a path that is not a file, a file that is not a kernel, and a target that it lacks.
+
+    Notes
+    -----
+    Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), with
+    SPICE at epochs that its one double holds.  `relative` changes the center.
+    """
+    return open_kernel(file).step(target)

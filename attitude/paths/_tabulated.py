@@ -1,0 +1,282 @@
+"""A table of positions, with or without velocities, interpolated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import chebyshev
+from attitude._support import pairs, validation
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.paths._compressed import KnotPieces, placed, values, values_and_rates
+from attitude.paths._path import Path, known_center, spelled
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import Epoch, Epochs, FloatArray, Reals
+    from attitude.epochs._instants import Instant
+
+
+# --------------------------------------------------------------------------------------------------
+# Polynomials through the rows of a table: Lagrange's, and Hermite's where velocities are given.
+#
+# The polynomial between two rows passes through the nearest rows on both sides, as in the
+# interpolation of CCSDS messages and of SPICE's types 8, 9, 12 and 13; near the ends of the table
+# the window is that of the last rows.  All intervals are fitted at once, to Chebyshev coefficients
+# of the interval, so that an epoch costs one short recurrence.
+#
+# Source: Newton's divided differences with repeated nodes (Stoer & Bulirsch, section 2.1.5).
+
+
+def interval_polynomials(
+    knots: FloatArray,
+    knots_low: FloatArray,
+    values: FloatArray,
+    rates: FloatArray | None,
+    degree: int,
+) -> FloatArray:
+    """Chebyshev coefficients of the polynomial of each interval between rows.
+
+    Shapes: knots, knots_low (N,) s, values (N, 3), rates (N, 3).
+    """
+    window = rows_needed(degree, rates is not None)
+    first = np.arange(len(knots) - 1) - (window - 1) // 2
+    first = np.clip(first, 0, len(knots) - window)
+    rows = first[:, None] + np.arange(window)
+    interval = np.arange(len(knots) - 1)
+    width = np.diff(knots) + np.diff(knots_low)
+    # Time from the start of the interval in units of its length.
+    nodes = (knots[rows] - knots[interval, None]) + (knots_low[rows] - knots_low[interval, None])
+    nodes /= width[:, None]
+    # Differences from the value at the start: the rounding errors of the divided differences are
+    # then relative to these, not to the size of the orbit.
+    start = values[interval][:, None, :]
+    known = values[rows] - start
+    slopes = None
+    if rates is not None:
+        slopes = rates[rows] * width[:, None, None]
+        nodes, known, slopes = (np.repeat(each, 2, axis=1) for each in (nodes, known, slopes))
+    newton = _divided_differences(nodes, known, slopes)
+    x = 0.5 * (chebyshev.nodes(degree + 1) + 1.0)
+    sampled = np.stack([_newton_at(each, nodes, newton) for each in x])
+    table = chebyshev.coefficients(sampled)
+    table[0] += start[:, 0]
+    return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
+
+
+def rows_needed(degree: int, with_rates: bool) -> int:
+    """The count of rows that a polynomial of a degree passes through."""
+    return (degree + 1) // 2 if with_rates else degree + 1
+
+
+def _divided_differences(nodes, values, slopes):
+    """The coefficients of Newton's form (intervals, nodes, 3); nodes may be equal in pairs."""
+    table = values.copy()
+    count = nodes.shape[1]
+    for order in range(1, count):
+        gap = nodes[:, order:] - nodes[:, :-order]
+        change = table[:, order:] - table[:, order - 1 : -1]
+        if order == 1 and slopes is not None:
+            twin = gap == 0.0
+            gap = np.where(twin, 1.0, gap)
+            change = np.where(twin[..., None], slopes[:, 1:], change / gap[..., None])
+        else:
+            change = change / gap[..., None]
+        table[:, order:] = change
+    return table
+
+
+def _newton_at(x, nodes, newton):
+    """The values (intervals, 3) of Newton's form at one x of each interval, from 0 to 1."""
+    total = newton[:, -1]
+    for order in range(newton.shape[1] - 2, -1, -1):
+        total = newton[:, order] + total * (x - nodes[:, order])[:, None]
+    return total
+
+
+INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
+_HIGHEST_DEGREE = 31
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TabulatedPath(Path):
+    """An interpolated table.  Made by `table`; CCSDS files are read by `oem`.
+
+    Attributes
+    ----------
+    pieces : KnotPieces
+        The polynomial of each interval.
+    rates : KnotPieces or None
+        Polynomials of the velocities, if these are interpolated on their own.
+    interpolation : str
+        "lagrange" or "hermite".
+    degree : int
+        Degree of the polynomials.
+    name, center, source, span
+        As for all paths.
+    """
+
+    pieces: KnotPieces
+    rates: KnotPieces | None
+    interpolation: str
+    degree: int
+    name: str
+    center: str | Path
+    source: str
+    span: tuple[Instant, Instant]
+
+    def _placed(self, instant, hi, lo):
+        self.check_span(instant, hi, lo)
+        return placed(self, instant, hi, lo)
+
+    def _position(self, instant, hi, lo):
+        return values(self.pieces, *self._placed(instant, hi, lo))
+
+    def _state(self, instant, hi, lo):
+        where = self._placed(instant, hi, lo)
+        if self.rates is None:
+            return values_and_rates(self.pieces, *where)
+        return values(self.pieces, *where), values(self.rates, *where)
+
+
+def table(
+    times: Epochs,
+    positions: Reals,
+    velocities: Reals | None = None,
+    *,
+    start: Epoch | None = None,
+    interpolation: str | None = None,
+    degree: int = 7,
+    center: Path | str | int = "ssb",
+    frame: str = "icrf",
+    name: str = "table",
+    source: str = "table",
+    span: tuple[Instant, Instant] | None = None,
+) -> TabulatedPath:
+    """The path through a table of positions.
+
+    Parameters
+    ----------
+    times : (N,) epochs of any kind that `epochs.seconds_since` takes
+        Ascending.  Plain numbers are TDB seconds since `start`.
+    positions, velocities : (N, 3) array_like or Quantity
+        m and m/s.
+    start : anything that `epochs.instant` takes
+        Required if times are plain numbers.
+    interpolation : "hermite" or "lagrange"
+        Hermite's polynomials pass through positions and velocities; Lagrange's through positions,
+        and separate ones through the velocities, if given.  The default is "hermite" with
+        velocities, "lagrange" without.
+    degree : int
+        Degree of the polynomials, odd for Hermite's: 7 uses 4 rows for Hermite's, 8 for
+        Lagrange's, half on each side of an epoch.
+    center : Path, str or int
+        A path, or a body by name or NAIF number.
+    frame : str
+        Axes of the numbers, one of `frames.FRAMES`.
+    name, source : str
+        See `Path`.
+    span : (Instant, Instant), optional
+        Span of the path, within the table; the whole table, if not given.
+
+    Raises
+    ------
+    AttitudeError
+        For too few rows, rows that are not finite or not ascending, other shapes and units.
+    """
+    r = validation.real(positions, "positions", shape=(..., 3), unit="m")
+    if r.ndim != 2:
+        raise AttitudeError(f"positions have shape {r.shape}; give (N, 3).")
+    v = None
+    if velocities is not None:
+        v = validation.real(velocities, "velocities", shape=r.shape, unit="m/s")
+    first, knots, low = _knots(times, start, len(r))
+    method, degree = _method(interpolation, degree, v is not None, len(knots))
+    matrix = frames.matrix_to_icrf(frame)
+    if frames.known(frame) not in ("icrf", "gcrf"):
+        r = r @ matrix.T
+        v = None if v is None else v @ matrix.T
+
+    def polynomials(rows, slopes):
+        records = interval_polynomials(knots, low, rows, slopes, degree)
+        return KnotPieces(first, knots, low, records, degree + 1)
+
+    separate = method == "lagrange" and v is not None
+    return TabulatedPath(
+        pieces=polynomials(r, v if method == "hermite" else None),
+        rates=polynomials(v, None) if separate else None,
+        interpolation=method,
+        degree=degree,
+        name=name,
+        center=known_center(center),
+        source=source,
+        span=span or (first.after(knots[0], low[0]), first.after(knots[-1], low[-1])),
+    )
+
+
+def _knots(times, start, count):
+    """The instant `start`, and the seconds (N,) from it to the rows in two doubles."""
+    if start is None:
+        start = _first_epoch(times)
+    start = _inputs.instant(start, "start")
+    hi, lo = _inputs.seconds_since(start, times, name="times")
+    hi = np.array(hi)
+    lo = np.zeros_like(hi) if lo is None else np.array(lo)
+    if hi.shape != (count,):
+        raise AttitudeError(f"times have shape {hi.shape}, but there are {count} positions.")
+    if not np.isfinite(hi + lo).all():
+        raise AttitudeError("times hold NaN or masked entries; leave out these rows.")
+    order = (hi[1:] - hi[:-1]) + (lo[1:] - lo[:-1])
+    if (order <= 0.0).any():
+        row = int(np.argmax(order <= 0.0))
+        raise AttitudeError(
+            f"times must ascend, but row {row + 1} ({spelled(start.after(hi[row + 1]))}) is not "
+            f"later than row {row} ({spelled(start.after(hi[row]))}); sort them and leave out "
+            "repeated ones."
+        )
+    return start, *pairs.two_sum(hi, lo)
+
+
+def _first_epoch(times):
+    """The first of some epochs, which must not be a plain number."""
+    first = times
+    while isinstance(first, (list, tuple, np.ndarray)) and np.size(first) and np.ndim(first):
+        first = first[0]
+    if getattr(first, "shape", ()) != () and hasattr(first, "__getitem__"):
+        first = first[0]
+    if isinstance(first, (int, float, np.integer, np.floating)):
+        raise AttitudeError("times are plain seconds; give start, the epoch of zero seconds.")
+    return first
+
+
+def _method(interpolation, degree, with_rates, rows):
+    """The checked interpolation and degree for a count of rows."""
+    if interpolation is None:
+        interpolation = "hermite" if with_rates else "lagrange"
+    interpolation = validation.one_of(
+        interpolation.lower() if isinstance(interpolation, str) else interpolation,
+        "interpolation",
+        INTERPOLATIONS,
+    )
+    if interpolation == "hermite" and not with_rates:
+        raise AttitudeError('"hermite" needs velocities; give velocities, or "lagrange".')
+    whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
+    if not whole or not 1 <= degree <= _HIGHEST_DEGREE:
+        raise AttitudeError(
+            f"degree is {degree!r}; it must be a whole number from 1 to {_HIGHEST_DEGREE}."
+        )
+    if interpolation == "hermite" and degree % 2 == 0:
+        raise AttitudeError(
+            f"degree is {degree}; Hermite polynomials through positions and velocities are of odd "
+            f"degree: give {degree - 1} or {degree + 1}."
+        )
+    needed = rows_needed(degree, interpolation == "hermite")
+    if rows < max(needed, 2):
+        raise AttitudeError(
+            f"{rows} rows are too few for {interpolation} polynomials of degree {degree}, which "
+            f"need {max(needed, 2)}; give more, or a lower degree."
+        )
+    return interpolation, int(degree)

@@ -1,0 +1,182 @@
+"""Figures of photometry: points, periodograms, folded curves, pairs of periods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import plots
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FilePath, FloatArray
+    from attitude.photometry._curve import Photometry
+    from attitude.photometry._folding import Folded
+    from attitude.photometry._periodogram import Periodogram
+    from attitude.photometry._two_periods import TwoPeriods
+
+
+_DAY, _HOUR = 86400.0, 3600.0
+_DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
+# Peaks that are named, and curves that have colours of their own.
+_NAMED, _COLOURS = 5, 10
+# Points of a curve that a figure resolves.
+_POINTS = 20_000
+
+
+def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
+    """Brightness against time, a colour a filter."""
+    figure = plots.new_figure((10.0, 5.0))
+    axes = figure.subplots()
+    days = data.seconds / _DAY
+    for number, name in enumerate(data.filters):
+        here = data.filter == number
+        error = np.where(np.isfinite(data.sigma[here]), data.sigma[here], 0.0)
+        axes.errorbar(
+            days[here], data.value[here], error, fmt=".", ms=4, lw=0.6, label=name or None
+        )
+    if not data.is_flux:
+        axes.invert_yaxis()
+    axes.set_xlabel(f"days from {data.epoch.utc_iso[:19]} UTC")
+    axes.set_ylabel(_brightness(data.is_flux, data.unit_distances))
+    if any(data.filters):
+        axes.legend(title="filter", fontsize=8)
+    axes.set_title(repr(data)[1:-1], fontsize=9)
+    return _saved(figure, path)
+
+
+def of_periodogram(found: Periodogram, path: FilePath | None = None) -> Any:
+    """Power with its peaks, the spectral window, and the curve folded with the best period."""
+    figure = plots.new_figure((11.0, 8.0))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
+    above, below = parts
+    axes = above.subplots()
+    frequency, power = _extremes(found.frequency * _DAY, np.asarray(found.power))
+    axes.plot(frequency, power, color=_DATA, lw=0.7)
+    axes.axhline(found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
+    for rank, peak in enumerate(found.peaks[:_NAMED], 1):
+        colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
+        at = _DAY / peak.period
+        axes.plot(at, peak.power, "v", color=colour, ms=6)
+        label = f"#{rank}  {peak.period / _HOUR:.6g} h"
+        if peak.relation:
+            label += f", {peak.relation}"
+        axes.plot([], [], "v", color=colour, label=label)
+    axes.set_xlim(frequency[0], frequency[-1])
+    axes.set_ylim(0.0, min(1.0, 1.1 * max(found.power.max(), found.false_alarm)))
+    axes.set_xlabel("frequency, 1/d")
+    name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
+    axes.set_ylabel(name)
+    axes.legend(fontsize=8, loc="upper right")
+    left, right = below.subplots(1, 2)
+    _window(left, found)
+    folded = found.fold()
+    _folded(right, folded, 0)
+    return _saved(figure, path)
+
+
+def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
+    """Folded points with the series, and residuals against time."""
+    count = len(folded.periods)
+    figure = plots.new_figure((10.0, 4.0 * count + 2.5))
+    axes = figure.subplots(count + 1, 1, height_ratios=[2.0] * count + [1.0], squeeze=False)[:, 0]
+    for k in range(count):
+        _folded(axes[k], folded, k)
+    if folded.samples.curves <= _COLOURS and len(folded.samples.names) > 1:
+        axes[0].legend(fontsize=7, loc="upper right")
+    days = (folded.samples.t - folded.samples.t.min()) / _DAY
+    axes[-1].plot(days, folded.residuals, ".", color=_DATA, ms=3)
+    axes[-1].axhline(0.0, color=_OTHER, lw=0.8)
+    if not folded.samples.is_flux:
+        axes[-1].invert_yaxis()
+    axes[-1].set_xlabel("days from the first point")
+    axes[-1].set_ylabel(f"residual, rms {folded.rms:.3g}")
+    return _saved(figure, path)
+
+
+def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
+    """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
+    figure = plots.new_figure((12.0, 9.0))
+    axes = figure.subplots(2, 2)
+    plane, spectrum = axes[0]
+    edges = [each * _DAY for each in found.edges]
+    shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
+    figure.colorbar(shown, ax=plane, label="share of chi-squared left")
+    for rank, pair in enumerate(found.pairs[:_NAMED], 1):
+        colour = _MODEL if not pair.relation else _ALIAS
+        plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
+        plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
+    plane.set_xlabel("first frequency, 1/d")
+    plane.set_ylabel("second frequency, 1/d")
+    best = found.pairs[0]
+    first, second = (each / _HOUR for each in best.periods)
+    plane.set_title(f"#1: {first:.6g} h and {second:.6g} h, {best.left:.3f} left", fontsize=9)
+    lines = found.lines()
+    for line, amplitude in lines:
+        x = line.frequency * _DAY
+        spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
+        if amplitude > 0.15 * lines[0][1]:
+            spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=8, ha="center")
+    spectrum.set_ylim(0.0, None)
+    spectrum.set_xlabel("frequency of the line i f2 + j f1, 1/d")
+    spectrum.set_ylabel("amplitude")
+    spectrum.set_title("lines (i, j)", fontsize=9)
+    folded = found.fold()
+    for k in range(2):
+        _folded(axes[1, k], folded, k)
+    return _saved(figure, path)
+
+
+def _window(axes: Any, found: Periodogram) -> None:
+    axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
+    for line in found.window.lines:
+        axes.annotate(
+            f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=7
+        )
+    axes.set_xlabel("frequency, 1/d")
+    axes.set_ylabel("spectral window")
+
+
+def _folded(axes: Any, folded: Folded, which: int) -> None:
+    data = folded.samples
+    for number in range(min(data.curves, _COLOURS + 1)):
+        here = data.curve == number if number < _COLOURS else data.curve >= number
+        colour = f"C{number}" if number < _COLOURS and data.curves > 1 else _DATA
+        name = data.names[number] if data.names and number < _COLOURS else None
+        axes.plot(
+            folded.phase[which, here], folded.values[which, here], ".", color=colour, ms=4,
+            label=name or None,
+        )  # fmt: skip
+    phase = np.linspace(0.0, 1.0, 400)
+    axes.plot(phase, folded.curve(phase, which), color=_MODEL, lw=1.2)
+    if not data.is_flux:
+        axes.invert_yaxis()
+    period = folded.periods[which]
+    axes.set_xlabel(f"phase of {period / _HOUR:.7g} h = {period / _DAY:.6g} d")
+    other = ", without the lines of the other period" if len(folded.periods) > 1 else ""
+    axes.set_ylabel(("flux" if data.is_flux else "magnitude") + " less zero point")
+    if other:
+        axes.set_title(f"period {which + 1}{other}", fontsize=9)
+    axes.set_xlim(0.0, 1.0)
+
+
+def _extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A long curve as the least and the greatest value of each of many parts."""
+    each = len(x) // _POINTS
+    if each < 2:
+        return x, y
+    count = len(x) // each * each
+    parts = y[:count].reshape(-1, each)
+    both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).reshape(-1)
+    return np.repeat(x[:count:each], 2), both
+
+
+def _brightness(is_flux: bool, unit_distances: bool) -> str:
+    where = " at 1 au" if unit_distances else ""
+    return ("flux" if is_flux else "magnitude") + where
+
+
+def _saved(figure: Any, path: FilePath | None) -> Any:
+    if path is not None:
+        figure.savefig(path, dpi=130)
+    return figure

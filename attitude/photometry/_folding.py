@@ -1,0 +1,187 @@
+"""`fold`: a light curve folded with one period or with two, its series and the residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.epochs import _inputs, _instants
+from attitude.photometry import _samples, _spectrum
+from attitude.photometry._samples import line_numbers
+
+if TYPE_CHECKING:
+    from astropy.table import QTable
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Real, Reals
+    from attitude.photometry._samples import HasSamples, Samples
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Folded(Immutable):
+    """A light curve folded with D periods, 1 or 2.
+
+    Attributes
+    ----------
+    periods : (D,) array
+        s.
+    phase : (D, N) array
+        0 to 1 from the epoch.
+    values : (D, N) array
+        Without zero points and, of two periods, without the lines of the series that depend on the
+        other one.
+    residuals : (N,) array
+        Values minus the series.
+    rms : float
+        Of the residuals, in the unit of the values.
+    series : RefinedSeries
+        Fitted at these periods.
+    samples : Samples
+    zero : float
+        s of the samples at phase zero.
+    """
+
+    periods: FloatArray
+    phase: FloatArray
+    values: FloatArray
+    residuals: FloatArray
+    rms: float
+    series: _spectrum.RefinedSeries
+    samples: Samples
+    zero: float
+
+    def curve(self, phase: Reals, which: int = 0) -> FloatArray:
+        """The series at phases 0 to 1 of a period, of its own lines alone; of phase's shape."""
+        at = validation.real(phase, "phase")
+        own = _own_lines(self.series.numbers, which)
+        t = self.zero + at.reshape(-1) * self.periods[which]
+        return self.series.wave(t, own).reshape(at.shape)
+
+    def table(self) -> QTable:
+        """A row for each point: time, phases, values, residual."""
+        from astropy import units
+        from astropy.table import QTable
+
+        found = QTable()
+        if self.samples.epoch is not None:
+            found["time"] = _instants.times(self.samples.epoch, self.samples.t).utc
+            found["time"].format = "isot"
+        else:
+            found["time"] = self.samples.t * units.s
+        for k in range(len(self.periods)):
+            suffix = "" if len(self.periods) == 1 else f"_{k + 1}"
+            found[f"phase{suffix}"] = self.phase[k]
+            found[f"value{suffix}"] = self.values[k]
+        found["residual"] = self.residuals
+        return found
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure: folded points, series, residuals; saved if a path is given."""
+        from attitude.photometry import _figures
+
+        return _figures.of_folded(self, path)
+
+    def __repr__(self) -> str:
+        hours = " and ".join(f"{each / 3600.0:.7g} h" for each in self.periods)
+        return f"<Folded: {len(self.residuals)} points at {hours}, rms {self.rms:.3g}>"
+
+
+def fold(
+    t: Epochs | HasSamples,
+    period: Real | Reals,
+    values: Reals | None = None,
+    errors: Reals | None = None,
+    *,
+    order: int = 4,
+    epoch: Epoch | Real | None = None,
+    refine: bool = False,
+    curve: ArrayLike | None = None,
+    zero_points: str = "auto",
+) -> Folded:
+    """A light curve folded with one period, or with two.
+
+    Parameters
+    ----------
+    t : Photometry, LightCurve, or (N,) epochs
+    period : float, Quantity or text
+        s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
+    values, errors, curve
+        As of `spectrum.fit`.
+    order : int
+        Of the series: harmonics of one period, lines |i f1 + j f2| with |i|, |j| up to it of two.
+    epoch : epoch, optional
+        Of phase zero; by default the first point.
+    refine : bool
+        Whether the periods are those of least squares near the given ones.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
+
+    Raises
+    ------
+    AttitudeError
+        For more than two periods, and fewer values than unknowns.
+    """
+    data = _samples.of(t, values, errors, curve, zero_points)
+    periods = np.atleast_1d(validation.real(period, "period", unit="s"))
+    if periods.shape not in ((1,), (2,)) or not np.all(periods > 0.0):
+        validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
+        for each in periods:
+            validation.positive(each, "period", unit="s")
+    number = validation.count(order, "order")
+    if len(periods) == 1:
+        numbers = np.arange(1, number + 1)[:, None]
+    else:
+        # (i of the second, j of the first), as spectrum.lines has them
+        numbers = np.array(line_numbers((number, number)))[:, ::-1]
+
+    def folded(own: Samples) -> Folded:
+        return _folded(own, periods, numbers, epoch, refine)
+
+    return _samples.settled(data, folded, lambda each: each.series)
+
+
+def _folded(
+    data: Samples, periods: FloatArray, numbers: Any, epoch: Epoch | Real | None, refine: bool
+) -> Folded:
+    if refine:
+        series = _spectrum.refined(data, 1.0 / periods, numbers)
+        periods = 1.0 / series.frequencies
+    else:
+        series = _spectrum.fixed(data, 1.0 / periods, numbers)
+    zero = _zero(data, epoch)
+    phase = np.mod((data.t - zero) / periods[:, None], 1.0)
+    shown = []
+    for k in range(len(periods)):
+        own = _own_lines(numbers, k)
+        shown.append(series.residuals + series.wave(data.t, own))
+    return Folded(
+        frozen(periods),
+        frozen(phase),
+        frozen(np.array(shown)),
+        frozen(series.residuals),
+        series.rms,
+        series,
+        data,
+        zero,
+    )
+
+
+def _own_lines(numbers: Any, which: int) -> FloatArray:
+    """1 for the lines that depend on one of the frequencies alone, else 0."""
+    others = np.delete(np.arange(numbers.shape[1]), which)
+    return np.all(numbers[:, others] == 0, axis=1).astype(float)
+
+
+def _zero(data: Samples, epoch: Any) -> float:
+    """Seconds of the samples at phase zero."""
+    if epoch is None:
+        return float(data.t.min())
+    if data.epoch is None:
+        return validation.number(epoch, "epoch", unit="s")
+    hi, lo = _inputs.seconds_since(data.epoch, epoch, name="epoch")
+    return float(hi + (0.0 if lo is None else lo))

@@ -1,0 +1,537 @@
+"""The spectral window of epochs, and what it does to periods: aliases and harmonics, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude._compilation import deferral
+from attitude._compilation.decorators import entry_point
+from attitude._support import blocks, validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.errors import AttitudeError
+from attitude.photometry import _folding, _samples, _spectrum
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epochs, FilePath, FloatArray, Real, Reals
+    from attitude._support.tables import FlatTable
+    from attitude.photometry._folding import Folded
+    from attitude.photometry._samples import HasSamples, Samples
+
+
+# Grid frequencies per 1/span, and power from which a line of the window makes aliases.
+_WINDOW_OVERSAMPLING, _STRONG = 4.0, 0.15
+# Power from which a line of the window makes aliases of harmonics too.
+_DOMINANT = 0.5
+# Lines of a window that are kept, multiples of them, ratios of harmonics.
+_KEPT = 6
+_MULTIPLES = (1, -1, 2, -2)
+_RATIOS = ((1, 2), (2, 1), (1, 3), (3, 1), (2, 3), (3, 2), (1, 4), (4, 1), (3, 4), (4, 3))
+_NAMES = ((1.0 / 86400.0, "1 /d"), (1.0 / 86164.1, "1 /sidereal d"), (2.0 / 86400.0, "2 /d"))
+
+
+class WindowLine(NamedTuple):
+    """A line of the spectral window: frequency in Hz, power (1 at zero frequency)."""
+
+    frequency: float
+    power: float
+
+
+class Window(NamedTuple):
+    """The spectral window of epochs: frequencies (K,), Hz, powers (K,), and the strong lines."""
+
+    frequency: FloatArray
+    power: FloatArray
+    lines: tuple[WindowLine, ...]
+
+
+def spectral_window(samples: Samples, most: float) -> Window:
+    """The spectral window |sum w e^(2 pi i f t)|^2 / (sum w)^2 up to a frequency, Hz."""
+    spacing = 1.0 / (_WINDOW_OVERSAMPLING * max(samples.span, 1e-300))
+    count = max(int(most / spacing) + 2, 8)
+    weights = samples.weights**2
+    made = _spectrum.sums(samples.t - samples.t.min(), weights[None], spacing, count)[0]
+    power = np.asarray(np.abs(made) ** 2 / np.sum(weights) ** 2, dtype=np.float64)
+    frequency: FloatArray = spacing * np.arange(count, dtype=np.float64)
+    inner = np.arange(1, count - 1)
+    is_peak = (power[inner] >= power[inner - 1]) & (power[inner] >= power[inner + 1])
+    at = inner[is_peak & (power[inner] > _STRONG) & (frequency[inner] > 2.0 / samples.span)]
+    lines: list[WindowLine] = []
+    for k in at[np.argsort(-power[at], kind="stable")]:
+        if all(abs(frequency[k] - each.frequency) > 1.5 / samples.span for each in lines):
+            lines.append(WindowLine(float(frequency[k]), float(power[k])))
+        if len(lines) == _KEPT:
+            break
+    return Window(frequency, power, tuple(lines))
+
+
+def relation(
+    frequency: float, better: Sequence[float], lines: Sequence[WindowLine], near: float
+) -> str:
+    """How a frequency follows from a better one: "alias of #1 (1 /d)", "2/1 of #1", or ""."""
+    for rank, other in enumerate(better, 1):
+        for a, b in _RATIOS:
+            if abs(frequency - other * a / b) < near:
+                return f"{a}/{b} of #{rank}" if b > 1 else f"{a} x #{rank}"
+    for rank, other in enumerate(better, 1):
+        for line in lines:
+            for many in _MULTIPLES:
+                for ratio in (1.0, 0.5, 2.0) if line.power > _DOMINANT else (1.0,):
+                    expected = abs(other * ratio + many * line.frequency)
+                    if abs(frequency - expected) < near:
+                        share = {1.0: "", 0.5: "half of ", 2.0: "twice "}[ratio]
+                        return f"alias of {share}#{rank} ({_spelled(many * line.frequency, near)})"
+    return ""
+
+
+def _spelled(shift: float, near: float) -> str:
+    sign = "+" if shift > 0.0 else "-"
+    for size, name in _NAMES:
+        if abs(abs(shift) - size) < near:
+            return f"{sign}{name}"
+    return f"{sign}{abs(shift) * 86400.0:.4g} /d"
+
+
+# --------------------------------------------------------------------------------------------------
+# Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies.
+
+
+@entry_point
+def dispersions(t, y, weights, frequencies, bins, covers, out):
+    """Theta of each frequency into out (K,): the variance within bins over that of all values.
+
+    t, y, weights: (N,) arrays; frequencies: (K,), cycles per unit of t; bins: number of bins, each
+    of which is `covers` times as wide as 1 / bins, so that each value lies in `covers` of them.
+    """
+    total = 0.0
+    mean = 0.0
+    for i in range(y.size):
+        total += weights[i]
+        mean += weights[i] * y[i]
+    mean /= total
+    whole = 0.0
+    for i in range(y.size):
+        whole += weights[i] * (y[i] - mean) ** 2
+    whole /= total
+    count = np.empty(bins)
+    w, first, second = np.empty(bins), np.empty(bins), np.empty(bins)
+    for k in range(frequencies.size):
+        for b in range(bins):
+            count[b] = 0.0
+            w[b] = 0.0
+            first[b] = 0.0
+            second[b] = 0.0
+        for i in range(t.size):
+            turns = t[i] * frequencies[k]
+            phase = turns - np.floor(turns)
+            at = int(phase * bins)
+            for c in range(covers):
+                b = (at + c) % bins
+                d = y[i] - mean
+                count[b] += 1.0
+                w[b] += weights[i]
+                first[b] += weights[i] * d
+                second[b] += weights[i] * d * d
+        within, freedom = 0.0, 0.0
+        for b in range(bins):
+            if count[b] > 1.5:
+                spread = second[b] / w[b] - (first[b] / w[b]) ** 2
+                within += count[b] * spread
+                freedom += count[b] - 1.0
+        out[k] = within / freedom / whole if freedom > 0.0 else 1.0
+
+
+# --------------------------------------------------------------------------------------------------
+# `periodogram`: one period, by Fourier series of any order or by phase dispersion.
+
+_DAY = 86400.0
+# Grid frequencies per 1/(order span), and frequencies at most.
+_OVERSAMPLING, _MOST = 5.0, 5_000_000
+# Shortest period by default, in median distances of successive epochs of a night; permutations.
+_NYQUIST = 2.0
+_PERMUTATIONS = 12
+_EULER = 0.5772
+# Frequencies of one call of nifty-ls, and products of points and frequencies of one of phase
+# dispersion, some 0.05 s: Python acts on signals, such as that of Ctrl-C, between two calls.  More
+# frequencies also take longer each, beyond the caches.
+_FREQUENCIES, _POINTS = 1 << 15, 5_000_000
+
+
+class Peak(NamedTuple):
+    """A peak of a periodogram.
+
+    period, error : float, s; the error is of one standard deviation, by curvature.  power : float,
+    the share of the variance that the series of this period explains.  relation : str, how the
+    period follows from a better one ("alias of #1 (+1 /d)", "2 x #1"), or "".
+    """
+
+    period: float
+    error: float
+    power: float
+    relation: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Periodogram(Immutable):
+    """Power against frequency, and its peaks.
+
+    Attributes
+    ----------
+    frequency : (K,) array
+        Hz.
+    power : (K,) array
+        The share of the variance explained; of phase dispersion 1 - theta.
+    peaks : tuple of Peak
+        The best first.
+    false_alarm : float
+        Power that 1 of 100 light curves reaches whose values are exchanged at random among the
+        epochs, on the grid.
+    window : Window
+        The spectral window of the epochs.
+    samples : Samples
+    order : int
+    method : str
+    """
+
+    frequency: FloatArray
+    power: FloatArray
+    peaks: tuple[Peak, ...]
+    false_alarm: float
+    window: Window
+    samples: Samples
+    order: int
+    method: str
+
+    @property
+    def period(self) -> float:
+        """The best period, s."""
+        return self.peaks[0].period
+
+    @property
+    def error(self) -> float:
+        """Its standard error by curvature, s."""
+        return self.peaks[0].error
+
+    def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
+        """The light curve folded with the period of a peak; see `photometry.fold`."""
+        return _folding.fold(
+            _samples.GivenSamples(self.samples),
+            self.peaks[rank].period,
+            order=order or max(self.order, 2),
+        )
+
+    def bootstrap(self, rank: int = 0, *, draws: int = 200, seed: int = 0) -> float:
+        """The standard error of the period of a peak, s, from points drawn anew.
+
+        Parameters
+        ----------
+        rank, draws, seed : int
+        """
+        found = _refined(self.samples, 1.0 / self.peaks[rank].period, self.order)
+        f = _spectrum.bootstrap(self.samples, found, validation.count(draws, "draws", 2), seed)
+        return float(np.std(f[:, 0], ddof=1) * self.peaks[rank].period ** 2)
+
+    def table(self) -> FlatTable:
+        """A row for each peak."""
+        from astropy import units
+
+        from attitude._support.tables import FlatTable
+
+        return FlatTable(
+            {
+                "period": np.array([each.period for each in self.peaks]) / 3600.0 * units.h,
+                "error": np.array([each.error for each in self.peaks]) / 3600.0 * units.h,
+                "frequency": _DAY / np.array([each.period for each in self.peaks]) / units.d,
+                "power": [each.power for each in self.peaks],
+                "significant": [each.power > self.false_alarm for each in self.peaks],
+                "relation": [each.relation for each in self.peaks],
+            }
+        )
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure: power, peaks with their aliases, spectral window; saved if a path is given."""
+        from attitude.photometry import _figures
+
+        return _figures.of_periodogram(self, path)
+
+    def __repr__(self) -> str:
+        best = self.peaks[0]
+        return (
+            f"<Periodogram of order {self.order}: {best.period / 3600.0:.7g} h +- "
+            f"{best.error / 3600.0:.2g} h, power {best.power:.3f}, {len(self.peaks)} peaks>"
+        )
+
+
+def periodogram(
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    errors: Reals | None = None,
+    *,
+    min_period: Real | None = None,
+    max_period: Real | None = None,
+    order: int = 2,
+    method: str = "fourier",
+    bins: int = 10,
+    curve: ArrayLike | None = None,
+    engine: str = "auto",
+    count: int = 10,
+    seed: int = 0,
+    zero_points: str = "auto",
+) -> Periodogram:
+    """The periods of a light curve with one frequency.
+
+    Parameters
+    ----------
+    t : Photometry, LightCurve, or (N,) epochs
+        Photometry has its values, errors, sessions and filters, which have their own zero points.
+    values, errors, curve
+        As of `spectrum.fit`.
+    min_period, max_period : float, Quantity or text, optional
+        s, or such as "2 h"; by default from twice the median distance of epochs to the span.
+    order : int
+        Harmonics of the series; a light curve with two maxima a turn needs 2.
+    method : "fourier" or "pdm"
+        Fourier series by least squares, or phase dispersion minimisation (Stellingwerf 1978).
+    bins : int
+        Of phase, for "pdm", each covered twice.
+    engine : "auto", "astropy" or "nifty-ls"
+        What computes the series: astropy's LombScargle, by itself or with nifty-ls, if installed.
+    count : int
+        Of peaks.
+    seed : int
+        Of the permutations.
+    zero_points : "auto", "free" or "shared"
+        Of the sessions of a light curve: "auto" gives each its own where the best series with them
+        is the more probable one (`spectrum.samples.settled`).
+
+    Returns
+    -------
+    Periodogram
+
+    Raises
+    ------
+    AttitudeError
+        For periods out of order, more than 5e6 frequencies, and fewer values than unknowns.
+
+    Notes
+    -----
+    The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
+    (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
+    scan the mean of each curve with a zero point of its own is taken off, which hides most of a
+    period longer than a session: so one zero point for all sessions is tried first.
+
+    >>> t = np.sort(np.random.default_rng(1).uniform(0.0, 40.0, 200))      # days
+    >>> found = periodogram(t * 86400.0, np.sin(2 * np.pi * t / 0.31), min_period="2 h", order=1)
+    >>> round(found.period / 86400.0, 6)
+    0.31
+    """
+    data = _samples.tempered(_samples.of(t, values, errors, curve, zero_points))
+    number = validation.count(order, "order")
+    validation.one_of(method, "method", ("fourier", "pdm"))
+
+    def found(own: Samples) -> Periodogram:
+        bounds = min_period, max_period
+        return _periodogram(own, bounds, number, method, bins, engine, count, seed)
+
+    return _samples.settled(data, found, _significant)
+
+
+def _significant(found: Periodogram) -> _spectrum.RefinedSeries | None:
+    """The series of the best peak; None if chance reaches the power of the grid."""
+    if found.power.max() < found.false_alarm:
+        return None
+    return _refined(found.samples, 1.0 / found.period, found.order)
+
+
+def _periodogram(
+    data: Samples,
+    bounds: tuple[Real | None, Real | None],
+    number: int,
+    method: str,
+    bins: int,
+    engine: str,
+    count: int,
+    seed: int,
+) -> Periodogram:
+    if len(data.t) < data.curves + 2 * number + 2:
+        raise AttitudeError(
+            f"{len(data.t)} values are given for {data.curves} zero points and {number} harmonics; "
+            "give more values, or a lower order."
+        )
+    frequency = _grid(data, *bounds, number)
+    if method == "fourier":
+        power = _fourier(data, frequency, number, data.detrended, engine)
+        chance = _chance(data, frequency, number, engine, seed)
+    else:
+        power = _dispersion(data, frequency, validation.count(bins, "bins", 3), data.detrended)
+        chance = _chance_of_dispersion(data, frequency, bins, seed)
+    # zero points that are fitted with the series leave fewer values to it
+    chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.curves))
+    window = spectral_window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
+    peaks = _peaks(data, frequency, power, number, window, validation.count(count, "count"))
+    return Periodogram(
+        frozen(frequency), frozen(power), peaks, chance, window, data, number, method
+    )
+
+
+def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> FloatArray:
+    span = data.span
+    if not span > 0.0:
+        raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
+    if least is None:
+        steps = np.diff(np.sort(data.t))
+        steps = steps[steps > 0.0]
+        low = min(_NYQUIST * float(np.median(steps)) * order, 0.25 * span)
+    else:
+        low = validation.positive(least, "min_period", unit="s")
+    high = span if most is None else validation.positive(most, "max_period", unit="s")
+    if not low < high:
+        raise AttitudeError(
+            f"min_period is {low:.6g} s and max_period {high:.6g} s; give a shorter min_period."
+        )
+    step = 1.0 / (_OVERSAMPLING * span * order)
+    count = int(np.ceil((1.0 / low - 1.0 / high) / step)) + 1
+    if count > _MOST:
+        raise AttitudeError(
+            f"between the periods lie {count} frequencies, and at most {_MOST} are searched; give "
+            "a longer min_period, or a shorter span."
+        )
+    # from one bound to the other, a little denser than the step
+    return np.linspace(1.0 / high, 1.0 / low, count)
+
+
+def _fourier(
+    data: Samples, frequency: FloatArray, order: int, y: FloatArray, engine: str
+) -> FloatArray:
+    """The share of the variance explained, by astropy's LombScargle."""
+    from astropy.timeseries import LombScargle
+
+    series = LombScargle(data.t - data.t.min(), y, data.errors, nterms=order)
+    power = np.empty_like(frequency)
+
+    def computed(begin: int, end: int, method: str = "fastnifty_chi2") -> None:
+        part = slice(begin, end)
+        power[part] = series.power(frequency[part], method=method, assume_regular_frequency=True)
+
+    if _has_nifty(engine):
+        # finufft swallows an exception that comes while it hands over arguments or deletes a plan.
+        def undisturbed(begin: int, end: int) -> None:
+            with deferral.interrupts_held():
+                computed(begin, end)
+
+        count = -(-len(frequency) // _FREQUENCIES)  # of equal length: none has one frequency alone
+        blocks.in_blocks(undisturbed, len(frequency), -(-len(frequency) // count), 1)
+    else:
+        computed(0, len(frequency), "fastchi2" if len(frequency) > 200 else "chi2")
+    return np.clip(power, 0.0, 1.0)
+
+
+def _has_nifty(engine: str) -> bool:
+    """Whether nifty-ls computes; AttitudeError if it is wanted and cannot.
+
+    nifty-ls is imported also where finufft, with which it computes, cannot be: that was seen in
+    a process that had imported many other libraries before.
+    """
+    validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
+    if engine == "astropy":
+        return False
+    reason = ""
+    try:
+        from nifty_ls.core import AVAILABLE_BACKENDS  # it registers itself with astropy
+    except ImportError:
+        reason = "nifty-ls is not installed; install it"
+    else:
+        if not {"finufft_chi2", "cufinufft_chi2"} & set(AVAILABLE_BACKENDS):
+            reason = "finufft, with which nifty-ls computes, cannot be imported here"
+    if reason and engine == "nifty-ls":
+        raise AttitudeError(f'{reason}, or give engine="astropy".')
+    return not reason
+
+
+def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) -> FloatArray:
+    theta = np.empty_like(frequency)
+    start = np.ascontiguousarray(data.t - data.t.min())
+    values, weights = np.ascontiguousarray(y), data.weights**2
+
+    def work(begin: int, end: int) -> None:
+        part = slice(begin, end)
+        dispersions(start, values, weights, frequency[part], bins, 2, theta[part])
+
+    blocks.in_blocks(work, len(theta), max(1, _POINTS // len(start)), 1)
+    return 1.0 - theta
+
+
+def _chance(data: Samples, frequency: FloatArray, order: int, engine: str, seed: int) -> float:
+    generator = validation.generator(seed)
+    y = data.detrended
+    largest = [
+        _fourier(data, frequency, order, y[generator.permutation(len(y))], engine).max()
+        for _ in range(_PERMUTATIONS)
+    ]
+    return _one_of_hundred(largest)
+
+
+def _chance_of_dispersion(data: Samples, frequency: FloatArray, bins: int, seed: int) -> float:
+    generator = validation.generator(seed)
+    y = data.detrended
+    largest = [
+        _dispersion(data, frequency, bins, y[generator.permutation(len(y))]).max()
+        for _ in range(_PERMUTATIONS)
+    ]
+    return _one_of_hundred(largest)
+
+
+def _one_of_hundred(largest: list[float]) -> float:
+    """The power of Gumbel's distribution of the largest that 1 of 100 exceeds."""
+    scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
+    place = float(np.mean(largest)) - _EULER * scale
+    return float(min(1.0, place - scale * np.log(-np.log(0.99))))
+
+
+def _refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:
+    numbers = np.arange(1, order + 1)[:, None]
+    return _spectrum.refined(data, np.array([frequency]), numbers)
+
+
+def _peaks(
+    data: Samples,
+    frequency: FloatArray,
+    power: FloatArray,
+    order: int,
+    window: Window,
+    count: int,
+) -> tuple[Peak, ...]:
+    """The best peaks, refined within the range of frequencies, in the order of their power."""
+    near = 0.7 / (data.span * order)
+    found: list[tuple[float, float, float]] = []
+    taken: list[float] = []
+    total = float(np.sum((data.weights * data.detrended) ** 2))
+    for k in np.argsort(-power, kind="stable"):
+        if len(taken) >= 2 * count:
+            break
+        if all(abs(frequency[k] - other) > near for other in taken):
+            taken.append(float(frequency[k]))
+            best = _refined(data, float(frequency[k]), order)
+            f = abs(float(best.frequencies[0]))
+            if not frequency[0] <= f <= frequency[-1]:
+                continue
+            if all(abs(f - other[0]) > 0.5 * near for other in found):
+                found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
+    if not found:
+        # no maximum within the range: the power rises towards an end
+        f = float(frequency[np.argmax(power)])
+        numbers = np.arange(1, order + 1)[:, None]
+        best = _spectrum.fixed(data, np.array([f]), numbers)
+        found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
+    found.sort(key=lambda each: -each[2])
+    peaks: list[Peak] = []
+    for f, error, share in found[:count]:
+        words = relation(f, [1.0 / each.period for each in peaks], window.lines, 1.0 / data.span)
+        peaks.append(Peak(1.0 / f, error / f**2, share, words))
+    return tuple(peaks)

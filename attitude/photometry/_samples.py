@@ -1,0 +1,343 @@
+"""Samples of a light curve as numbers: seconds, values, errors and zero points, from any input."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from attitude._support import validation
+from attitude.epochs import _inputs
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError
+from attitude.motions._motion import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epochs, FloatArray, IntArray, Real, Reals
+    from attitude.photometry._spectrum import RefinedSeries
+
+
+Found = TypeVar("Found")
+
+# Least error in a search of periods, in standard deviations of the values.
+_FLOOR = 0.05
+
+
+class HasSamples:
+    """Base of objects that are a light curve: `samples` returns it as numbers."""
+
+    def samples(self) -> Samples:
+        """The light curve as `Samples`."""
+        raise NotImplementedError(f"{type(self).__name__} defines no samples")
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A light curve as numbers.
+
+    Attributes
+    ----------
+    t : (N,) array
+        s, of TDB, from `epoch` or from the zero of plain seconds.
+    values : (N,) array
+    errors : (N,) array or None
+        One standard deviation each, all above zero; None if unknown.
+    curve : (N,) array of int
+        The zero point that each value has, counted from 0.
+    epoch : Instant or None
+        None for plain seconds.
+    is_flux : bool
+        Whether greater values are brighter.
+    names : tuple of str
+        Of the curves; empty without names.
+    joined : (N,) array of int or None
+        Zero points in place of `curve` if all sessions share one, where it is not known whether
+        they do; `settled` decides.
+    """
+
+    t: FloatArray
+    values: FloatArray
+    errors: FloatArray | None
+    curve: IntArray
+    epoch: Instant | None = None
+    is_flux: bool = False
+    names: tuple[str, ...] = ()
+    joined: IntArray | None = None
+
+    @property
+    def span(self) -> float:
+        """From the first to the last epoch, s."""
+        return float(np.ptp(self.t))
+
+    @property
+    def weights(self) -> FloatArray:
+        """1 / errors (N,), or ones."""
+        return np.ones_like(self.t) if self.errors is None else 1.0 / self.errors
+
+    @property
+    def curves(self) -> int:
+        """The number of zero points."""
+        return int(self.curve.max()) + 1
+
+    @property
+    def detrended(self) -> FloatArray:
+        """Values (N,) without the weighted mean of each curve."""
+        weights = self.weights**2
+        total = np.bincount(self.curve, weights)
+        mean = np.bincount(self.curve, weights * self.values) / total
+        found: FloatArray = self.values - mean[self.curve]
+        return found
+
+
+class GivenSamples(HasSamples):
+    """Samples as an argument of functions that take a light curve."""
+
+    def __init__(self, found: Samples) -> None:
+        self._found = found
+
+    def samples(self) -> Samples:
+        """The samples."""
+        return self._found
+
+
+def tempered(found: Samples) -> Samples:
+    """The samples with errors of at least a twentieth of the standard deviation of the values.
+
+    Errors far below the scatter of a light curve about any series would leave most points without
+    weight.
+    """
+    floor = _FLOOR * float(np.std(found.detrended))
+    if found.errors is None or not floor > 0.0:
+        return found
+    return replace(found, errors=np.hypot(found.errors, floor))
+
+
+def settled(
+    data: Samples,
+    find: Callable[[Samples], Found],
+    fitted: Callable[[Found], RefinedSeries | None],
+) -> Found:
+    """What is found with one zero point for all sessions, or with their own if the data ask.
+
+    Zero points of short sessions take up most of a rotation of days.  Of both results the one
+    whose series has the lower N ln(chi-squared) + parameters ln N is returned (Schwarz 1978).
+    """
+    own = replace(data, joined=None)
+    if data.joined is None or data.joined.max() == data.curve.max():
+        return find(own)
+
+    def cost(found: Found) -> float:
+        series = fitted(found)
+        if series is None:
+            return np.inf
+        chi_squared = max(series.chi_squared, 1e-300)
+        return float(np.log(chi_squared) + series.parameters * np.log(len(data.t)) / len(data.t))
+
+    one = find(replace(own, curve=data.joined, names=()))
+    try:
+        return min((one, find(own)), key=cost)
+    except AttitudeError:  # fewer values than unknowns with a zero point for each session
+        return one
+
+
+def of(
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    errors: Reals | None = None,
+    curve: ArrayLike | None = None,
+    zero_points: str = "auto",
+) -> Samples:
+    """The `Samples` of what a caller gives.
+
+    Shapes: t (N,), values (N,), errors (N,), curve (N,).
+    """
+    validation.one_of(zero_points, "zero_points", ("auto", "free", "shared"))
+    if isinstance(t, HasSamples):
+        if values is not None or errors is not None or curve is not None:
+            raise AttitudeError(
+                f"t is a {type(t).__name__}, which has its values, errors and curves; leave those "
+                "arguments out."
+            )
+        made = t.samples()
+        if zero_points == "free" or made.joined is None:
+            return replace(made, joined=None)
+        if zero_points == "shared":
+            return replace(made, curve=made.joined, names=(), joined=None)
+        return made
+    if values is None:
+        raise AttitudeError("values is missing; give a value for each epoch, or a Photometry as t.")
+    epoch, seconds = _seconds(t)
+    if seconds.ndim != 1 or not seconds.size:
+        raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
+    shape = seconds.shape
+    unit, numbers = _unit(values)
+    found = validation.real(numbers, "values", shape=shape)
+    return Samples(
+        seconds,
+        found,
+        _errors(errors, unit, shape),
+        _curves(curve, shape),
+        epoch,
+        is_flux=unit is not None and not unit.is_equivalent("mag"),
+    )
+
+
+def _seconds(t: Any) -> tuple[Instant | None, FloatArray]:
+    kind, _, _ = _inputs.entries(t, "t", "epochs")
+    if kind in _inputs.LENGTHS:
+        found = np.array(_inputs.seconds_since(Instant(0.0), t)[0], dtype=np.float64)
+        if not np.all(np.isfinite(found)):
+            raise AttitudeError(
+                f"t holds {found[~np.isfinite(found)].flat[0]}; give finite epochs."
+            )
+        return None, found
+    hi, lo = _inputs.past_j2000(t, "t")
+    if not np.all(np.isfinite(hi)):
+        raise AttitudeError("t has entries that are not epochs; leave these points out.")
+    epoch = Instant(float(np.round(0.5 * (np.min(hi) + np.max(hi)))) if hi.size else 0.0)
+    return epoch, np.asarray((hi - epoch.seconds) + lo)
+
+
+def _unit(values: Any) -> tuple[Any, Any]:
+    """The unit of Quantities and of columns, and the numbers."""
+    unit = getattr(values, "unit", None)
+    if unit is None:
+        return None, values
+    quantity = getattr(values, "quantity", values)
+    return unit, quantity.value
+
+
+def _errors(errors: Any, unit: Any, shape: tuple[int, ...]) -> FloatArray | None:
+    if errors is None:
+        return None
+    own, numbers = _unit(errors)
+    if own is not None and unit is not None and own != unit:
+        numbers = getattr(errors, "quantity", errors).to_value(unit)
+    given = np.broadcast_to(validation.real(numbers, "errors", shape=None), shape).copy()
+    if not np.all(given > 0.0):
+        bad = given[~(given > 0.0)][0]
+        raise AttitudeError(
+            f"errors holds {bad}; give errors above zero, or leave such values out."
+        )
+    return given
+
+
+def _curves(curve: Any, shape: tuple[int, ...]) -> IntArray:
+    numbers = np.zeros(shape, np.int64) if curve is None else np.asarray(curve)
+    if numbers.shape != shape or numbers.dtype.kind not in "iu":
+        raise AttitudeError(
+            f"curve is {validation.shown(curve)}; give whole numbers from 0, of shape {shape}."
+        )
+    count = int(numbers.max()) + 1
+    if set(np.unique(numbers)) != set(range(count)):
+        raise AttitudeError(
+            f"curve does not hold every number from 0 to its greatest, {count - 1}; "
+            "number the curves without gaps."
+        )
+    return numbers.astype(np.int64)
+
+
+# --------------------------------------------------------------------------------------------------
+# The lines in the spectrum of a tumbler's light curve: frequencies from two periods.
+#
+# For a Sun and an observer in constant inertial directions the brightness of a tumbling body is a
+# function of two angles, each of which is linear in time plus periodic terms: its spectrum consists
+# of lines at |i / P_phi + j / P_psi| for whole i and j.  In the other convention of the axes
+# 1/P_phi differs by 1/P_psi, so that the same lines have other numbers i, j.
+
+
+class Line(NamedTuple):
+    """One line: i and j of |i / P_phi + j / P_psi|, its frequency in Hz and period in s."""
+
+    i: int
+    j: int
+    frequency: float
+    period: float
+
+
+def lines(
+    motion: Motion | Sequence[Real],
+    order: int | Sequence[int] = 2,
+    *,
+    convention: str | None = None,
+) -> list[Line]:
+    """The lines of the spectrum of a tumbler's light curve.
+
+    Parameters
+    ----------
+    motion : FreeRotation, or pair (P_psi, P_phi)
+        s, or Quantities.
+    order : int or pair (order of psi, order of phi)
+        Lines with |j| and i up to these.
+    convention : "L" or "S", optional
+        Of P_phi, with a motion: the long or the short axis; by default the one about which the
+        momentum circulates.
+
+    Returns
+    -------
+    list of Line
+        In order of frequency; (i, j) and (-i, -j) are one line, with i >= 0.
+
+    Raises
+    ------
+    AttitudeError
+        For a motion without periods, an order that is not a whole number above zero, and a
+        convention with a pair of periods.
+
+    >>> hour = 3600.0
+    >>> main = [line for line in lines((263.0 * hour, 27.38 * hour)) if (line.i, line.j) == (1, -1)]
+    >>> round(main[0].period / hour, 2)              # of (99942) Apophis, Pravec et al. 2014
+    30.56
+    """
+    psi, phi = _frequencies(motion, convention)
+    found = []
+    for i, j in line_numbers(known_orders(order)):
+        frequency = abs(i * phi + j * psi)
+        found.append(Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf))
+    return sorted(found, key=lambda line: line.frequency)
+
+
+def line_numbers(orders: tuple[int, int]) -> list[tuple[int, int]]:
+    """All (i, j) except (0, 0), one of (i, j) and (-i, -j)."""
+    of_psi, of_phi = orders
+    found = [(0, j) for j in range(1, of_psi + 1)]
+    return found + [(i, j) for i in range(1, of_phi + 1) for j in range(-of_psi, of_psi + 1)]
+
+
+def known_orders(order: Any) -> tuple[int, int]:
+    """The orders of psi and of phi from one whole number or two, else an AttitudeError."""
+    pair = (order, order) if np.ndim(order) == 0 else tuple(order)
+    whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in pair)
+    if len(pair) != 2 or not whole or min(pair) < 0 or max(pair) < 1:
+        raise AttitudeError(
+            f"order is {order!r}; give a whole number above zero, or two of them: of psi, of phi."
+        )
+    return int(pair[0]), int(pair[1])
+
+
+def _frequencies(motion, convention):
+    """1 / P_psi and 1 / P_phi in Hz."""
+    if isinstance(motion, Motion):
+        found = motion.regime
+        P_phi = motion.period_phi if convention is None else found.P_phi(convention)
+        return 1.0 / motion.period_psi, 1.0 / P_phi
+    if convention is not None:
+        raise AttitudeError(
+            f"convention is {convention!r}, but a pair of periods has one already; leave it out, "
+            "or give a motion."
+        )
+    try:
+        P_psi, P_phi = motion
+    except (TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"motion is {motion!r}; give a FreeRotation, or the pair (P_psi, P_phi)."
+        ) from err
+    return (
+        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
+        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
+    )

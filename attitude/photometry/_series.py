@@ -1,0 +1,361 @@
+"""Fourier series in the two frequencies of a tumbler, fitted to light curves by least squares.
+
+Source: Pravec et al., Icarus 173, 108 (2005), eq. 11.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.epochs import _inputs
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.photometry import _samples
+from attitude.photometry._samples import Line, known_orders, line_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epochs, FloatArray, IntArray, Real, Reals
+    from attitude.photometry._samples import HasSamples, Samples
+
+
+# Singular values below this part of the greatest belong to lines that the span does not resolve.
+_RANK = 1e-8
+# Most evaluations of one descent.
+_ROUNDS = 60
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SeriesFit(Immutable):
+    """A series in two frequencies, fitted by least squares.
+
+    Attributes
+    ----------
+    P_psi, P_phi : float
+        s.
+    order : (int, int)
+        Of psi and of phi.
+    offsets : (C,) array
+        The constant term of each curve.
+    cosines, sines : (K,) arrays
+        Coefficients of cos and sin of 2 pi (i / P_phi + j / P_psi) (t - start).
+    numbers : (K, 2) array of int
+        i and j of each of them.
+    start : float
+        s; the middle of the data.
+    residuals : (N,) array
+        Data minus model, in the order of the data.
+    rms : float
+        sqrt(sum w r^2 / (N - parameters)), in the unit of the data (of the errors, if given).
+    epoch : Instant or None
+        From which seconds count, where epochs were given as dates or Time objects.
+    rank : int
+        Of the equations: below `parameters` the span does not resolve some lines, and the
+        solution of least norm is given.
+    parameters : int
+    """
+
+    P_psi: float
+    P_phi: float
+    order: tuple[int, int]
+    offsets: FloatArray
+    cosines: FloatArray
+    sines: FloatArray
+    numbers: IntArray
+    start: float
+    residuals: FloatArray
+    rms: float
+    rank: int
+    parameters: int
+    epoch: Instant | None = None
+
+    def __call__(self, t: Epochs, curve: ArrayLike = 0) -> FloatArray:
+        """The model at epochs t, with the constant term of a curve (a number, or one per t)."""
+        from_epoch, low = _inputs.seconds_since(self.epoch or Instant(0.0), t)
+        seconds = np.asarray(from_epoch + (0.0 if low is None else low))
+        curves = np.asarray(curve)
+        if not (
+            curves.dtype.kind in "iu"
+            and curves.shape in ((), seconds.shape)
+            and np.all((curves >= 0) & (curves < len(self.offsets)))
+        ):
+            raise AttitudeError(
+                f"curve is {validation.shown(curves)}; give whole numbers from 0 to "
+                f"{len(self.offsets) - 1}, one for all epochs or one for each."
+            )
+        angles = _angles(seconds.reshape(-1), self.start, self.P_psi, self.P_phi, self.numbers)
+        wave = np.cos(angles) @ self.cosines + np.sin(angles) @ self.sines
+        model: FloatArray = wave.reshape(seconds.shape) + self.offsets[curves]
+        return model
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """(K,) half of the peak-to-peak value of each line, in the unit of the data."""
+        return np.hypot(self.cosines, self.sines)
+
+    def strongest(self, count: int | None = None) -> list[tuple[Line, float]]:
+        """The `count` strongest lines (all by default) with their amplitudes, in that order."""
+        amplitudes = self.amplitudes
+        found = []
+        for k in np.argsort(-amplitudes, kind="stable")[:count]:
+            i, j = (int(n) for n in self.numbers[k])
+            frequency = abs(i / self.P_phi + j / self.P_psi)
+            period = 1.0 / frequency if frequency > 0.0 else np.inf
+            found.append((Line(i, j, frequency, period), float(amplitudes[k])))
+        return found
+
+    def __repr__(self) -> str:
+        return (
+            f"<SeriesFit of order {self.order}: P_psi {self.P_psi:.9g} s, P_phi {self.P_phi:.9g} "
+            f"s, rms {self.rms:.3g}>"
+        )
+
+
+def fit(
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
+    *,
+    order: int | Sequence[int] = 2,
+    errors: Reals | None = None,
+    curve: ArrayLike | None = None,
+) -> SeriesFit:
+    """Fit a two-dimensional Fourier series to a light curve.
+
+    Parameters
+    ----------
+    t : (N,) epochs, or HasSamples
+        Time objects, dates, time Quantities or plain seconds, in any order; or a `Photometry` or
+        `LightCurve`, without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
+    values : (N,) array_like
+        Magnitudes or intensities; Quantities in any unit.
+    P_psi, P_phi : float, Quantity or text
+        s; in either convention.
+    order : int or pair (order of psi, order of phi)
+        2 m (m + 1) lines for an order m.
+    errors : (N,) array_like, optional
+        One standard deviation of each value, in the unit of the values.
+    curve : (N,) array_like of int, optional
+        Number of the curve to which each value belongs, from 0: each has its own constant term.
+
+    Returns
+    -------
+    SeriesFit
+
+    Raises
+    ------
+    AttitudeError
+        For fewer values than unknowns, and shapes that do not fit.
+
+    Warns
+    -----
+    AttitudeWarning
+        If the values do not determine all parameters (`SeriesFit.rank`).
+
+    >>> t = np.linspace(0, 1000, 400)
+    >>> found = fit(t, 5 + 2 * np.cos(2 * np.pi * (1 / 17 - 1 / 90) * t), 90, 17)
+    >>> line, amplitude = found.strongest(1)[0]
+    >>> (line.i, line.j), round(amplitude, 9)
+    ((1, -1), 2.0)
+    """
+    data = _Data(_samples.of(t, values, errors, curve))
+    orders = known_orders(order)
+    psi, phi = _frequencies(P_psi, P_phi)
+    numbers = np.array(line_numbers(orders))
+    data.refuse_few(numbers)
+    solution, residuals, rank = data.solved(psi, phi, numbers)
+    count, curves = len(numbers), data.curves
+    _warn_of_rank(rank, curves + 2 * count, np.ptp(data.t))
+    free = max(1, len(data.t) - rank)
+    return SeriesFit(
+        1.0 / psi,
+        1.0 / phi,
+        orders,
+        frozen(solution[:curves]),
+        frozen(solution[curves : curves + count]),
+        frozen(solution[curves + count :]),
+        frozen(numbers),
+        data.start,
+        frozen(residuals),
+        float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
+        rank,
+        curves + 2 * count,
+        data.epoch,
+    )
+
+
+def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
+    """Warn of lines that the data do not separate."""
+    if rank < parameters:
+        warnings.warn(
+            f"the values determine {rank} of the {parameters} parameters: within {span:.4g} s some "
+            "lines are not separated, and their amplitudes are those of least norm. Give a longer "
+            "span, more epochs, or a lower order.",
+            AttitudeWarning,
+            stacklevel=3,
+        )
+
+
+def search(
+    t: Epochs | HasSamples,
+    values: Reals | None = None,
+    P_psi: Real | None = None,
+    P_phi: Real | None = None,
+    *,
+    within: Reals = 0.01,
+    order: int | Sequence[int] = 2,
+    errors: Reals | None = None,
+    curve: ArrayLike | None = None,
+) -> SeriesFit:
+    """The series with the least residuals for periods near given ones.
+
+    Parameters
+    ----------
+    t, values, P_psi, P_phi, order, errors, curve : as of `fit`
+    within : float or pair (of P_psi, of P_phi)
+        Half width of the interval searched, relative to the period.
+
+    Returns
+    -------
+    SeriesFit
+
+    Notes
+    -----
+    The sum of squares is evaluated at frequencies 0.25 / (span * order) apart, a sixth of the
+    width of its minima; from the three lowest, Levenberg-Marquardt descends in both frequencies
+    (variable projection: the linear terms are fitted at each).
+
+    Raises
+    ------
+    AttitudeError
+        As `fit`, and for more than 1e5 pairs of frequencies: narrow `within`, or shorten the span.
+    """
+    from scipy.optimize import least_squares
+
+    data = _Data(_samples.of(t, values, errors, curve))
+    orders = known_orders(order)
+    numbers = np.array(line_numbers(orders))
+    data.refuse_few(numbers)
+    centre = np.array(_frequencies(P_psi, P_phi))
+    spread = validation.real(within, "within") * np.ones(2)
+    if spread.shape != (2,) or not np.all((spread >= 0.0) & (spread < 1.0)):
+        raise AttitudeError(f"within is {within!r}; give parts of the periods, from 0 to below 1.")
+    span = np.ptp(data.t)
+    if not span > 0.0:
+        raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
+    steps = [0.25 / (span * max(1, n)) for n in orders]
+    grids = [_grid(*each) for each in zip(centre, spread, steps, strict=True)]
+    count = len(grids[0]) * len(grids[1])
+    if count > 100_000:
+        raise AttitudeError(
+            f"within {within!r} there are {count} pairs of periods, and at most 100000 are "
+            "searched; narrow within=, or give a shorter span of data."
+        )
+    pairs = np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, 2)
+    sums = [data.roughly(psi, phi, numbers) for psi, phi in pairs]
+    unit = 1.0 / span
+
+    def weighted(x: FloatArray, pair: FloatArray) -> FloatArray:
+        psi, phi = pair + unit * x
+        return data.weighted(psi, phi, numbers)
+
+    cost, best = np.inf, pairs[0]
+    for k in np.argsort(sums)[:3]:
+        found = least_squares(
+            weighted,
+            np.zeros(2),
+            args=(pairs[k],),
+            method="lm",
+            xtol=1e-13,
+            ftol=1e-13,
+            max_nfev=_ROUNDS,
+        )
+        if found.cost < cost:
+            cost, best = found.cost, pairs[k] + unit * found.x
+    psi, phi = best
+    return fit(t, values, 1.0 / psi, 1.0 / phi, order=order, errors=errors, curve=curve)
+
+
+def _frequencies(P_psi: Real | None, P_phi: Real | None) -> tuple[float, float]:
+    """1 / P_psi and 1 / P_phi, Hz."""
+    if P_psi is None or P_phi is None:
+        missing = "P_psi" if P_psi is None else "P_phi"
+        raise AttitudeError(f"{missing} is missing; give P_psi= and P_phi=, in s or with units.")
+    return (
+        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
+        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
+    )
+
+
+class _Data:
+    """The samples of a light curve, for fits at any frequencies."""
+
+    def __init__(self, found: Samples) -> None:
+        self.t, self.values, self.curve = found.t, found.values, found.curve
+        self.weights, self.curves = found.weights, found.curves
+        self.epoch = found.epoch
+        self.start = float(0.5 * (self.t.min() + self.t.max()))
+
+    def refuse_few(self, numbers: IntArray) -> None:
+        """AttitudeError for fewer values than unknowns."""
+        unknowns = self.curves + 2 * len(numbers)
+        if len(self.t) < unknowns:
+            raise AttitudeError(
+                f"{len(self.t)} values are given for {unknowns} unknowns; give more values, or a "
+                "lower order."
+            )
+
+    def solved(
+        self, psi: float, phi: float, numbers: IntArray
+    ) -> tuple[FloatArray, FloatArray, int]:
+        """Coefficients, residuals and rank of the least-squares fit; frequencies in Hz."""
+        matrix = self._matrix(psi, phi, numbers)
+        found, _, rank, _ = np.linalg.lstsq(
+            matrix * self.weights[:, None], self.values * self.weights, rcond=_RANK
+        )
+        solution = np.asarray(found, dtype=np.float64)
+        return solution, self.values - matrix @ solution, int(rank)
+
+    def weighted(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
+        """The weighted residuals of the fit."""
+        return self.solved(psi, phi, numbers)[1] * self.weights
+
+    def roughly(self, psi: float, phi: float, numbers: IntArray) -> float:
+        """The sum of squares by the normal equations: faster, to 1e-6 of that of the data."""
+        matrix = self._matrix(psi, phi, numbers) * self.weights[:, None]
+        values = self.values * self.weights
+        normal, right = matrix.T @ matrix, matrix.T @ values
+        normal.flat[:: len(normal) + 1] *= 1.0 + 1e-9
+        return float(values @ values - right @ np.linalg.solve(normal, right))
+
+    def _matrix(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
+        angles = _angles(self.t, self.start, 1.0 / psi, 1.0 / phi, numbers)
+        own = self.curve[:, None] == np.arange(self.curves)
+        return np.concatenate([own, np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _angles(
+    t: FloatArray, start: float, P_psi: float, P_phi: float, numbers: IntArray
+) -> FloatArray:
+    """Angles (N, K) of the lines in rad; turns are reduced before they are multiplied by 2 pi."""
+    turns = np.outer((t - start) / P_phi, numbers[:, 0]) + np.outer(
+        (t - start) / P_psi, numbers[:, 1]
+    )
+    reduced: FloatArray = turns - np.rint(turns)
+    return 2.0 * np.pi * reduced
+
+
+def _grid(frequency: float, part: float, step: float) -> FloatArray:
+    """Frequencies at multiples of a step from one, up to a part of it on either side."""
+    reach = int(np.ceil(part * frequency / step))
+    return frequency + np.arange(-reach, reach + 1, dtype=np.float64) * step

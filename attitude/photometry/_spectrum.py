@@ -1,0 +1,625 @@
+"""Sums of exp(2 pi i nu t) over uneven epochs at equally spaced frequencies: a gridded transform.
+
+Each epoch is spread over twelve points of an oversampled grid by the kernel exp(b sqrt(1 - z^2)) of
+Barnett, Magland & af Klinteberg (SIAM J. Sci. Comput. 41, C479, 2019), the grid transformed by an
+FFT, and the transform divided by that of the kernel: 1e-10 of the sum of the weights.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from attitude._compilation.decorators import entry_point, reduction_subroutine, subroutine
+from attitude._support import blocks as support_blocks
+from attitude._support import validation
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.photometry._samples import Samples
+
+
+_WIDTH, _OVER = 12, 2.0
+_SHAPE = 2.30 * _WIDTH
+
+
+def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> NDArray[np.complex128]:
+    """Sums over epochs of weights times exp(2 pi i k spacing t), k = 0 .. count - 1.
+
+    Shapes: t (N,), weights (W, N).
+    """
+    size = _smooth(int(_OVER * 2 * count) + 2 * _WIDTH)
+    place = np.mod(t * spacing, 1.0) * size
+    grid = np.zeros((len(weights), size))
+    _spread(place, np.ascontiguousarray(weights), grid)
+    found: NDArray[np.complex128] = np.fft.rfft(grid)[:, :count].conj()
+    nodes, by = np.polynomial.legendre.leggauss(64)
+    z = 0.5 * _WIDTH * nodes
+    kernel = 0.5 * _WIDTH * by * np.exp(_SHAPE * (np.sqrt(1.0 - nodes**2) - 1.0))
+    k = np.arange(count)
+    found /= np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
+    return found
+
+
+def _smooth(least: int) -> int:
+    """The least number from `least` on with factors 2, 3 and 5 alone, whose FFT is fast."""
+    odd = (3**b * 5**c for b in range(20) for c in range(14))
+    return min(each << max(0, -(-least // each) - 1).bit_length() for each in odd)
+
+
+@entry_point
+def _spread(place, weights, grid):
+    size = grid.shape[1]
+    for i in range(place.size):
+        first = math.ceil(place[i] - 0.5 * _WIDTH)
+        for j in range(_WIDTH):
+            z = (first + j - place[i]) * (2.0 / _WIDTH)
+            value = math.exp(_SHAPE * (math.sqrt(max(0.0, 1.0 - z * z)) - 1.0))
+            at = (first + j) % size
+            for row in range(weights.shape[0]):
+                grid[row, at] += value * weights[row, i]
+
+
+# --------------------------------------------------------------------------------------------------
+# Fourier series in pairs of frequencies: closed normal equations from two tables, compiled.
+#
+# With W(nu) = sum w e^(2 pi i nu t) and Y(nu) = sum w y e^(2 pi i nu t) on an equally spaced grid,
+# every entry of the normal equations of every pair of grid frequencies is one of W or one of Y, so
+# that the cost of a pair does not depend on the number of points.  Sixteen pairs are solved side by
+# side, which fills vector registers.
+
+_SIDE = 16
+# Products of the factorisations of one compiled call, some 0.03 s: Python acts on signals, such as
+# that of Ctrl-C, between two calls.
+_PRODUCTS = 5e7
+
+
+def harmonics(order: int) -> IntArray:
+    """Numbers (i, j) of the lines of a series with |i|, |j| <= order: (0, 0), and one of each
+    +-.
+    """
+    found = [(0, 0)] + [(0, j) for j in range(1, order + 1)]
+    found += [(i, j) for i in range(1, order + 1) for j in range(-order, order + 1)]
+    return np.array(found)
+
+
+def decreases(
+    wr: FloatArray,
+    wi: FloatArray,
+    yr: FloatArray,
+    yi: FloatArray,
+    first: IntArray,
+    second: IntArray,
+    lines: IntArray,
+    ridge: float,
+    out: FloatArray,
+) -> None:
+    """Decrease of chi-squared by the series of each pair, into out (P,).
+
+    wr, wi, yr, yi: the tables, real and imaginary parts; first, second: grid numbers of the pairs;
+    lines as of `harmonics`; ridge: inverse variance of the amplitudes before the fit.
+    """
+    unknown = 2 * len(lines) - 1
+    size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
+
+    def work(begin: int, end: int) -> None:
+        part = slice(begin, end)
+        _decreases(wr, wi, yr, yi, first[part], second[part], lines, ridge, out[part])
+
+    support_blocks.in_blocks(work, len(first), size, 1)
+
+
+@entry_point
+def _decreases(wr, wi, yr, yi, first, second, lines, ridge, out):
+    terms = lines.shape[0]
+    unknown = 2 * terms - 1
+    g, b = np.empty((unknown, unknown, _SIDE)), np.empty((unknown, _SIDE))
+    at = np.empty(terms, np.int64)
+    for start in range(0, first.size, _SIDE):
+        for lane in range(_SIDE):
+            pair = min(start + lane, first.size - 1)
+            for m in range(terms):
+                at[m] = lines[m, 0] * first[pair] + lines[m, 1] * second[pair]
+            _fill(wr, wi, yr, yi, at, lane, ridge, g, b)
+        _solve(g, b)
+        for lane in range(min(_SIDE, first.size - start)):
+            total = 0.0
+            for i in range(unknown):
+                total += b[i, lane] * b[i, lane]
+            out[start + lane] = total
+
+
+@subroutine
+def _fill(wr, wi, yr, yi, at, lane, ridge, g, b):
+    """Normal matrix (lower triangle) and right side of one pair, in column `lane`."""
+    for m in range(at.size):
+        here = at[m]
+        size = abs(here)
+        sign = -1.0 if here < 0 else 1.0
+        if m == 0:
+            b[0, lane], g[0, 0, lane] = yr[0], wr[0]
+            continue
+        c, s = 2 * m - 1, 2 * m
+        b[c, lane], b[s, lane] = yr[size], sign * yi[size]
+        g[c, 0, lane], g[s, 0, lane] = wr[size], sign * wi[size]
+        for other in range(1, m + 1):
+            less, more = here - at[other], here + at[other]
+            d, p = abs(less), abs(more)
+            dr, di, pr, pi = wr[d], wi[d], wr[p], wi[p]
+            di = -di if less < 0 else di
+            pi = -pi if more < 0 else pi
+            x, y = 2 * other - 1, 2 * other
+            g[c, x, lane], g[s, y, lane] = 0.5 * (pr + dr), 0.5 * (dr - pr)
+            g[s, x, lane], g[c, y, lane] = 0.5 * (pi + di), 0.5 * (pi - di)
+        g[s, c, lane] = 0.5 * pi
+        g[c, c, lane] += ridge
+        g[s, s, lane] += ridge
+
+
+@reduction_subroutine
+def _solve(g, b):
+    """Replace b by L^-1 b, for the Cholesky factors L of g (unknown, unknown, 16)."""
+    row = np.empty(_SIDE)
+    for i in range(g.shape[0]):
+        for j in range(i + 1):
+            for lane in range(_SIDE):
+                row[lane] = g[i, j, lane]
+            for k in range(j):
+                for lane in range(_SIDE):
+                    row[lane] -= g[i, k, lane] * g[j, k, lane]
+            if i == j:
+                for lane in range(_SIDE):
+                    g[i, i, lane] = 1.0 / math.sqrt(max(row[lane], 1e-12))
+            else:
+                for lane in range(_SIDE):
+                    g[i, j, lane] = row[lane] * g[j, j, lane]
+        for lane in range(_SIDE):
+            row[lane] = b[i, lane]
+        for k in range(i):
+            for lane in range(_SIDE):
+                row[lane] -= g[i, k, lane] * b[k, lane]
+        for lane in range(_SIDE):
+            b[i, lane] = row[lane] * g[i, i, lane]
+
+
+# --------------------------------------------------------------------------------------------------
+# All pairs of frequencies of two grids, fitted by closed normal equations; the best of them.
+#
+# The cost of a pair does not depend on the number of samples (`pair_scan`).  Where there are more
+# pairs than `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left
+# out, and the best `MOST` are fitted.
+
+# Grid frequencies per 1/span, and inverse variance, 1/mag2, of the amplitudes of lines before the
+# fit.
+OVERSAMPLING: float = 3.0
+RIDGE: float = 1.0
+# Pairs fitted at most, pairs of a block, and pairs of a block that are kept.
+MOST: int = 8_000_000
+_BLOCK, _KEPT = 1 << 19, 20_000
+# Cells of a map of chi-squared along each axis.
+_CELLS = 240
+# Grid numbers by which the frequencies of a pair differ at least.
+_APART = 2
+
+
+class Tables(NamedTuple):
+    """The transforms of weights and of weighted values, real and imaginary parts."""
+
+    wr: FloatArray
+    wi: FloatArray
+    yr: FloatArray
+    yi: FloatArray
+    total: float
+
+
+class BestPairs(NamedTuple):
+    """The best pairs.
+
+    first, second : (P,) arrays of int, numbers on the grid; left : (P,) array, the share of
+    chi-squared left; map : (C, C) array, the least share left in each cell of the plane, NaN where
+    no pair lies; edges : (C + 1,) arrays of both axes, numbers on the grid; tried : int, all pairs.
+    """
+
+    first: IntArray
+    second: IntArray
+    left: FloatArray
+    map: FloatArray
+    edges: tuple[FloatArray, FloatArray]
+    tried: int
+
+
+def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, count: int) -> Tables:
+    """The tables of `pair_scan` at `count` multiples of a spacing.
+
+    Shapes: t, weights, y (N,).
+    """
+    both = sums(t, np.stack([weights, weights * y]), spacing, count)
+    parts = both[0].real, both[0].imag, both[1].real, both[1].imag
+    wr, wi, yr, yi = (np.ascontiguousarray(each) for each in parts)
+    return Tables(wr, wi, yr, yi, float(weights @ y**2))
+
+
+def best(
+    made: Tables,
+    first: tuple[int, int],
+    second: tuple[int, int],
+    order: int,
+    ridge: float,
+    keep: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> BestPairs:
+    """The best pairs a < b, a number of either range each, no two of them neighbours.
+
+    Shapes: first, second (int, int).
+    """
+    lines = harmonics(order)
+    blocks, tried = _blocks(first, second)
+    least = _threshold(made, blocks, lines, tried)
+    edges = tuple(
+        np.linspace(a, b, min(_CELLS, b - a) + 1).astype(float) for a, b in (first, second)
+    )
+    cells = np.full([len(each) - 1 for each in edges], -np.inf)
+    kept: list[tuple[IntArray, IntArray, FloatArray]] = []
+    done = 0
+    for rows in blocks:
+        a, b = _pairs(rows, second)
+        done += a.size
+        if least > -np.inf:
+            chosen = _powers(made, a, b, lines) >= least
+            a, b = a[chosen], b[chosen]
+        gain = np.empty(a.size)
+        if a.size:
+            decreases(*made[:4], a, b, lines, ridge, gain)
+            _enter(cells, edges, a, b, gain)
+            top = np.sort(np.argsort(-gain, kind="stable")[:_KEPT])
+            kept.append((a[top], b[top], gain[top]))
+        if progress is not None:
+            progress(done, tried)
+    a, b, gain = (np.concatenate(each) for each in zip(*kept, strict=True))
+    chosen = _peaks(a, b, gain, keep)
+    shares = np.where(np.isfinite(cells), 1.0 - cells / made.total, np.nan)
+    return BestPairs(
+        a[chosen], b[chosen], 1.0 - gain[chosen] / made.total, shares, (edges[0], edges[1]), tried
+    )
+
+
+def _blocks(first: tuple[int, int], second: tuple[int, int]) -> tuple[list[IntArray], int]:
+    """Numbers of the first grid in parts whose pairs fill a block; the number of all pairs."""
+    rows = np.arange(*first)
+    widths = np.maximum(second[1] - np.maximum(rows + _APART, second[0]), 0)
+    rows, widths = rows[widths > 0], widths[widths > 0]
+    ends = np.cumsum(widths)
+    cuts = np.searchsorted(ends, np.arange(_BLOCK, ends[-1] + _BLOCK, _BLOCK), side="right")
+    return [part for part in np.split(rows, np.unique(cuts)) if part.size], int(ends[-1])
+
+
+def _pairs(rows: IntArray, second: tuple[int, int]) -> tuple[IntArray, IntArray]:
+    starts = np.maximum(rows + _APART, second[0])
+    widths = second[1] - starts
+    a = np.repeat(rows, widths)
+    b = (
+        np.arange(a.size)
+        - np.repeat(np.cumsum(widths) - widths, widths)
+        + np.repeat(starts, widths)
+    )
+    return a, b
+
+
+def _powers(made: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArray:
+    """The sum of the powers of the lines of pairs."""
+    power = made.yr**2 + made.yi**2
+    found = np.zeros(a.size)
+    for i, j in lines[1:]:
+        found += power[np.abs(i * a + j * b)]
+    return found
+
+
+def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, tried: int) -> float:
+    """The power from which a pair is fitted, so that about `MOST` are; from a sample of pairs."""
+    if tried <= MOST:
+        return -np.inf
+    generator = np.random.default_rng(0)
+    top = int(blocks[-1][-1]) + 1
+    low = int(blocks[0][0])
+    both = np.sort(generator.integers(low, max(top, low + 2), (200_000, 2)), axis=1)
+    both = both[both[:, 0] < both[:, 1]]
+    found = _powers(made, both[:, 0], both[:, 1], lines)
+    return float(np.quantile(found, 1.0 - MOST / tried))
+
+
+def _enter(cells, edges, a, b, gain):
+    """Enter the greatest gain into each cell of a map."""
+    place = []
+    for each, grid in ((a, edges[0]), (b, edges[1])):
+        width = grid[1] - grid[0]
+        place.append(np.clip(((each - grid[0]) / width).astype(np.int64), 0, len(grid) - 2))
+    np.maximum.at(cells, tuple(place), gain)
+
+
+def _peaks(first, second, gain, keep):
+    """Numbers of the best pairs, no two of them neighbours on the grid."""
+    used: set[tuple[int, int]] = set()
+    chosen = []
+    for p in np.argsort(-gain, kind="stable"):
+        a, b = int(first[p]), int(second[p])
+        if (a, b) not in used:
+            used.update((a + i, b + j) for i in range(-2, 3) for j in range(-2, 3))
+            chosen.append(p)
+            if len(chosen) >= keep:
+                break
+    return np.array(chosen)
+
+
+# --------------------------------------------------------------------------------------------------
+# Fourier series in one or more frequencies, refined in all parameters: Gauss and Newton's steps.
+#
+# With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  The joint
+# matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
+# covariance of f.
+
+# Steps at most, and the part of the resolution 1/span below which a step is the last.
+_STEPS, _LAST = 25, 1e-7
+# Eigenvalues of scaled normal equations below this part of the greatest belong to lines that the
+# span does not resolve.
+_RANK = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedSeries:
+    """A series at the least squares of all its parameters.
+
+    Attributes
+    ----------
+    frequencies : (D,) array
+        Hz.
+    covariance : (D, D) array
+        Of the frequencies, Hz2; from the residuals, whatever the scale of the errors.
+    numbers : (K, D) array of int
+        Of the lines.
+    offsets : (C,) array
+        Zero points of the curves.
+    cosines, sines : (K,) arrays
+        Of 2 pi n . f (t - start).
+    start : float
+        s, the middle of the samples.
+    residuals : (N,) array
+        In the unit of the values.
+    chi_squared : float
+        With the errors of the samples, or with unit weights.
+    parameters : int
+    """
+
+    frequencies: FloatArray
+    covariance: FloatArray
+    numbers: IntArray
+    offsets: FloatArray
+    cosines: FloatArray
+    sines: FloatArray
+    start: float
+    residuals: FloatArray
+    chi_squared: float
+    parameters: int
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors (D,) of the frequencies, Hz."""
+        found: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return found
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """(K,) half of the peak-to-peak value of each line."""
+        return np.hypot(self.cosines, self.sines)
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the residuals, in the unit of the values."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    def wave(self, t: FloatArray, chosen: FloatArray | None = None) -> FloatArray:
+        """The sum of the lines (of those chosen by a mask) at seconds t, without zero points."""
+        angles = _angles(t, self.start, self.frequencies, self.numbers)
+        keep = np.ones(len(self.numbers)) if chosen is None else chosen
+        found: FloatArray = np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (
+            self.sines * keep
+        )
+        return found
+
+
+def refined(
+    samples: Samples, frequencies: FloatArray, numbers: IntArray, steps: int = _STEPS
+) -> RefinedSeries:
+    """The series of least squares near given frequencies.
+
+    Shapes: frequencies (D,), numbers (K, D).
+    """
+    numbers = np.asarray(numbers).reshape(len(numbers), -1)
+    lines, dimensions = numbers.shape
+    parameters = samples.curves + 2 * lines + dimensions
+    if len(samples.t) <= parameters:
+        raise AttitudeError(
+            f"{len(samples.t)} values are given for {parameters} unknowns; give more values, or a "
+            "lower order."
+        )
+    start = float(0.5 * (samples.t.min() + samples.t.max()))
+    f = np.array(frequencies, dtype=float)
+    weights = samples.weights
+    unit = 1.0 / max(samples.span, 1e-300)
+    matrix, solution, residuals = _solved(samples, f, numbers, start, weights)
+    chi = float(residuals @ residuals)
+    for _ in range(steps):
+        joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
+        step = _least_squares(joint, residuals)[-dimensions:]
+        step *= min(1.0, 0.3 / max(float(np.abs(step).max()), 1e-300))
+        scale = 1.0
+        while scale > 0.05:
+            tried = f + scale * step * unit
+            found = _solved(samples, tried, numbers, start, weights)
+            if found[2] @ found[2] <= chi:
+                break
+            scale *= 0.5
+        else:
+            break
+        f, (matrix, solution, residuals) = tried, found
+        chi = float(residuals @ residuals)
+        if np.abs(scale * step).max() < _LAST:
+            break
+    joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
+    freedom = max(1, len(samples.t) - parameters)
+    inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
+    return RefinedSeries(
+        f,
+        inverse * unit**2 * chi / freedom,
+        numbers,
+        solution[: samples.curves],
+        solution[samples.curves : samples.curves + lines],
+        solution[samples.curves + lines :],
+        start,
+        residuals / weights,
+        chi,
+        parameters,
+    )
+
+
+def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
+    """The series at given frequencies, which are not refined; parameters as of `refined`.
+
+    Its covariance is that of the frequencies as if they were free.
+
+    Raises
+    ------
+    AttitudeError
+        As `refined`.
+    """
+    return refined(samples, frequencies, numbers, steps=0)
+
+
+def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> FloatArray:
+    """Frequencies (draws, D) of the series through points drawn anew with replacement."""
+    generator = validation.generator(seed)
+    count = len(samples.t)
+    unit = 1.0 / max(samples.span, 1e-300)
+    dimensions = len(found.frequencies)
+    out = np.empty((draws, dimensions))
+    for draw in range(draws):
+        often = np.bincount(generator.integers(0, count, count), minlength=count)
+        weights = samples.weights * np.sqrt(often)
+        f = found.frequencies.copy()
+        for _ in range(4):
+            matrix, solution, residuals = _solved(samples, f, found.numbers, found.start, weights)
+            joint = _joint(samples, f, found.numbers, found.start, weights, matrix, solution, unit)
+            step = _least_squares(joint, residuals)[-dimensions:]
+            f = f + np.clip(step, -0.3, 0.3) * unit
+        out[draw] = f
+    return out
+
+
+def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntArray) -> FloatArray:
+    """Angles (N, K) of the lines, rad; turns are reduced before they are multiplied by 2 pi."""
+    turns = np.multiply.outer(t - start, numbers @ frequencies)
+    found: FloatArray = 2.0 * np.pi * (turns - np.rint(turns))
+    return found
+
+
+def _solved(samples, f, numbers, start, weights):
+    """Weighted matrix, coefficients and weighted residuals of the linear fit."""
+    angles = _angles(samples.t, start, f, numbers)
+    own = samples.curve[:, None] == np.arange(samples.curves)
+    matrix = np.concatenate([own, np.cos(angles), np.sin(angles)], axis=1) * weights[:, None]
+    right = samples.values * weights
+    solution = _least_squares(matrix, right)
+    return matrix, solution, right - matrix @ solution
+
+
+def _least_squares(matrix, right):
+    """The solution of least norm of scaled normal equations, corrected once by its residuals."""
+    scale = np.sqrt(np.einsum("nk,nk->k", matrix, matrix))
+    scale[scale == 0.0] = 1.0
+    scaled = matrix / scale
+    values, vectors = np.linalg.eigh(scaled.T @ scaled)
+    inverse = np.where(values > _RANK * values[-1], 1.0 / np.maximum(values, 1e-300), 0.0)
+    solution = vectors @ (inverse * (vectors.T @ (scaled.T @ right)))
+    rest = right - scaled @ solution
+    solution += vectors @ (inverse * (vectors.T @ (scaled.T @ rest)))
+    return solution / scale
+
+
+def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
+    """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
+    lines = len(numbers)
+    first = samples.curves
+    cosines, sines = solution[first : first + lines], solution[first + lines :]
+    # the weighted cosines and sines are columns of the matrix
+    rate = matrix[:, first : first + lines] * sines - matrix[:, first + lines :] * cosines
+    by_f = 2.0 * np.pi * unit * (samples.t - start)[:, None] * (rate @ numbers)
+    return np.concatenate([matrix, by_f], axis=1)
+
+
+# --------------------------------------------------------------------------------------------------
+# What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day.
+
+# Pairs that a permutation of the values is fitted with, and permutations.
+_PERMUTED, _TIMES = 20_000, 10
+# Periods, s, of the Sun and of the stars, at which the observations of one site recur.
+DAYS: tuple[float, float] = (86400.0, 86164.1)
+_EULER = 0.5772
+
+
+class PairLike(Protocol):
+    """Two frequencies, the lower one first."""
+
+    @property
+    def first(self) -> float:
+        """Hz."""
+
+    @property
+    def second(self) -> float:
+        """Hz."""
+
+
+def alias_of(first: float, second: float, better: Sequence[PairLike], near: float) -> int | None:
+    """The rank of a better pair from which a pair differs by one cycle a day, or None."""
+    for rank, pair in enumerate(better):
+        for day in DAYS:
+            ends = [(pair.first, abs(pair.second + s / day)) for s in (-1, 1)]
+            ends += [(abs(pair.first + s / day), pair.second) for s in (-1, 1)]
+            for a, b in ends:
+                low, high = min(a, b), max(a, b)
+                if abs(low - first) < near and abs(high - second) < near:
+                    return rank
+    return None
+
+
+def share_of_chance(
+    t: FloatArray, weights: FloatArray, y: FloatArray, turns: float, order: int, seed: int
+) -> float:
+    """The share of chi-squared left that 1 of 100 light curves of permuted values reaches.
+
+    Shapes: t, weights, y (N,).
+
+    From Gumbel's distribution of the largest decrease among some pairs, extended to all.
+    """
+    generator = validation.generator(seed)
+    count = int(turns * OVERSAMPLING) + 1
+    all_pairs = max(count * (count - 1) // 2, 1)
+    tried = min(all_pairs, _PERMUTED if order < 3 else _PERMUTED // 10)
+    pair = generator.integers(2, count, (2, tried))
+    lines = harmonics(order)
+    best = []
+    for _ in range(_TIMES):
+        mixed = y[generator.permutation(len(y))]
+        made = tables(t, weights, mixed, 1.0 / OVERSAMPLING, 4 * order * (count + 1) + 2)
+        gain = np.empty(tried)
+        decreases(*made[:4], pair[0], pair[1], lines, RIDGE, gain)
+        best.append(float(gain.max() / made.total))
+    scale = max(np.std(best) * np.sqrt(6.0) / np.pi, 1e-6)
+    place = np.mean(best) - _EULER * scale + scale * np.log(all_pairs / tried)
+    return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))

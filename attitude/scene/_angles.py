@@ -1,0 +1,197 @@
+"""Angles between directions, and their longitudes and latitudes; arrays (3, N), component first."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from attitude import frames
+from attitude._compilation.decorators import quickly_compiled
+from attitude._solver.twofloat import two_sum
+from attitude._support.arrays import new_array, read_only
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from attitude._support.annotations import FloatArray
+
+
+# A full turn, rad.
+TURN: Final = 2.0 * np.pi
+# Epochs that are computed together.
+_BLOCK = 1 << 13
+
+
+def between(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
+    out = new_array(a.shape[1])
+    for part in parts(out.size):
+        (x, y, z), (u, v, w) = a[:, part], b[:, part]
+        p, q, r = y * w - z * v, z * u - x * w, x * v - y * u
+        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[part])
+    return out
+
+
+def between_units(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The angle (N,) between unit vectors (3, N) or (3, 1), as `between`, in half of the time."""
+    from attitude._solver.vectors import separation
+
+    pair = (read_only(np.ascontiguousarray(each)) for each in (a, b))
+    return separation(*(row for vectors in pair for row in vectors))
+
+
+def turned_positive(angle: FloatArray) -> FloatArray:
+    """An angle from -pi to pi as one from 0 to 2 pi, less than 2 pi; filled in place."""
+    np.add(angle, TURN, out=angle, where=angle < 0.0)
+    # The sum of 2 pi and a negative rounding error such as -1e-20 rounds to 2 pi itself.
+    np.copyto(angle, 0.0, where=angle >= TURN)
+    return angle
+
+
+def longitude_and_latitude(vectors: FloatArray) -> FloatArray:
+    """East longitude, 0 to 2 pi, and latitude (2, N) of directions, rad."""
+    out = new_array(2, vectors.shape[1])
+    for part in parts(out.shape[1]):
+        x, y, z = vectors[:, part]
+        turned_positive(np.arctan2(y, x, out=out[0, part]))
+        np.arctan2(z, np.sqrt(x * x + y * y), out=out[1, part])
+    return out
+
+
+def parts(count: int) -> Iterator[slice]:
+    """Slices of epochs: temporary arrays of one stay in the second-level cache."""
+    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))
+
+
+def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
+    """Ecliptic (J2000) longitude and latitude (2, N) of the phase-angle bisector -(s + o), rad.
+
+    s and o are the unit vectors from the body to the Sun and to the observer, ICRF.
+    """
+    turn = -frames.matrix_to_icrf("ecliptic").T
+    out = new_array(2, max(sun.shape[1], observer.shape[1]))
+    for part in parts(out.shape[1]):
+        pair = (each if each.shape[1] == 1 else each[:, part] for each in (sun, observer))
+        out[:, part] = longitude_and_latitude(turn @ sum(pair))
+    return out
+
+
+def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
+    """The angle (N,) on the sky from north through east to an axis, 0 to 2 pi rad.
+
+    Both arguments are directions (3, N), ICRF; the line of sight points from the observer to the
+    body.
+    """
+    out = new_array(line_of_sight.shape[1])
+    for part in parts(out.size):
+        (a, b, c), (x, y, z) = axis[:, part], line_of_sight[:, part]
+        # East is pole x line of sight, north the part of the pole across the line of sight; the
+        # length of both is cos(declination).
+        north = c - z * (a * x + b * y + c * z)
+        turned_positive(np.arctan2(b * x - a * y, north, out=out[part]))
+    return out
+
+
+def aberrated(direction: FloatArray, velocity: FloatArray, light: float) -> FloatArray:
+    """Unit vectors (3, N) of the directions in which a moving observer sees given directions.
+
+    Shapes: direction (3, N), velocity (3, N) m/s, light in m/s.
+
+    Exact special relativity: Explanatory Supplement (2013), eq. 7.40; ERFA's ``ab`` without the
+    term of the Sun's potential, which is 1e-8 of the aberration.
+    """
+    beta = velocity / light
+    along = np.sum(beta * direction, axis=0)
+    inverse_gamma = np.sqrt(1.0 - np.sum(beta * beta, axis=0))
+    seen = inverse_gamma * direction + (1.0 + along / (1.0 + inverse_gamma)) * beta
+    return seen / np.sqrt(np.sum(seen * seen, axis=0))
+
+
+def air_mass(elevation: FloatArray) -> FloatArray:
+    """Relative air mass (N,) at true (unrefracted) elevations (N,) in rad; NaN below 0.
+
+    Young (1994), Applied Optics 33, 1108: 1 at the zenith, 31.7 at the horizon, where its error of
+    0.0037 is greatest.
+    """
+    z = np.sin(elevation)
+    with np.errstate(invalid="ignore"):
+        above = ((1.002432 * z + 0.148386) * z + 0.0096467) / (
+            ((z + 0.149864) * z + 0.0102963) * z + 0.000303978
+        )
+        return np.where(z >= 0.0, above, np.nan)
+
+
+# --------------------------------------------------------------------------------------------------
+# The compiled loops of a scene: lengths and directions of vectors, light times, emission.
+
+
+@quickly_compiled
+def normalised(vectors, sign, begin, unit, length):
+    """Unit vectors times a sign, and lengths, of vectors (3, N), into columns from `begin` on."""
+    for k in range(vectors.shape[1]):
+        x, y, z = vectors[0, k], vectors[1, k], vectors[2, k]
+        size = math.sqrt(x * x + y * y + z * z)
+        length[begin + k] = size
+        unit[0, begin + k] = sign * x / size
+        unit[1, begin + k] = sign * y / size
+        unit[2, begin + k] = sign * z / size
+
+
+@quickly_compiled
+def earlier(hi, lo, distance, light, out_hi, out_lo):
+    """The epochs hi + lo - distance / light as pairs (N,); lo (N,) or (1,), `light` in m/s."""
+    step = 0 if lo.size == 1 else 1
+    for k in range(hi.size):
+        s, e = two_sum(hi[k], -(distance[k] / light))
+        out_hi[k], out_lo[k] = two_sum(s, e + lo[k * step])
+
+
+@quickly_compiled
+def light_times(vectors, speed, out):
+    """Fill out (N,) with the lengths of vectors (3, N) over a speed; returns the largest entry."""
+    largest = 0.0
+    for k in range(out.size):
+        x, y, z = vectors[0, k], vectors[1, k], vectors[2, k]
+        out[k] = math.sqrt(x * x + y * y + z * z) / speed
+        largest = max(largest, abs(x), abs(y), abs(z))
+    return largest
+
+
+@quickly_compiled
+def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
+    """Light times by the secant through the last two, and the epochs of emission.
+
+    light (N,) is replaced, and kept in `before`; found (N,) are the light times that the positions
+    at `light` give, and slope (N,) their derivatives by `light`.
+    """
+    step = 0 if lo.size == 1 else 1
+    for k in range(hi.size):
+        before[k] = light[k]
+        light[k] += (found[k] - light[k]) / (1.0 - slope[k])
+        s, e = two_sum(hi[k], -light[k])
+        out_hi[k], out_lo[k] = two_sum(s, e + lo[k * step])
+
+
+@quickly_compiled
+def secant_slopes(vectors, old, light, before, least, limit, found, speed, slope):
+    """Update `found`, slope (N,) and the speeds of the target (N,) by the vectors (3, N).
+
+    `old` are the vectors of the step before.  Where the light time changed by less than `least`,
+    in s, the differences are rounding: slope and speed are kept.  Returns the largest error of the
+    vectors in m: the way of the target in the error of the light time.  `limit` is the speed of
+    light in m/s.
+    """
+    worst = 0.0
+    for k in range(light.size):
+        x, y, z = vectors[0, k], vectors[1, k], vectors[2, k]
+        now = math.sqrt(x * x + y * y + z * z) / limit
+        change = light[k] - before[k]
+        if abs(change) > least:
+            x, y, z = x - old[0, k], y - old[1, k], z - old[2, k]
+            speed[k] = math.sqrt(x * x + y * y + z * z) / abs(change)
+            slope[k] = (now - found[k]) / change
+        found[k] = now
+        worst = max(worst, speed[k] * abs(now - light[k]))
+    return worst

@@ -1,0 +1,614 @@
+"""The setting of an observation: a motion, the path of its body, an observer and the Sun."""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import markup, pairs, validation
+from attitude._support.arrays import Immutable, new_array
+from attitude.catalog import motion_of
+from attitude.conditions._conditions import Observable
+from attitude.conditions._moments import OfReception
+from attitude.epochs import _inputs, _instants
+from attitude.errors import AttitudeError
+from attitude.paths import _composed, _path, _solar_system
+from attitude.paths._composed import NamedBody
+from attitude.paths._foreign import place_of
+from attitude.paths._path import Place, body_name, naif_index
+from attitude.scattering._law import law as known_law
+from attitude.scene import _shadow
+from attitude.scene._light_time import Steps
+from attitude.scene._view import View
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Mapping
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Epochs, FloatArray, Real, Reals
+    from attitude.conditions._moments import Moment, Pair
+    from attitude.light_curve._visibility import Visibility
+    from attitude.motions._motion import HasAttitudes, Motion
+    from attitude.paths._path import Direction, Ephemeris, EphemerisLike, Path
+    from attitude.scattering._law import Law
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+
+
+# --------------------------------------------------------------------------------------------------
+# What a Scene is given, checked: places, a shape, shadows, times.
+
+
+def refuse_plain(times: Any) -> None:
+    """AttitudeError for plain seconds, in a scene without a motion."""
+    first = times
+    while isinstance(first, (list, tuple)) and first:
+        first = first[0]
+    kind = getattr(getattr(first, "dtype", None), "kind", "")
+    is_number = isinstance(first, (int, float)) or kind in ("f", "i", "u")
+    is_duration = isinstance(first, datetime.timedelta) or kind == "m"
+    if is_number or is_duration or type(first).__name__ == "TimeDelta":
+        raise AttitudeError(
+            "times are plain seconds, but a scene without a motion has no epoch to count them "
+            "from; give dates: ISO text in UTC, astropy or skyfield Times, datetimes."
+        )
+
+
+def place(
+    value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
+) -> Place:
+    """The path or direction given, that of astropy or skyfield, or of a body by name or number."""
+    foreign = None if isinstance(value, (Place, str, list, tuple)) else place_of(value, name)
+    value = value if foreign is None else foreign
+    if isinstance(value, Place):
+        if is_direction_allowed or not value.is_direction:
+            return value
+        raise AttitudeError(
+            f"{name} is {value!r}, infinitely far away; give a path or a body, or None where Sun "
+            "and observer are directions."
+        )
+    if isinstance(value, (list, tuple)) and any(
+        isinstance(each, Place) or place_of(each, name) is not None for each in value
+    ):
+        raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
+    if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
+        return _path.direction(value, name=name)
+    if isinstance(value, str) or naif_index(value) is not None:
+        return NamedBody(body_name(value, name), ephemeris)
+    raise AttitudeError(
+        f"{name} is {type(value).__name__}; give the name of a body, a path of attitude.paths"
+        + (", or a direction (x, y, z) in ICRF." if is_direction_allowed else ".")
+    )
+
+
+def known_shape(shape: Any) -> Ellipsoid | Mesh | None:
+    """The shape itself; AttitudeError for anything else."""
+    if shape is None:
+        return None
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+
+    if not isinstance(shape, (Ellipsoid, Mesh)):
+        raise AttitudeError(
+            f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape."
+        )
+    return shape
+
+
+def known_shadows(shadows: Any) -> bool | Visibility:
+    """True, False or a Visibility, which is loaded only if one is given."""
+    if isinstance(shadows, (bool, np.bool_)):
+        return bool(shadows)
+    from attitude.light_curve._visibility import Visibility
+
+    if not isinstance(shadows, Visibility):
+        raise AttitudeError(
+            f"shadows is {validation.shown(shadows)}; give True, False or a Visibility."
+        )
+    return shadows
+
+
+def check_surface(shape: Ellipsoid | Mesh | None, law: Law) -> None:
+    """AttitudeError for facets whose material the law does not have."""
+    if shape is None:
+        return
+    from attitude.shape._mesh import Mesh
+
+    if isinstance(shape, Mesh):
+        law.rows(shape.materials)
+
+
+# --------------------------------------------------------------------------------------------------
+# Quantities of a view as observables: with extrema, and conditions by comparison.
+
+# Quantities that are true or false, that have kinks or jumps, and that may be NaN or infinite: all
+# others are smooth, so that their samples bound their derivatives.
+_FLAGS = ("in_umbra", "in_penumbra", "sky_dark")
+_ROUGH = ("lit_fraction", "airmass", "brightness", "reduced_magnitude", "magnitude")
+_JUMPS = ("longitude", "right_ascension")
+# Parts of |r| / |v| that are the spacing of samples: of a body or observer about its center, and of
+# the two relative to each other.
+_OF_ORBIT, _OF_RANGE = 1.0 / 30.0, 1.0 / 4.0
+_SAMPLES, _FEWEST = 129, 16
+
+
+@dataclass(frozen=True)
+class OfColumn:
+    """A quantity of a view by name, or one part of its last axis; for a block of epochs."""
+
+    name: str
+    number: int | None = None
+
+    def __call__(self, moment: Moment) -> FloatArray:
+        """The values (N,)."""
+        found = np.asarray(getattr(moment.view, self.name), dtype=np.float64)
+        return found if self.number is None else found[..., self.number]
+
+
+@dataclass(frozen=True)
+class OfFunction:
+    """A function of a view, for a block of epochs."""
+
+    function: Callable[[View], ArrayLike]
+
+    def __call__(self, moment: Moment) -> FloatArray:
+        """The values (N,)."""
+        found = np.asarray(self.function(moment.view), dtype=np.float64)
+        if found.shape != moment.hi.shape:
+            raise AttitudeError(
+                f"the function of a view returns shape {found.shape} for {moment.hi.size} epochs; "
+                "it must return one number for each."
+            )
+        return found
+
+
+class OfView(Observable):
+    """A number of a view at every epoch of reception; made by ``scene.quantity``.
+
+    Attributes
+    ----------
+    name : str
+        Of the quantity, or "function".
+    is_flag : bool
+        Whether it is true or false, and so a condition itself.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        value: OfColumn | OfFunction,
+        name: str,
+        *,
+        is_flag: bool = False,
+        **options: Any,
+    ) -> None:
+        super().__init__(OfReception(scene), value, **options)
+        self.name, self.is_flag = name, is_flag
+
+    @property
+    def key(self) -> Hashable:
+        """The quantity, with the stated step and rate."""
+        return self.value, self.step, self.rate
+
+    def spacing(self, start: Pair, stop: Pair) -> float:
+        """The spacing of samples in a span, s: `step`, or from what the value depends on.
+
+        An attitude: 0.05 rad of the fastest rotation.  Lines of sight: a thirtieth of |r| / |v| of
+        the body and of the observer about their centers, the least of samples in the span.
+        """
+        if self.step is not None:
+            return self.step
+        length = (stop[0] - start[0]) + (stop[1] - start[1])
+        s = np.linspace(0.0, length, _SAMPLES)
+        moment = self.source.at(start[0] + s, np.full(s.size, start[1]))
+        self.value(moment)
+        found = [length / _FEWEST] if length > 0.0 else [1.0]
+        if "attitude" in moment.view.evaluated:
+            found.append(super().spacing(start, stop))
+        found += _scales(moment.view)
+        return min(found)
+
+    def __repr__(self) -> str:
+        return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
+
+
+def quantity(
+    scene: Scene,
+    given: str | Callable[[View], ArrayLike],
+    *,
+    unit: str = "",
+    rate: Real | None = None,
+    step: Real | None = None,
+) -> OfView:
+    """The Observable of ``scene.quantity``, whose docstring describes the arguments."""
+    stated = None if rate is None else validation.positive(rate, "rate", unit=_per_second(unit))
+    known_step = None if step is None else validation.positive(step, "step", unit="s")
+    options: dict[str, Any] = {"rate": stated, "step": known_step}
+    if not isinstance(given, str):
+        if not callable(given):
+            raise AttitudeError(
+                f"quantity is {validation.shown(given)}; give the name of a quantity of a view, "
+                'such as "elevation", or a function of a view.'
+            )
+        return OfView(scene, OfFunction(given), "function", unit=unit, **options)
+    name, _, part = given.partition(".")
+    known = View.columns()
+    if name not in known:
+        raise AttitudeError(
+            f"{given!r} is not a quantity of a view; give one of {', '.join(known)}."
+        )
+    parts = known[name].parts
+    if parts and part not in parts:
+        raise AttitudeError(
+            f'{name} has the parts {", ".join(parts)}; give one of them, as in "{name}.{parts[0]}".'
+        )
+    if part and not parts:
+        raise AttitudeError(f"{name} has no parts; give {name!r}.")
+    own = known[name].unit
+    if unit and unit != own:
+        raise AttitudeError(
+            f"{name} is in {own or 'no unit'}; leave unit out, and give thresholds with their "
+            'units, as in > "10 deg".'
+        )
+    is_flag = name in _FLAGS
+    smooth = not (is_flag or name in _ROUGH or part in _JUMPS or name.endswith("_sigma"))
+    value = OfColumn(name, parts.index(part) if part else None)
+    return OfView(scene, value, given, unit=own, is_smooth=smooth, is_flag=is_flag, **options)
+
+
+def _per_second(unit: str) -> str:
+    return f"{unit} / s" if unit else "1 / s"
+
+
+def _scales(view: View) -> list[float]:
+    """Spacings of samples of what depends on lines of sight, s."""
+    scene = view.scene
+    found: list[float] = []
+
+    def least(path: Path, part: float) -> None:
+        position, velocity = path.state(view.epoch, view.seconds, view.low)
+        size, speed = (np.sqrt(np.sum(each * each, axis=-1)) for each in (position, velocity))
+        moving = (speed > 0.0) & (size > 0.0)
+        if np.any(moving):
+            found.append(part * float(np.min(size[moving] / speed[moving])))
+
+    places = [each for each in (scene.center, scene.observer) if isinstance(each, _path.Path)]
+    for place in places:
+        least(place, _OF_ORBIT)
+    if len(places) == 2:
+        least(_composed.relative(places[0], places[1], scene.ephemeris), _OF_RANGE)
+    return found
+
+
+class Scene(Immutable):
+    """A rotating body, its path, its observer, and the Sun that lights it.
+
+    Parameters
+    ----------
+    motion : Motion, object with ``at(t)``, or None
+        A FreeRotation, Arcs, an AttitudeTable, ...; None for quantities that need no attitude.
+    center : str, int, Path or None
+        The path (`attitude.paths`) of the body's centre of mass, or the name or NAIF number of a
+        body of the ephemeris.  None if Sun and observer are directions, infinitely far away.
+    observer, sun : str, int, Path, Direction or (3,) array_like
+        A body, a path, a `paths.direction`, or a vector in ICRF as a direction.  A Scene keeps
+        each place as a path or a direction; a body given by name as the path of this name, which
+        opens the ephemeris when a position is needed.
+    shape : Ellipsoid or Mesh, optional
+        Of `attitude.shape`, in m; brightness and magnitudes need it.
+    law : str or Law
+        Scattering law of the surface; see `attitude.scattering`.
+    night : float, Quantity or text
+        Elevation of the Sun, rad, below which the sky of a ground site is dark (``view.sky_dark``).
+    site_limits : bool
+        Whether magnitudes from a ground site are NaN by day (as `night` says) and while the body is
+        below the horizon.  False: magnitudes at all epochs.
+    light_time : bool
+        Whether positions are corrected for light time.  False evaluates all of them at the epochs
+        given.
+    aberration : bool
+        Whether the observer's velocity shifts the directions that the observer measures (apparent
+        direction, position angle, elongation, elevation).  It does not change which side of the
+        body is seen.
+    ephemeris : path of an SPK kernel, name such as "builtin", Ephemeris, or None
+        Source of the bodies given by name; see `paths.ephemeris`.
+    shadow_of : str, int, sequence or dict, optional
+        Bodies whose shadow may fall on this one; a dict gives their radii in m (None: the radius
+        in `scene.shadow`).  By default the body that `center` is a path about, if it is a planet
+        or the Moon.  () for none.
+    tolerance : float or None
+        Largest error of the Chebyshev pieces from which many epochs are evaluated where that is
+        cheaper, m; they turn no direction by more than 4e-10 rad.  None: no Chebyshev pieces.
+    shadows, threads
+        Shadows of the body on itself, and threads: see `light_curve.brightness`.
+    sun_magnitude : float, optional
+        Magnitude of the Sun at 1 au in the band of the observation; Johnson V by default.
+    phase_function : callable, optional
+        Mean reduced magnitude over all orientations as a function of the phase angle in rad.
+        Magnitudes follow it, and size and albedo do not enter; for H = 19.09 and G = 0.24 give
+        ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)``.  See `light_curve.phased_magnitude`.
+
+    Attributes
+    ----------
+    motion : Motion or None
+    center : Path or None
+    observer, sun : Path or Direction
+    ephemeris : Ephemeris or None
+        None: the source that `paths.ephemeris` takes by default.
+    law : Law
+    night : float
+        rad.
+    shape, site_limits, light_time, aberration, shadows, threads, sun_magnitude, phase_function
+        As given.
+    shadow_of : dict
+        Radii in m by the names of the bodies.
+    tolerance : float or None
+        m.
+
+    Raises
+    ------
+    AttitudeError
+        For arguments of other types, unknown bodies, a motion with unknown epoch, and a missing
+        center of a scene whose observer or Sun is at a finite distance.
+
+    Notes
+    -----
+    Directions are light-time corrected from barycentric positions: SPICE's "CN", skyfield's
+    ``observe``.  Against both: below 1e-12 rad and 1e-11 s (benchmarks/scene.py).
+
+    >>> from attitude import Body, FreeRotation, Spin
+    >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
+    >>> motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    >>> view = Scene(motion, center=None, observer=(1, 0, 0), sun=(0, 1, 0)).at([0.0, 5.0 * np.pi])
+    >>> view.sun_direction.round(12) + 0.0                        # a quarter turn about z
+    array([[0., 1., 0.],
+           [1., 0., 0.]])
+    >>> view.phase_angle.round(6), view.evaluated[-2:]
+    (array([1.570796, 1.570796]), ('sun_direction', 'phase_angle'))
+    """
+
+    motion: Motion | None
+    center: Path | None
+    observer: Path | Direction
+    sun: Path | Direction
+    ephemeris: Ephemeris | None
+    shape: Ellipsoid | Mesh | None
+    law: Law
+    night: float
+    site_limits: bool
+    light_time: bool
+    aberration: bool
+    shadow_of: dict[str, float]
+    tolerance: float | None
+    shadows: bool | Visibility
+    threads: int
+    sun_magnitude: float | None
+    phase_function: Callable[[FloatArray], FloatArray] | None
+
+    def __init__(
+        self,
+        motion: HasAttitudes | str | None,
+        center: Path | str | int | None = None,
+        observer: Path | Direction | str | int | Reals = "earth",
+        sun: Path | Direction | str | int | Reals = "sun",
+        *,
+        shape: Ellipsoid | Mesh | None = None,
+        law: str | Law = "lommel-seeliger",
+        night: Real = "-6 deg",
+        site_limits: bool = True,
+        light_time: bool = True,
+        aberration: bool = False,
+        ephemeris: EphemerisLike = None,
+        shadow_of: str
+        | int
+        | Iterable[str | int]
+        | Mapping[str, Real | None]
+        | Mapping[int, Real | None]
+        | None = None,
+        tolerance: Real | None = 1e-3,
+        shadows: bool | Visibility = True,
+        threads: int = 1,
+        sun_magnitude: Real | None = None,
+        phase_function: Callable[[FloatArray], FloatArray] | None = None,
+    ) -> None:
+        self._set("motion", None if motion is None else motion_of(motion))
+        self._set("law", known_law(law))
+        source = None if ephemeris is None else _solar_system.ephemeris(ephemeris)
+        self._set("ephemeris", source)
+        self._set("center", None if center is None else place(center, "center", source))
+        self._set("observer", place(observer, "observer", source, is_direction_allowed=True))
+        self._set("sun", place(sun, "sun", source, is_direction_allowed=True))
+        self._require_center()
+        self._set("shape", known_shape(shape))
+        check_surface(self.shape, self.law)
+        self._set("night", validation.number(night, "night", unit="rad"))
+        self._set("site_limits", validation.flag(site_limits, "site_limits"))
+        self._set("light_time", validation.flag(light_time, "light_time"))
+        self._set("aberration", validation.flag(aberration, "aberration"))
+        if tolerance is not None:
+            tolerance = validation.positive(tolerance, "tolerance", unit="m")
+        self._set("tolerance", tolerance)
+        self._set("shadow_of", self._occulters(shadow_of))
+        self._set("shadows", known_shadows(shadows))
+        self._set("threads", validation.count(threads, "threads"))
+        if sun_magnitude is not None:
+            sun_magnitude = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
+        self._set("sun_magnitude", sun_magnitude)
+        if phase_function is not None and not callable(phase_function):
+            raise AttitudeError(
+                f"phase_function is {validation.shown(phase_function)}; give a function of the "
+                "phase angle in rad, such as lambda alpha: scattering.hg(alpha, 19.09, 0.24)."
+            )
+        if phase_function is not None and sun_magnitude is not None:
+            raise AttitudeError(
+                "phase_function and sun_magnitude are given, but magnitudes follow the phase "
+                "function alone; leave out sun_magnitude."
+            )
+        self._set("phase_function", phase_function)
+
+    def at(self, times: Epochs, low: ArrayLike | None = None) -> View:
+        """The scene as seen by the light received at some epochs.
+
+        Parameters
+        ----------
+        times : array_like
+            Epochs of any type that `FreeRotation.at` takes; plain numbers are TDB seconds since
+            the epoch of the motion.  With an observer that is a direction, the epochs are those
+            at the body.
+        low : array_like, optional
+            With plain numbers: a second double; the seconds are times + low.
+
+        Returns
+        -------
+        View
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read, infinite ones, and plain numbers in a scene without a
+            motion.
+        """
+        start = self.epoch
+        if start is None:
+            refuse_plain(times)
+            start = _instants.Instant(0.0)
+        hi, lo = _inputs.seconds_since(start, times, low, "times")
+        return self.since(start, hi, lo)
+
+    def since(
+        self, start: _instants.Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> View:
+        """As `at`, for TDB seconds + low since an Instant."""
+        if not isinstance(start, _instants.Instant):
+            raise AttitudeError(
+                f"start is {validation.shown(start)}; give an Instant, made by epochs.instant(...)."
+            )
+        seconds, low = _inputs.plain_seconds(seconds, low)
+        # Copies, since the arrays of a view are read-only.
+        hi = new_array(*seconds.shape)
+        hi[...] = seconds
+        lo = None if low is None else np.array(low)
+        if np.isinf(hi).any():
+            raise AttitudeError(
+                "times holds an infinite epoch; give finite epochs, or NaN for a missing one."
+            )
+        own = self.epoch
+        if own is not None and start != own:
+            past_j2000 = pairs.add(
+                (hi, np.zeros(hi.shape) if lo is None else lo), start.seconds, start.low
+            )
+            hi, lo = pairs.add(past_j2000, -own.seconds, -own.low)
+            start = own
+        return View(self, start, hi, lo)
+
+    def quantity(
+        self,
+        name: str | Callable[[View], ArrayLike],
+        *,
+        unit: str = "",
+        rate: Real | None = None,
+        step: Real | None = None,
+    ) -> OfView:
+        """A number of the view at every epoch; a comparison makes it a condition of events.
+
+        ``(scene.quantity("elevation") > "10 deg") & events.glint(scene, n)``.
+
+        Parameters
+        ----------
+        name : str or function
+            A quantity of `View.columns`, with the part of its last axis after a dot, as in
+            "sub_solar.latitude"; or a function of a View (N,) that returns (N,) numbers.  One that
+            is true or false, such as "sky_dark", is a condition itself.
+        unit : str
+            Of the values of a function, for thresholds with units.
+        rate : float or Quantity, optional
+            Upper bound of the derivative, units per second: no change is missed.
+        step : float or Quantity, optional
+            s; spacing of samples.  Without it, from the rotation and the orbits on which the value
+            depends; changes of values with kinks (brightness, lit_fraction, functions) that are
+            reversed between two samples are missed.
+
+        Raises
+        ------
+        AttitudeError
+            For an unknown quantity, a missing or unknown part, and bounds that are not positive.
+        """
+        return quantity(self, name, unit=unit, rate=rate, step=step)
+
+    @property
+    def epoch(self) -> _instants.Instant | None:
+        """The epoch of the motion, from which plain seconds count; None without a motion."""
+        return None if self.motion is None else self.motion.epoch
+
+    def steps(self, target: Path | str, viewer: Path) -> Steps:
+        """The paths that connect two places of the scene, found at the first call and kept."""
+        known: dict[Any, Steps] = self.__dict__.setdefault("_steps", {})
+        found = known.get((target, viewer))
+        if found is None:
+            found = known[target, viewer] = Steps.of(target, viewer, self.ephemeris)
+        return found
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is found anew, such as the steps of an ephemeris, is not pickled.
+        return {name: each for name, each in self.__dict__.items() if name != "_steps"}
+
+    def _require_center(self) -> None:
+        for place, name in ((self.observer, "observer"), (self.sun, "sun")):
+            if self.center is None and not place.is_direction:
+                raise AttitudeError(
+                    f"center is None, but {name} is {place.name!r} at a finite distance; give "
+                    f"center, or give {name} as a direction: paths.direction((x, y, z))."
+                )
+
+    def _occulters(self, bodies: Any) -> dict[str, float]:
+        if bodies is None:
+            about = None if self.center is None else self.center.center
+            named = isinstance(about, str) and _shadow.radius_of(about) is not None
+            bodies = (about,) if named else ()
+        found = _shadow.occulters(bodies)
+        if found and self.center is None:
+            raise AttitudeError(
+                "shadow_of is given, but center is None, so that no shadow can be found; give "
+                "center, or leave out shadow_of."
+            )
+        return found
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, with a light curve where it needs no ephemeris and no mesh."""
+        rows = [
+            ("motion", "none" if self.motion is None else type(self.motion).__name__),
+            ("center", "none" if self.center is None else self.center.name),
+            ("observer", self.observer.name),
+            ("Sun", self.sun.name),
+            ("shape", "none" if self.shape is None else repr(self.shape)),
+            ("scattering law", self.law.name or type(self.law).__name__),
+        ]
+        if self.epoch is not None:
+            rows.append(("epoch", f"{self.epoch.utc_iso} UTC"))
+        return markup.table("Scene", rows, *self._pictures())
+
+    def _pictures(self) -> list[str]:
+        """The light curve of a scene of directions and an ellipsoid, over two turns."""
+        from attitude.shape._ellipsoid import Ellipsoid
+
+        is_cheap = isinstance(self.shape, Ellipsoid) and self.law.has_ellipsoid_form
+        if not is_cheap or self.motion is None or self.center is not None:
+            return []
+        rate = float(np.linalg.norm(self.motion.at(0.0).angular_velocity))
+        if not rate > 0.0:
+            return []
+        times = np.linspace(0.0, 4.0 * np.pi / rate, 201)
+        magnitudes = self.at(times).reduced_magnitude
+        caption = f"reduced magnitude over {times[-1]:.4g} s"
+        return [markup.line_plot([(times, magnitudes)], caption, is_downward=True)]
+
+    def __repr__(self) -> str:
+        motion = "no motion" if self.motion is None else type(self.motion).__name__
+        center = None if self.center is None else self.center.name
+        return (
+            f"<Scene: {motion} at {center}, seen from {self.observer.name}, lit by {self.sun.name}>"
+        )

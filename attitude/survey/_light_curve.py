@@ -1,0 +1,152 @@
+"""The light-curve class for Rubin's simulator sorcha, and classes with shapes and distributions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sorcha.lightcurves.base_lightcurve import AbstractLightCurve
+from sorcha.lightcurves.lightcurve_registration import update_lc_subclasses
+
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.survey._rotators import AXES, Rotators, drawn, emission
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas
+
+    from attitude._support.annotations import FloatArray
+    from attitude.scattering._law import Law
+    from attitude.shape._mesh import Mesh
+
+
+_SUN = ("Obj_Sun_x_LTC_km", "Obj_Sun_y_LTC_km", "Obj_Sun_z_LTC_km")
+_OBSERVER = ("Obs_Sun_x_km", "Obs_Sun_y_km", "Obs_Sun_z_km")
+# Columns of sorcha that the computation reads.
+_GIVEN = ("ObjID", "fieldMJD_TAI", "Range_LTC_km", *_SUN, *_OBSERVER)
+# Distributions of relaxed ellipsoids: isotropic poles, periods uniform in their logarithm.
+RELAXED: dict[str, Any] = {
+    "axis_a": 1.0,
+    "axis_b": (0.6, 1.0),
+    "axis_c": (0.4, 0.6),
+    "pole_lon_deg": (0.0, 360.0),
+    "pole_lat_deg": lambda u: np.degrees(np.arcsin(2.0 * u - 1.0)),
+    "phi0_deg": (0.0, 360.0),
+    "spin_epochMJD_TDB": 60000.0,
+    "period_h": lambda u: 2.2 * 10.0 ** (1.5 * u),
+}
+
+
+def light_curve_class(
+    name: str,
+    *,
+    shape: Mesh | Mapping[str, Mesh] | None = None,
+    law: str | Law = "lommel-seeliger",
+    draws: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    threads: int = 1,
+) -> type[AbstractLightCurve]:
+    """A light-curve class of sorcha, registered under a name: ``lc_model`` of its configuration.
+
+    Parameters
+    ----------
+    name : str
+        Of lower case; a second class of one name is refused.
+    shape, law
+        As of `attitude.survey.Rotators`.
+    draws : mapping, optional
+        Distributions of columns that the parameter file does not have, by the name of the column:
+        see `attitude.survey._rotators.drawn`; `RELAXED` is one.
+    seed : int
+        Of the draws.
+    threads : int
+
+    Raises
+    ------
+    AttitudeError
+        If a class of that name is registered already.
+    """
+    taken = {each.name_id() for each in AbstractLightCurve.__subclasses__()}
+    if name in taken:
+        raise AttitudeError(f"name is {name!r}, which another light-curve class has; give another.")
+    given = validation.count(seed, "seed", 0), validation.count(threads, "threads")
+    options = {"shape": shape, "law": law}
+    made = _class(name, options, dict(draws or {}), *given)
+    update_lc_subclasses()
+    return made
+
+
+def _class(name, options, draws, seed, threads):
+    """The class; sorcha makes an object of it, without arguments, for each chunk."""
+
+    class _LightCurve(AbstractLightCurve):
+        """Magnitudes of rotating bodies about their mean; see `attitude.survey`."""
+
+        def __init__(self, required_column_names: list[str] | None = None) -> None:
+            super().__init__(
+                list(_GIVEN if required_column_names is None else required_column_names)
+            )
+
+        def compute(self, df: pandas.DataFrame) -> FloatArray:
+            """Shifts (R,), mag, of the rows of a chunk of observations."""
+            self._validate_column_names(df)
+            try:
+                return _shifts(df, options, draws, seed, threads)
+            except AttitudeError as err:
+                self._log_exception(err)
+                raise
+
+        def maxBrightness(self, df: pandas.DataFrame) -> FloatArray:
+            """Least shifts (N,), mag, of the objects of a table of parameters."""
+            names = df["ObjID"].to_numpy()
+            columns = {column: df[column].to_numpy() for column in df.columns}
+            return _rotators(columns, names, options, draws, seed).brightest()
+
+        @staticmethod
+        def name_id() -> str:
+            """The name in sorcha's configuration."""
+            return name
+
+    _LightCurve.__name__ = _LightCurve.__qualname__ = f"LightCurve_{name}"
+    return _LightCurve
+
+
+def _shifts(df, options, draws, seed, threads):
+    """The shifts of the rows of a table of observations."""
+    import pandas
+
+    member, names = pandas.factorize(df["ObjID"])
+    count = len(member)
+    first = np.empty(len(names), dtype=np.int64)
+    first[member[::-1]] = np.arange(count - 1, -1, -1)  # the last of several assignments holds
+    wanted = {
+        column: df[column].take(first).to_numpy() for column in df.columns if column in _KNOWN
+    }
+    rotators = _rotators(wanted, names, options, draws, seed)
+    sun, observer = np.empty((2, 3, count))
+    for k, (body, seen) in enumerate(zip(_SUN, _OBSERVER, strict=True)):
+        np.negative(df[body].to_numpy(), out=sun[k])
+        np.add(df[seen].to_numpy(), sun[k], out=observer[k])
+    left = emission(df["fieldMJD_TAI"].to_numpy(), df["Range_LTC_km"].to_numpy())
+    return rotators.shifts(member, left, sun.T, observer.T, threads=threads)
+
+
+def _rotators(columns, names, options, draws, seed):
+    """The rotators of objects, with columns that are absent drawn."""
+    columns = {name: each for name, each in columns.items() if name in _KNOWN}
+    for column, distribution in draws.items():
+        if column not in columns:
+            columns[column] = drawn(names, column, seed, distribution)
+    return Rotators(columns, names=names, **options)
+
+
+_KNOWN = {
+    *AXES,
+    *("shape", "pole_lon_deg", "pole_lat_deg", "phi0_deg", "spin_epochMJD_TDB", "period_h"),
+    *("P_psi_h", "P_phi_h", "psi0_deg", "mode", "convention", "theta_branch"),
+}
+
+LightCurve = light_curve_class("attitude")
+light_curve_class("attitude-relaxed", draws=RELAXED)

@@ -1,0 +1,399 @@
+"""Rotators of a survey: states from columns or drawn, and their light relative to its mean.
+
+Columns, one row for each object; those that an object does not need are NaN, empty or absent:
+
+====================  ============================================================================
+axis_a, axis_b,       Semi-axes of a homogeneous ellipsoid along the body axes x, y, z, in any unit;
+axis_c                or
+shape                 the name of one of the shapes given
+pole_lon_deg,         Ecliptic longitude and latitude (J2000) of the angular momentum
+pole_lat_deg
+phi0_deg              Angle phi at the epoch of the state
+spin_epochMJD_TDB     That epoch
+period_h              Sidereal period of a relaxed rotator; or, of a tumbler,
+P_psi_h, P_phi_h      the two periods,
+mode, convention      "LAM" or "SAM", "L" or "S",
+psi0_deg              the angle psi at the epoch, and
+theta_branch          "acute" or "obtuse" where psi librates
+====================  ============================================================================
+
+They mean what `Spin.from_periods` says.  A column that is absent can be drawn: each number of an
+object follows from a hash of its name, the name of the column and a seed, so that it depends
+neither on the other objects nor on the division of a survey into chunks.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._compilation.decorators import entry_point, sized_entry_point
+from attitude._support import validation
+from attitude._support.arrays import read_only
+from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude.ensemble._ensemble import Ensemble
+from attitude.epochs import _time_scales
+from attitude.epochs._instants import Instant
+from attitude.errors import AttitudeError
+from attitude.light_curve._magnitudes import mean_brightness
+from attitude.light_curve._sums import intensity
+from attitude.motions import _published
+from attitude.motions._body import Body
+from attitude.scattering._law import law as known_law
+from attitude.shape._ellipsoid import Ellipsoid
+from attitude.shape._mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import FloatArray, IntArray, Reals
+    from attitude.scattering._law import Law
+
+
+# --------------------------------------------------------------------------------------------------
+# The compiled loops over the rows of a survey: epochs, and brightness over its mean.
+
+
+@entry_point
+def over_mean(areas, factor, sun, observer, brightness):
+    """Divide brightness (R,), m2/sr, by its mean over all orientations, for Lommel-Seeliger's law.
+
+    Given
+        areas           (R,) surface areas of the bodies over that of a sphere of radius 1
+        factor          weight of the law
+        sun, observer   (3, R) vectors of any length
+    """
+    scale = 0.25 * math.pi * factor
+    for n in range(brightness.size):
+        sx, sy, sz = sun[0, n], sun[1, n], sun[2, n]
+        ox, oy, oz = observer[0, n], observer[1, n], observer[2, n]
+        s = 1.0 / math.sqrt(sx * sx + sy * sy + sz * sz)
+        o = 1.0 / math.sqrt(ox * ox + oy * oy + oz * oz)
+        sphere = intensity(1.0, 1.0, 1.0, scale, sx * s, sy * s, sz * s, ox * o, oy * o, oz * o)
+        brightness[n] /= sphere * areas[n]
+
+
+@sized_entry_point
+def interpolated(x, first, table, out):
+    """Fill linear interpolations at x (R,) in a table of values at first, first + 1/2, ..."""
+    for n in range(x.size):
+        place = 2.0 * (x[n] - first)
+        k = int(place)
+        out[n] = table[k] + (place - k) * (table[k + 1] - table[k])
+
+
+AXES = ("axis_a", "axis_b", "axis_c")
+# Columns of numbers with their default, or None if each object needs them.
+_NUMBERS: dict[str, float | None] = {
+    **dict.fromkeys(("pole_lon_deg", "pole_lat_deg", "phi0_deg", "spin_epochMJD_TDB")),
+    **dict.fromkeys(("period_h", "P_psi_h", "P_phi_h", "psi0_deg"), math.nan),
+}
+_WORDS = ("mode", "convention", "theta_branch")
+# Magnitudes fainter than the mean by which a body counts where none of its lit surface is seen.
+UNSEEN: float = 50.0
+_DAY = _time_scales.DAY
+_MJD = 2400000.5  # Julian date of the origin of modified Julian dates
+
+
+class Rotators:
+    """Rotating bodies, with shapes.
+
+    Parameters
+    ----------
+    columns : mapping of str to (N,) arrays
+        Those of the module's docstring; a pandas DataFrame is one.
+    shape : Mesh or mapping of str to Mesh, optional
+        One shape for all, or the shapes that the column ``shape`` names; without it the bodies are
+        ellipsoids of the columns `AXES`.
+    law : str or Law
+        Scattering law with a mean in closed form: Lambert's or Lommel-Seeliger's, or their sum.
+    names : sequence of N, optional
+        Names of the objects in error messages, in place of their numbers.
+
+    Attributes
+    ----------
+    area : (N,) array
+        Surface areas, in the unit of the shape squared.
+    epochs : (N,) array
+        Modified Julian dates, TDB, of the states.
+
+    Raises
+    ------
+    AttitudeError
+        For columns that are missing, and for the first object without a state that is possible:
+        its number and the reason.
+
+    >>> fast = Rotators({
+    ...     "axis_a": [3.0], "axis_b": [2.0], "axis_c": [1.0], "pole_lon_deg": [0.0],
+    ...     "pole_lat_deg": [90.0], "phi0_deg": [0.0], "spin_epochMJD_TDB": [60000.0],
+    ...     "period_h": [6.0],
+    ... })
+    >>> sun = observer = np.array([[1.0, 0.0, 0.0]] * 2)  # ICRF, at opposition
+    >>> shift = fast.shifts([0, 0], [60000.0, 60000.0 + 1.5 / 24.0], sun, observer)
+    >>> bool(abs(shift[0] - shift[1]) > 0.3)
+    True
+    """
+
+    area: FloatArray
+    epochs: FloatArray
+
+    def __init__(
+        self,
+        columns: Mapping[str, Any],
+        *,
+        shape: Mesh | Mapping[str, Mesh] | None = None,
+        law: str | Law = "lommel-seeliger",
+        names: Sequence[object] | None = None,
+    ) -> None:
+        self._law = known_law(law)
+        if self._law.weights is None:
+            raise AttitudeError(
+                f"law is {law!r}; magnitudes about a mean need Lambert's or Lommel-Seeliger's law."
+            )
+        numbers = {name: _numbers(columns, name, default) for name, default in _NUMBERS.items()}
+        words = {name: columns.get(name) for name in _WORDS}
+        self.epochs = numbers["spin_epochMJD_TDB"]
+        if shape is None:
+            axes = np.stack([_numbers(columns, name, None) for name in AXES], axis=1)
+            self._of_ellipsoids(axes, numbers, words, names)
+        else:
+            self._of_meshes(columns, shape, numbers, words, names)
+
+    def __len__(self) -> int:
+        return len(self.epochs)
+
+    def _of_ellipsoids(self, axes: FloatArray, numbers: Any, words: Any, names: Any) -> None:
+        bad = np.flatnonzero(~np.all((axes > 0.0) & (axes < math.inf), axis=1))
+        if len(bad):
+            name = bad[0] if names is None else repr(names[bad[0]])
+            raise AttitudeError(
+                f"Member {name} has the semi-axes {axes[bad[0]].tolist()}; give three numbers "
+                "above zero."
+            )
+        squares = axes**2
+        moments = 0.2 * (squares.sum(axis=1, keepdims=True) - squares)
+        self._shapes: Any = axes
+        self.area = _areas(axes)
+        self.ensemble = _ensemble(moments, None, numbers, words, names)
+
+    def _of_meshes(self, columns: Any, shape: Any, numbers: Any, words: Any, names: Any) -> None:
+        """One shape for all, or one of several for each object, with its own inertia."""
+        if isinstance(shape, Mesh):
+            shapes: list[Mesh] = [shape]
+            which = np.zeros(len(self), dtype=np.int64)
+        else:
+            if "shape" not in columns:
+                raise AttitudeError("the column shape is missing, which names one of the shapes.")
+            labels, shapes = list(shape), list(shape.values())
+            given = np.asarray(columns["shape"], dtype=object)
+            unknown = [each for each in given if each not in shape]
+            if unknown:
+                raise AttitudeError(
+                    f"shape is {unknown[0]!r}; it must be one of {', '.join(map(repr, labels))}."
+                )
+            which = np.array([labels.index(each) for each in given], dtype=np.int64)
+        bodies = [Body.from_shape(each) for each in shapes]
+        self._shapes = [shapes[k] for k in which]
+        self.area = np.array([each.area for each in shapes])[which]
+        moments = np.array([body.moments for body in bodies])[which]
+        axes = np.array([body.principal_axes for body in bodies])[which]
+        self.ensemble = _ensemble(moments, axes, numbers, words, names, [bodies[k] for k in which])
+
+    def shifts(
+        self,
+        member: IntArray | Reals,
+        mjd_tdb: Reals,
+        sun: FloatArray,
+        observer: FloatArray,
+        *,
+        threads: int = 1,
+    ) -> FloatArray:
+        """Magnitudes (R,) relative to the mean over all orientations at the same phase angle.
+
+        Parameters
+        ----------
+        member : (R,) array_like
+            Numbers of the objects; rows of one object that stand together are fastest.
+        mjd_tdb : (R,) array_like
+            Modified Julian dates, TDB, at which the light leaves the body.
+        sun, observer : (R, 3) arrays
+            Vectors from the body in ICRF, of any length.
+        threads : int
+
+        Returns
+        -------
+        (R,) array
+            mag, positive where fainter; `UNSEEN` where none of the lit surface is seen.
+
+        Notes
+        -----
+        A convex body is as bright in the mean over all orientations as a sphere of its surface
+        area; for a mesh that casts shadows on itself the mean is that without shadows.
+        """
+        who = np.asarray(member)
+        t = (np.asarray(mjd_tdb, dtype=np.float64) - self.epochs[who]) * _DAY
+        one = isinstance(self._shapes, list) and len(set(map(id, self._shapes))) == 1
+        bright = self.ensemble.brightness(
+            t, who, sun, observer, shape=self._shapes[0] if one else self._shapes,
+            law=self._law, threads=threads,
+        )  # fmt: skip
+        areas = (self.area / _SPHERE.area)[who]
+        assert self._law.weights is not None  # the constructor refuses others
+        if self._law.has_phase or self._law.weights[1] != 0.0:
+            bright /= mean_brightness(_SPHERE, self._law, _phase(sun, observer)) * areas
+        else:
+            by_parts = (read_only(np.ascontiguousarray(each.T)) for each in (sun, observer))
+            over_mean(areas, float(self._law.weights[0]), *by_parts, bright)
+        with np.errstate(divide="ignore"):
+            np.log10(bright, out=bright)
+        bright *= -2.5
+        return np.minimum(bright, UNSEEN, out=bright)
+
+    def brightest(self) -> FloatArray:
+        """Least shift (N,) in mag that an object can have at phase angles up to 30 degrees.
+
+        From the largest area seen from any side over its mean, twice, since amplitudes grow with
+        the phase angle: by up to 3 % a degree (Zappala et al., A&A 231, 548, 1990).
+        """
+        if isinstance(self._shapes, list):
+            radii = np.array([np.linalg.norm(each.vertices, axis=1).max() for each in self._shapes])
+            largest = math.pi * radii**2
+        else:
+            ordered = np.sort(self._shapes, axis=1)
+            largest = math.pi * ordered[:, 1] * ordered[:, 2]
+        return -5.0 * np.log10(np.maximum(4.0 * largest / self.area, 1.0))
+
+
+_SPHERE = Ellipsoid((1.0, 1.0, 1.0))
+
+
+def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
+    """Modified Julian dates, TDB, at which light left that is received at dates in TAI.
+
+    Distances in km; to 1e-6 s, the resolution of such a date.
+    """
+    tai = np.asarray(mjd_tai, dtype=np.float64)
+    light = np.asarray(distance_km, dtype=np.float64) * (1e3 / SPEED_OF_LIGHT_M_S)
+    found: FloatArray = tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
+    return found
+
+
+def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
+    """TDB - TT in s, to 1e-7 s: linear between values of each half of a day."""
+    if not mjd.size or not np.isfinite(mjd).all():
+        return _time_scales.tdb_minus_tt(_MJD, mjd)
+    first, last = math.floor(mjd.min()), math.floor(mjd.max()) + 1
+    if last - first > mjd.size:
+        return _time_scales.tdb_minus_tt(_MJD, mjd)
+    table = _time_scales.tdb_minus_tt(_MJD, first + 0.5 * np.arange(2 * (last - first) + 1))
+
+    found = np.empty(mjd.shape)
+    flat = read_only(np.ascontiguousarray(mjd).reshape(-1))
+    interpolated(flat, float(first), read_only(table), found.reshape(-1))
+    return found
+
+
+def drawn(
+    names: Any, column: str, seed: int, distribution: Callable[[FloatArray], Reals] | Any
+) -> FloatArray:
+    """Numbers (N,) of objects, drawn from a distribution.
+
+    Parameters
+    ----------
+    names : (N,) array_like
+        Names of the objects.
+    column : str
+        Name of the number.
+    seed : int
+    distribution : (low, high), number or callable
+        Uniform between two numbers; the same number for all; or the inverse of the distribution
+        function, which takes an array of numbers from 0 to 1.
+
+    >>> drawn(["A", "B"], "period_h", 1, (2.0, 2.0))
+    array([2., 2.])
+    """
+    count = validation.count(seed, "seed", 0)
+    key = hashlib.blake2b(f"{count}/{column}".encode(), digest_size=8).digest()
+    found = np.array(
+        [
+            int.from_bytes(hashlib.blake2b(str(name).encode(), key=key, digest_size=8).digest())
+            for name in names
+        ],
+        dtype=np.uint64,
+    )
+    uniform: FloatArray = np.ldexp((found >> np.uint64(11)).astype(np.float64), -53)
+    if callable(distribution):
+        return np.asarray(distribution(uniform), dtype=np.float64)
+    low, high = np.broadcast_to(validation.real(distribution, column), 2)
+    return low + (high - low) * uniform
+
+
+def _ensemble(
+    moments: FloatArray,
+    axes: FloatArray | None,
+    numbers: Mapping[str, FloatArray],
+    words: Mapping[str, Any],
+    names: Sequence[object] | None,
+    bodies: list[Body] | None = None,
+) -> Ensemble:
+    """The ensemble of the states of the columns."""
+    degree, hour = math.pi / 180.0, 3600.0
+    pole = np.stack([numbers["pole_lon_deg"], numbers["pole_lat_deg"]], axis=1) * degree
+    tumbles = np.isnan(numbers["period_h"])
+    found = _published.states_from_periods(
+        moments,
+        principal_axes=axes,
+        pole=pole,
+        phi0=numbers["phi0_deg"] * degree,
+        psi0=np.where(tumbles, numbers["psi0_deg"] * degree, math.nan),
+        P_psi=np.where(tumbles, numbers["P_psi_h"] * hour, math.nan),
+        P_phi=np.where(tumbles, numbers["P_phi_h"] * hour, math.nan),
+        P=numbers["period_h"] * hour,
+        names=names,
+        **words,
+    )
+    body: Any = {"moments": moments, "relative": True} if bodies is None else {"body": bodies}
+    return Ensemble(
+        wxyz=found.wxyz, angular_velocity=found.angular_velocity, epoch=Instant(0.0),
+        frame="ecliptic", **body,
+    )  # fmt: skip
+
+
+def _numbers(columns: Mapping[str, Any], name: str, default: float | None) -> FloatArray:
+    """A column as float64; a default for each object if it is absent."""
+    if name in columns:
+        try:
+            return np.array(columns[name], dtype=np.float64)
+        except (TypeError, ValueError) as err:
+            raise AttitudeError(f"the column {name} holds what is no number: {err}.") from err
+    if default is None:
+        raise AttitudeError(
+            f"the column {name} is missing; give it, or a distribution from which it is drawn."
+        )
+    first = next(each for each in ("phi0_deg", "pole_lon_deg") if each in columns)
+    return np.full(len(columns[first]), default)
+
+
+def _phase(sun: FloatArray, observer: FloatArray) -> FloatArray:
+    """Phase angles (R,), rad, of vectors (R, 3)."""
+    a, b = sun.T, observer.T
+    cross = np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return np.arctan2(np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2), dot)
+
+
+def _areas(axes: FloatArray) -> NDArray[np.float64]:
+    """Surface areas (N,) of ellipsoids with semi-axes (N, 3), by Carlson's R_G."""
+    from scipy.special import elliprg
+
+    squares = axes**2
+    x, y, z = (squares[:, i] * squares[:, j] for i, j in ((0, 1), (0, 2), (1, 2)))
+    areas: FloatArray = 4.0 * math.pi * elliprg(x, y, z)
+    return areas

@@ -1,0 +1,786 @@
+"""Free rotations joined by instantaneous changes, their state at each joint in two doubles.
+
+>>> import numpy as np
+>>> from attitude import Body, Spin
+>>> from attitude.arcs import Arcs, Impulse
+>>> body = Body(moments=(10, 20, 26))
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.5))
+>>> stop = Impulse(at=60.0, angular_momentum=(0, 0, -13))
+>>> motion = Arcs(body, spin, [stop])
+>>> motion.at([59.0, 61.0]).angular_velocity
+array([[0. , 0. , 0.5],
+       [0. , 0. , 0. ]])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import frames
+from attitude._solver import evaluation, sensitivities
+from attitude._solver.elements import inputs_by_elements
+from attitude._solver.evaluation import EPOCHS
+from attitude._solver.records import CONSTANTS
+from attitude._support import pairs, validation
+from attitude._support.arrays import Valued, frozen, read_only
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions import _free_rotation
+from attitude.motions._body import Body
+from attitude.motions._differentiable import Derivatives, Differentiable
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._history import AttitudeHistory
+from attitude.motions._spin import Spin
+from attitude.torques._triggers import Trigger, first
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import BoolArray, EpochOrSeconds, FloatArray, Reals
+    from attitude.epochs._instants import Instant
+    from attitude.motions._motion import RateBounds
+
+    MomentumFunction = Callable[[AttitudeHistory], Reals]
+    Pair = tuple[float, float]
+    # seconds since the epoch of the spin, high and low part
+
+
+# --------------------------------------------------------------------------------------------------
+# Instantaneous changes between free arcs: angular momentum added, inertia replaced.
+
+
+class Change(Valued):
+    """Base of `Impulse` and `InertiaChange`.
+
+    Attributes
+    ----------
+    at : epoch, seconds or Trigger
+        As given.
+    angular_momentum : (3,) array, or function
+        kg m2/s.
+    frame : str
+    """
+
+    at: EpochOrSeconds | Trigger
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str
+    _value: tuple[str, ...] = ("at", "angular_momentum", "frame")
+
+    def _set_change(
+        self,
+        at: EpochOrSeconds | Trigger,
+        angular_momentum: Reals | MomentumFunction,
+        frame: str,
+    ) -> None:
+        """Check and keep the attributes, while the object is constructed."""
+        self._set("at", at)
+        self._set("frame", frame if frame == "body" else frames.known(frame))
+        if not callable(angular_momentum):
+            angular_momentum = frozen(
+                validation.real(angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s")
+            )
+        self._set("angular_momentum", angular_momentum)
+
+    def added_momentum(self, before: Callable[[], AttitudeHistory], name: str) -> FloatArray:
+        """Angular momentum (3,) that the change adds, kg m2/s in its frame.
+
+        Parameters
+        ----------
+        before : function
+            Returns the history of the epoch of the change, before it.
+        name : str
+            Of the change in error messages.
+
+        Raises
+        ------
+        AttitudeError
+            If a function returns another shape or unit, or numbers that are not finite.
+        """
+        momentum = self.angular_momentum
+        if not callable(momentum):
+            return momentum
+        value = momentum(before())
+        return validation.real(value, f"{name}.angular_momentum(...)", shape=(3,), unit="kg m2/s")
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Impulse(Change):
+    """Angular momentum added in an instant.
+
+    Parameters
+    ----------
+    at : epoch, seconds or Trigger
+        TDB seconds since the epoch of the spin, an epoch of any kind that `Spin` takes, or an
+        event such as `PointMeetsPlane`: its first time after the change before.
+    angular_momentum : (3,) array_like, or function
+        kg m2/s (in the body's unit of inertia if that is relative).  A function is called with
+        the AttitudeHistory of that one epoch, before the change, and returns the vector.
+    frame : str
+        "body": over the body axes at that epoch; "icrf", "eme2000" or "ecliptic".
+
+    Attributes
+    ----------
+    at : as given
+    angular_momentum : (3,) array, or function
+    frame : str
+
+    Raises
+    ------
+    AttitudeError
+        For another shape or unit, numbers that are not finite, and an unknown frame.
+    """
+
+    at: EpochOrSeconds | Trigger
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str = "body"
+
+    def __init__(
+        self,
+        at: EpochOrSeconds | Trigger,
+        angular_momentum: Reals | MomentumFunction,
+        frame: str = "body",
+    ) -> None:
+        self._set_change(at, angular_momentum, frame)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InertiaChange(Change):
+    """The body becomes another in an instant: a boom is deployed, a servicer docks.
+
+    Body axes, attitude and angular momentum stay; the angular velocity follows from them.
+
+    Parameters
+    ----------
+    at : epoch, seconds or Trigger
+        As for `Impulse`.
+    body : Body
+        The body from then on, over the same body axes.
+    angular_momentum : (3,) array_like, or function
+        Angular momentum added by the change, such as that of a servicer; as for `Impulse`.
+    frame : str
+        As for `Impulse`.
+
+    Attributes
+    ----------
+    at : as given
+    body : Body
+    angular_momentum : (3,) array, or function
+    frame : str
+
+    Raises
+    ------
+    AttitudeError
+        As for `Impulse`, and for anything but a Body.
+    """
+
+    at: EpochOrSeconds | Trigger
+    body: Body
+    angular_momentum: FloatArray | MomentumFunction
+    frame: str = "body"
+    _value = ("at", "body", "angular_momentum", "frame")
+
+    def __init__(
+        self,
+        at: EpochOrSeconds | Trigger,
+        body: Body,
+        angular_momentum: Reals | MomentumFunction = (0.0, 0.0, 0.0),
+        frame: str = "body",
+    ) -> None:
+        if not isinstance(body, Body):
+            raise AttitudeError(f"body is {type(body).__name__}; give a Body.")
+        self._set("body", body)
+        self._set_change(at, angular_momentum, frame)
+
+
+# --------------------------------------------------------------------------------------------------
+# The times of changes, as far as they are given, in two doubles and in order.
+
+
+def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
+    """Seconds (high, low) since an epoch of each change; None for one at an event."""
+    times = [_seconds(change.at, epoch, f"changes[{k}].at") for k, change in enumerate(changes)]
+    _check_order(times)
+    return times
+
+
+def _seconds(at: Any, epoch: Instant, name: str) -> Pair | None:
+    if isinstance(at, Trigger):
+        return None
+    seconds, low = _inputs.seconds_since(epoch, at, name=name)
+    if np.ndim(seconds):
+        raise AttitudeError(f"{name} holds {np.size(seconds)} epochs; give one.")
+    pair = float(seconds), 0.0 if low is None else float(low)
+    if not np.isfinite(sum(pair)):
+        raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
+    return pair
+
+
+def _check_order(times: list[Pair | None]) -> None:
+    before, whose = (0.0, 0.0), "the epoch of the spin"
+    for k, time in enumerate(times):
+        if time is None:
+            continue
+        if time <= before:
+            early = (before[0] - time[0]) + (before[1] - time[1])
+            how = f"{early:.2g} s earlier than" if time < before else "the same as"
+            raise AttitudeError(
+                f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
+                "changes in order of time, after the epoch of the spin, and one change where "
+                "several have the same epoch."
+            )
+        before, whose = time, f"changes[{k}]"
+
+
+# --------------------------------------------------------------------------------------------------
+# Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch.
+#
+# Each arc has the derivatives of a free rotation by its own first state; at a joint the change of
+# that state follows from the change of the momentum, L' = L + dL and w' = I'^-1 L'.  The product of
+# these maps is the derivative by the state at the epoch of the chain.
+
+# Turn, rad, of the central differences of an event's function: their error is 1e-11 of its scale.
+_STEP = 1e-5
+
+
+class ChainedSensitivity(Derivatives):
+    """The derivatives of one chain at any epoch.
+
+    Parameters
+    ----------
+    constants : (N + 1,) structured array
+        Of the arcs, by `evaluation.constants_of`.
+    starts : (N + 1, 2) array
+        Their first epochs, s, in two doubles.
+    bodies : sequence of Body
+    wxyz : (N + 1, 4) array
+        Attitudes at the starts, body to ICRF.
+    changes : sequence of Change
+        Between the arcs.  An event that moves with the state moves the joint.
+    epoch : Instant
+        From which the seconds count.
+
+    Raises
+    ------
+    AttitudeError
+        For a change whose momentum is a function of the motion.
+    """
+
+    def __init__(
+        self,
+        constants: Any,
+        starts: FloatArray,
+        bodies: Sequence[Body],
+        wxyz: FloatArray,
+        changes: Sequence[Change],
+        epoch: Instant,
+    ) -> None:
+        for k, change in enumerate(changes):
+            if callable(change.angular_momentum):
+                raise AttitudeError(
+                    f"the momentum of changes[{k}] is a function of the motion, which has no "
+                    "derivative in closed form; give the momentum as three numbers."
+                )
+        self._constants, self._starts, self._bodies = constants, starts, bodies
+        self._epoch, self._changes = epoch, tuple(changes)
+        self._tangents = [
+            sensitivities.tangents_of(
+                body.moments_as_pairs[None], start[None], body.principal_wxyz[None], record[None]
+            )
+            for body, start, record in zip(bodies, wxyz, constants, strict=True)
+        ]
+        self._maps = [np.eye(9)]
+        for k, change in enumerate(changes):
+            self._maps.append(self._over_joint(k, change) @ self._maps[k])
+
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        return self._chained(self._maps, seconds, low, rates)
+
+    def by_momenta(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool = False
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """As `at`, by the momenta of the changes: columns (3 N), each in the frame of its change.
+
+        Shapes: seconds, low (S,).
+        """
+        count = len(self._changes)
+        maps = [np.zeros((9, 3 * count))]
+        for k, change in enumerate(self._changes):
+            after = self._over_joint(k, change) @ maps[k]
+            turn = np.eye(3)
+            if change.frame != "body":
+                wxyz, _ = self._state(k, self._starts[k + 1])
+                turn = quaternion.matrix(wxyz).T @ frames.matrix_to_icrf(change.frame)
+            after[3:6, 3 * k : 3 * k + 3] += np.linalg.solve(self._bodies[k + 1].tensor, turn)
+            maps.append(after)
+        return self._chained(maps, seconds, low, rates)
+
+    def _chained(
+        self,
+        maps: Sequence[FloatArray],
+        seconds: FloatArray,
+        low: FloatArray | None,
+        rates: bool,
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
+        t = np.asarray(seconds, dtype=np.float64).reshape(-1)
+        rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
+        width = maps[0].shape[1]
+        attitude = np.full((t.size, 3, width), np.nan)
+        omega = np.full((t.size, 3, width), np.nan) if rates else None
+        arcs = np.zeros(t.size, dtype=int)
+        with np.errstate(invalid="ignore"):
+            high, rest = pairs.two_sum(t, rest)
+            for start, more in self._starts[1:]:
+                arcs += (high > start) | ((high == start) & (rest >= more))
+        for k in np.unique(arcs):
+            on = arcs == k
+            one, two = self._on_arc(int(k), high[on], rest[on], rates)
+            attitude[on] = one @ maps[k]
+            if omega is not None:
+                assert two is not None
+                omega[on] = two @ maps[k]
+        shape = (*np.shape(seconds), 3, width)
+        return attitude.reshape(shape), None if omega is None else omega.reshape(shape)
+
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements of the first arc."""
+        return inputs_by_elements(self._constants[0], self._tangents[0]["by_input"][0])
+
+    def _on_arc(
+        self, k: int, high: FloatArray, low: FloatArray, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """The columns (n, 3, 9) by the first state of an arc."""
+        begin = self._starts[k]
+        with np.errstate(invalid="ignore"):
+            t, rest = pairs.add((high, low), -begin[0], -begin[1])
+        record = self._constants[k : k + 1]
+        attitude = np.empty((1, 3, 9, t.size))
+        omega = np.empty((1, 3, 9, t.size)) if rates else None
+        sensitivities.evaluate(record, self._tangents[k], t[None], rest[None], attitude, omega)
+        found = np.moveaxis(attitude[0], -1, 0)
+        return found, None if omega is None else np.moveaxis(omega[0], -1, 0)
+
+    def _over_joint(self, k: int, change: Change) -> FloatArray:
+        """The map (9, 9) from the first state of an arc to that of the next."""
+        end = self._starts[k + 1]
+        attitude, omega = self._on_arc(k, end[:1], end[1:], rates=True)
+        assert omega is not None
+        whole = np.zeros((9, 9))
+        whole[:3], whole[3:6], whole[6:, 6:] = attitude[0], omega[0], np.eye(3)
+        wxyz, before = self._state(k, end)
+        old: Body = self._bodies[k]
+        new: Body = self._bodies[k + 1]
+        added = np.asarray(change.angular_momentum, dtype=np.float64)
+        matrix = quaternion.matrix(wxyz)
+        momentum = _by_state(old, before)
+        if change.frame != "body":
+            inertial = np.sum(frames.vector_to_icrf(change.frame, added), axis=-1)
+            # R^T dL turns with the attitude
+            momentum[:, :3] += matrix.T @ _cross_matrix(inertial)
+            added = matrix.T @ inertial
+        after = np.asarray(np.linalg.solve(new.tensor, old.tensor @ before + added), np.float64)
+        joint = np.zeros((9, 9))
+        joint[:3, :3] = np.eye(3)
+        if not isinstance(change, InertiaChange):
+            momentum[:, 6:] -= _by_state(new, after)[:, 6:]
+            joint[6:, 6:] = np.eye(3)
+        joint[3:6] = np.linalg.solve(new.tensor, momentum)
+        product: FloatArray = joint @ whole
+        if isinstance(change.at, Trigger):
+            later = self._delay(change.at, end, wxyz, before) @ whole[:3]
+            product += np.outer(joint @ _rate(old, matrix, before), later)
+            product -= np.outer(_rate(new, matrix, after), later)
+        return product
+
+    def _delay(
+        self, event: Trigger, end: FloatArray, wxyz: FloatArray, omega: FloatArray
+    ) -> FloatArray:
+        """The change (3,) of the time of an event with the attitude then."""
+        values = []
+        for turn in _STEP * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
+            turned = quaternion.multiply(forms.from_rotation_vector(turn), wxyz)
+            time = np.asarray(end[0]), np.asarray(end[1])
+            history = AttitudeHistory(None, self._epoch, *time, turned)
+            history.__dict__["angular_velocity"] = omega
+            values.append(event.values(history))
+        gradient = np.array([float(each[0]) for each in values[1:]])
+        slopes = (gradient[:3] - gradient[3:]) / (2.0 * _STEP)
+        found: FloatArray = -slopes / float(values[0][1])
+        return found
+
+    def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Attitude and angular velocity at the end of an arc."""
+        t, rest = pairs.add((end[:1], end[1:]), -self._starts[k][0], -self._starts[k][1])
+        wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
+        record = self._constants[k : k + 1]
+        evaluation.evaluate(record, t[None], rest[None], wxyz, omega)
+        return wxyz[0, :, 0], omega[0, :, 0]
+
+
+def _rate(body: Body, matrix: FloatArray, omega: FloatArray) -> FloatArray:
+    """The rate of change (9,) of attitude (inertial axes), angular velocity and moments."""
+    torque = np.cross(body.tensor @ omega, omega)
+    return np.concatenate([matrix @ omega, np.linalg.solve(body.tensor, torque), np.zeros(3)])
+
+
+def _by_state(body: Body, omega: FloatArray) -> FloatArray:
+    """The change (3, 9) of the momentum over the body axes with that of the state."""
+    axes = body.principal_axes
+    found = np.zeros((3, 9))
+    found[:, 3:6] = body.tensor
+    found[:, 6:] = axes * (axes.T @ omega)
+    return found
+
+
+def _cross_matrix(v: FloatArray) -> FloatArray:
+    """M with M x = v x x."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+__all__ = ["Arcs", "Impulse", "InertiaChange"]
+
+_NO_LOW = frozen(np.zeros(1))
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Arcs(Differentiable):
+    """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
+
+    Parameters
+    ----------
+    body : Body
+        Until an `InertiaChange`.
+    spin : Spin
+        The state at its epoch; the first arc has no beginning.
+    changes : Impulse, InertiaChange, or sequence of them
+        In order of time, after the epoch of the spin.
+
+    Attributes
+    ----------
+    changes : tuple of Impulse and InertiaChange
+    joints : (N,) array
+        TDB seconds since the epoch of the spin at which the changes happen, those of events found.
+
+    Raises
+    ------
+    AttitudeError
+        For epochs that are equal or not in order, events that do not happen, and changes that
+        leave no physical state.
+
+    Notes
+    -----
+    At a joint the state is that after it.  From joint to joint the state is carried in two
+    doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
+    attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
+    of any frame.  Errors of the input are not covered: an impulse at a wrong phase changes the
+    whole motion after it.  The times of events are rounded to a double.
+
+    Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
+    """
+
+    body: Body
+    spin: Spin
+    changes: tuple[Change, ...]
+
+    smooth = True
+
+    _value = ("body", "spin", "changes")
+
+    def __init__(self, body: Body, spin: Spin, changes: Change | Iterable[Change]) -> None:
+        self._bodies: Sequence[Body]
+        self._constants: FloatArray
+        self._starts: FloatArray
+        if not isinstance(body, Body) or not isinstance(spin, Spin):
+            raise AttitudeError(
+                "Arcs takes a Body, a Spin and a list of changes; given were "
+                f"{type(body).__name__} and {type(spin).__name__}."
+            )
+        if isinstance(changes, Change):
+            changes = (changes,)
+        if not isinstance(changes, Iterable):
+            raise AttitudeError(
+                f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
+                "list of them."
+            )
+        self._set("body", body)
+        self._set("spin", spin)
+        self._set("changes", tuple(changes))
+        for k, change in enumerate(self.changes):
+            if not isinstance(change, Change):
+                raise AttitudeError(
+                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
+                )
+        self._build()
+
+    @cached_property
+    def _sensitivity(self) -> ChainedSensitivity:
+        later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
+        wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
+        parts = self._constants, self._starts, self._bodies, wxyz, self.changes, self.epoch
+        return ChainedSensitivity(*parts)
+
+    def _with(self, body: Body, spin: Spin) -> Arcs:
+        return Arcs(body, spin, self.changes)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Arcs, (self.body, self.spin, self.changes)
+
+    def __repr__(self) -> str:
+        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"
+
+    def __len__(self) -> int:
+        """The number of arcs."""
+        return len(self.joints) + 1
+
+    @property
+    def epoch(self) -> Instant:
+        """Instant from which its seconds count: that of the spin."""
+        return self.spin.epoch
+
+    def wxyz_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
+        """Attitudes (..., 4), body to ICRF, at TDB seconds + low since the epoch.
+
+        For inner loops: `at` without units, dates and the history.
+        """
+        return self._evaluate(*_inputs.plain_seconds(seconds, low), 0)[0]
+
+    def angular_acceleration_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        angular_velocity: FloatArray | None = None,
+    ) -> FloatArray:
+        """Rate of change of the angular velocity by Euler's equations with the body of each epoch.
+
+        Parameters
+        ----------
+        seconds, low : array_like
+            TDB seconds + low since the epoch.
+        angular_velocity : (..., 3) array, optional
+            rad/s there, if known.
+
+        Returns
+        -------
+        (..., 3) array
+            rad/s2, body axes.
+        """
+        seconds, low = _inputs.plain_seconds(seconds, low)
+        if angular_velocity is None:
+            angular_velocity = self.angular_velocity_at(seconds, low)
+        angular_velocity = validation.real(
+            angular_velocity, "angular_velocity", shape=(*seconds.shape, 3), finite=False
+        )
+        out = np.empty(angular_velocity.shape)
+        for body, on in self._bodies_on(seconds, low):
+            motion = FreeRotation(body, self.spin)
+            out[on] = motion.angular_acceleration_from(angular_velocity[on])
+        out[np.isnan(seconds)] = np.nan
+        return out
+
+    def constant_body(self, what: str) -> Body:
+        """The Body of all arcs.
+
+        Parameters
+        ----------
+        what : str
+            What needs it, for the beginning of the error message.
+
+        Raises
+        ------
+        AttitudeError
+            For a body that changes.
+        """
+        if any(isinstance(change, InertiaChange) for change in self.changes):
+            raise AttitudeError(
+                f"{what} follows from a body's inertia, which changes along these arcs; "
+                "give a motion with one body."
+            )
+        return self.body
+
+    def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
+        """Angular momentum (S, 3), kg m2/s over the body axes, with the body of each epoch."""
+        out = np.full(history.angular_velocity.shape, np.nan)
+        for body, on in self._bodies_on(history.seconds, history.low):
+            out[on] = history.angular_velocity[on] @ body.tensor
+        return out
+
+    def breaks(self) -> FloatArray:
+        """The joints in two doubles of TDB seconds since the epoch, (N, 2)."""
+        return self._starts[1:].copy()
+
+    def rate_bounds(self, seconds: float) -> RateBounds:
+        """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
+        omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))
+        return _free_rotation.of_free_rotation(self.body_at(float(seconds)), omega)
+
+    def body_at(self, t: EpochOrSeconds) -> Body:
+        """The Body at one epoch, of any kind that `at` takes."""
+        seconds, low = _inputs.seconds_since(self.spin.epoch, t)
+        if np.ndim(seconds):
+            raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
+        return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
+
+    def _bodies_on(self, seconds: ArrayLike, low: ArrayLike | None) -> list[tuple[Body, BoolArray]]:
+        """Each Body, and at which epochs (S,) the motion has it; the first at NaN."""
+        seconds = np.asarray(seconds)
+        rest = np.float64(0.0) if low is None else np.asarray(low)
+        starts = [
+            (body, *start)
+            for k, (body, start) in enumerate(zip(self._bodies, self._starts, strict=True))
+            if not k or body is not self._bodies[k - 1]
+        ]
+        since = [
+            np.ones(np.shape(seconds), dtype=bool)
+            if not k
+            else (seconds > high) | ((seconds == high) & (rest >= more))
+            for k, (_, high, more) in enumerate(starts)
+        ]
+        until = [~each for each in since[1:]] + [np.ones(np.shape(seconds), dtype=bool)]
+        return [
+            (body, here & before)
+            for (body, *_), here, before in zip(starts, since, until, strict=True)
+        ]
+
+    # How the arcs are joined ---------------------------------------------------------------------
+
+    def _build(self) -> None:
+        times = given(self.changes, self.spin.epoch)
+        body, spin = self.body, self.spin
+        q = spin.wxyz_icrf_as_pairs.copy()
+        w = body.rates_about_principal_axes(spin.angular_velocity)
+        bodies = [body]
+        self._set("_bodies", bodies)
+        records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
+        starts = np.zeros((len(records), 2))
+        low = q[None, :, 1].copy() if spin.is_rounded else None
+        records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
+        for k, change in enumerate(self.changes):
+            name = f"changes[{k}]"
+            time = times[k]
+            # Events and functions of the change evaluate the arcs before it.
+            self._set("_constants", frozen(records[: k + 1]))
+            self._set("_starts", frozen(starts[: k + 1]))
+            if time is None:
+                assert isinstance(change.at, Trigger)
+                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
+                time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
+            self._check_reach(time, name)
+            added = change.added_momentum(partial(self._before, time), name)
+            body = self._join(change, added, body, time, starts[k], records[k], q, w)
+            bodies.append(body)
+            try:
+                records[k + 1] = _constants(body, q, w)
+            except AttitudeError as err:
+                raise AttitudeError(f"{name} leaves no physical state: {err}") from err
+            starts[k + 1] = time
+        self._set("_bodies", tuple(bodies))
+        self._set("_constants", frozen(records))
+        self._set("_starts", frozen(starts))
+        self._set("joints", frozen(starts[1:, 0].copy()))
+
+    def _check_reach(self, time: Pair, name: str) -> None:
+        try:
+            self.wxyz_at(*time)
+        except AttitudeError as err:
+            raise AttitudeError(f"{name}.at: {err}") from err
+
+    def _before(self, time: Pair) -> AttitudeHistory:
+        """The history of the epoch of a change while only the arcs before it are known."""
+        return self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
+
+    def _join(
+        self,
+        change: Change,
+        added: FloatArray,
+        body: Body,
+        time: Pair,
+        start: FloatArray,
+        record: Any,
+        q: FloatArray,
+        w: FloatArray,
+    ) -> Body:
+        """Carry the state q, w from the start of an arc over its end, in place; the next body."""
+        from attitude._solver.chains import change_axes, exchange, flow, strike
+
+        hi, lo = pairs.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
+        length = float(hi), float(lo)
+        change_axes(q, body._axes, body.principal_wxyz, 1.0)
+        flow(record, body.moments_as_pairs, length, q, w)
+        change_axes(q, body._axes, body.principal_wxyz, -1.0)
+        in_body, in_space = np.zeros(3), np.zeros((3, 2))
+        if change.frame == "body":
+            in_body[:] = added
+        else:
+            in_space[:] = frames.vector_to_icrf(change.frame, added)
+        strike(body.moments_as_pairs, body._axes, q, w, in_body, in_space)
+        if isinstance(change, InertiaChange):
+            new = change.body
+            exchange(body.moments_as_pairs, body._axes, new.moments_as_pairs, new._axes, w)
+            body = new
+        return body
+
+    # Evaluation ----------------------------------------------------------------------------------
+
+    def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
+        shape = seconds.shape
+        flat = np.ascontiguousarray(seconds).reshape(-1)
+        rest = None if low is None else np.ascontiguousarray(low).reshape(-1)
+        wxyz = np.empty((1, 4, flat.size))
+        omega = np.empty((1, 3, flat.size)) if order else None
+        for begin in range(0, flat.size, EPOCHS):  # Python acts on Ctrl-C between the calls
+            # Read-only views: one type of array, one compilation.
+            t = read_only(flat[begin : begin + EPOCHS])
+            if rest is None:
+                t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
+            else:
+                # The low part decides between equal high parts: the pair is normalised.
+                with np.errstate(invalid="ignore", over="ignore"):
+                    pair = pairs.two_sum(t, rest[begin : begin + EPOCHS])
+                t, t_low = frozen(pair[0]), frozen(pair[1])
+            beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega, begin)
+            if beyond >= 0:
+                self._refuse(float(t[beyond]))
+        found = [wxyz[0].T.reshape(*shape, 4)]
+        if order:
+            assert omega is not None
+            found.append(omega[0].T.reshape(*shape, 3))
+        if order > 1:
+            found.append(self.angular_acceleration_at(seconds, low, angular_velocity=found[1]))
+        return found
+
+    def _refuse(self, t: float) -> None:
+        """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
+        k = self._arc(t)
+        local, out = np.array([[t - self._starts[k, 0]]]), np.empty((1, 4, 1))
+        evaluation.evaluate(self._constants[k : k + 1], local, None, out, None)
+
+    def _arc(self, t: float, low: float = 0.0) -> int:
+        """The number of the arc of one epoch."""
+        return max(sum((high, rest) <= (t, low) for high, rest in self._starts.tolist()) - 1, 0)
+
+
+@cache
+def _compiled():
+    from attitude._solver.chains import evaluate_arcs
+
+    return evaluate_arcs
+
+
+def _constants(body, q, w, differences=None, low=None):
+    """The record of the free motion from a state in pairs."""
+    given = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
+    more = {"differences": differences, "wxyz_low": low}
+    return evaluation.constants_of(*given, body.principal_wxyz[None], **more)[0]

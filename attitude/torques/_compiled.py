@@ -1,0 +1,143 @@
+"""Compiled functions of the built-in torques; `attitude._solver.torqued_step` calls them.
+
+Each takes TDB seconds t, the attitude wxyz (4,) body to ICRF, the angular velocity omega (3,) in
+rad/s over the body axes, the sampled numbers `given` (for a path: a position (3,) in m, ICRF axes)
+and the parameters p, and fills out[0:3] over the body axes, N m.  Functions named ..._slope take a
+vector y (3,) in place of omega; see `attitude.torques._torque.Torque.slope_address`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from attitude._compilation.callbacks import callback, reduction_callback
+from attitude._compilation.decorators import subroutine
+from attitude._compilation.pointers import vector
+
+
+@subroutine
+def _to_body(q, x, y, z):
+    """q* v q: a vector (x, y, z) of ICRF axes over the body axes."""
+    w, a, b, c = q[0], -q[1], -q[2], -q[3]
+    d, e, f = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
+    return (
+        x + w * d + (b * f - c * e),
+        y + w * e + (c * d - a * f),
+        z + w * f + (a * e - b * d),
+    )
+
+
+@subroutine
+def _direction(q, given):
+    """Unit vector in body axes towards a sampled position, and its distance."""
+    x, y, z = given[0], given[1], given[2]
+    r = math.sqrt(x * x + y * y + z * z)
+    return _to_body(q, x / r, y / r, z / r), r
+
+
+@subroutine
+def _symmetric(p, k, v):
+    """A symmetric matrix times a vector; p[k:k + 6]: the upper triangle by rows."""
+    x, y, z = v
+    return (
+        p[k] * x + p[k + 1] * y + p[k + 2] * z,
+        p[k + 1] * x + p[k + 3] * y + p[k + 4] * z,
+        p[k + 2] * x + p[k + 4] * y + p[k + 5] * z,
+    )
+
+
+@subroutine
+def _cross(u, v):
+    """u x v."""
+    return (
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    )
+
+
+@callback
+def gravity_gradient(t, wxyz, omega, given, p, out):
+    """3 GM / r^3 u x I u; p: GM, the tensor (6)."""
+    u, r = _direction(wxyz, given)
+    n = _cross(u, _symmetric(p, 1, u))
+    c = 3.0 * p[0] / (r * r * r)
+    out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
+
+
+@callback
+def gravity_gradient_slope(t, wxyz, y, given, p, out):
+    """Derivatives of N . y by turns about the body axes, N being that of `gravity_gradient`."""
+    u, r = _direction(wxyz, given)
+    y = y[0], y[1], y[2]
+    # d(u x I u . y)/du = I u x y + I (y x u)
+    one, two = _cross(_symmetric(p, 1, u), y), _symmetric(p, 1, _cross(y, u))
+    n = _cross((one[0] + two[0], one[1] + two[1], one[2] + two[2]), u)
+    c = 3.0 * p[0] / (r * r * r)
+    out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
+
+
+@callback
+def constant(t, wxyz, omega, given, p, out):
+    """N; p: the torque N (3)."""
+    out[0], out[1], out[2] = p[0], p[1], p[2]
+
+
+@callback
+def constant_slope(t, wxyz, y, given, p, out):
+    """y x N: without a potential, the whole commutator with the free motion; p: the torque N."""
+    n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
+    out[0], out[1], out[2] = n[0], n[1], n[2]
+
+
+@callback
+def linear_damping(t, wxyz, omega, given, p, out):
+    """-C w; p: C by rows (9)."""
+    x, y, z = omega[0], omega[1], omega[2]
+    for k in range(3):
+        out[k] = -(p[3 * k] * x + p[3 * k + 1] * y + p[3 * k + 2] * z)
+
+
+@callback
+def internal_dissipation(t, wxyz, omega, given, p, out):
+    """A slip in rad/s: strength times l x w, l being the direction of the momentum.
+
+    p: strength, tensor (6).
+    """
+    w = omega[0], omega[1], omega[2]
+    x, y, z = _symmetric(p, 1, w)
+    size = math.sqrt(x * x + y * y + z * z)
+    c = p[0] / size if size > 0.0 else 0.0
+    n = _cross((x, y, z), w)
+    out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
+
+
+@reduction_callback
+def solar_radiation(t, wxyz, omega, given, p, out):
+    """Torque of light pressure on flat facets that face the Sun.
+
+    given: the body's position from the Sun; p: pressure times distance squared (N), the count of
+    facets, and rows with a number for each facet: area, normal (3 rows), arm (3), arm x normal (3),
+    fractions reflected diffusely and mirrored.
+    """
+    back, r = _direction(wxyz, given)
+    sx, sy, sz = -back[0], -back[1], -back[2]
+    count = int(p[1])
+    rows = vector(p, 2 + 12 * count)[2:].reshape(12, count)
+    # sums of the arms, weighted by the area that takes a push along the sunlight, and of
+    # arm x normal, weighted by that along the normal
+    ax = ay = az = bx = by = bz = 0.0
+    for k in range(count):
+        cosine = max(rows[1, k] * sx + rows[2, k] * sy + rows[3, k] * sz, 0.0)
+        size, mirrored = rows[0, k] * cosine, rows[11, k]
+        along_sun = size * (1.0 - mirrored)
+        along_normal = size * 2.0 * (mirrored * cosine + rows[10, k] * (1.0 / 3.0))
+        ax += along_sun * rows[4, k]
+        ay += along_sun * rows[5, k]
+        az += along_sun * rows[6, k]
+        bx += along_normal * rows[7, k]
+        by += along_normal * rows[8, k]
+        bz += along_normal * rows[9, k]
+    n = _cross((ax, ay, az), (sx, sy, sz))
+    pressure = -p[0] / (r * r)
+    out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)

@@ -1,0 +1,119 @@
+"""The torque of a point mass on an extended body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.paths import _two_body
+from attitude.torques._torque import Torque, path_of, positions, span_of
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, Real
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+    from attitude.motions._history import AttitudeHistory
+    from attitude.paths._path import Path
+    from attitude.torques._torque import PositionFunction
+
+
+_BARYCENTER = " barycenter"
+# m3/s2, by the names of the planets: from afar, the mass of a planet includes its moons.
+GM: dict[str, float] = {
+    name.removesuffix(_BARYCENTER): value for name, value in _two_body.GM.items()
+}
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class GravityGradient(Torque):
+    """The gravity-gradient torque 3 GM/r^3 u x (I u) of a point mass.
+
+    Parameters
+    ----------
+    path : Path, or function
+        The body's centre of mass from the point mass, or the reverse: the sign has no effect.
+        A function takes TDB seconds (...) since the epoch of the spin and returns (..., 3), m,
+        over ICRF axes.
+    mu : float, Quantity or str
+        GM of the point mass in m3/s2, or "sun", "moon" or the name of a planet, "earth".
+
+    Attributes
+    ----------
+    path : Path
+    mu : float
+        m3/s2.
+
+    Raises
+    ------
+    AttitudeError
+        For a path or GM of another type, a name that is not in `GM`, a GM that is not positive.
+
+    Notes
+    -----
+    MacCullagh's formula, the first term of the expansion in (size of the body)/r.  The scheme
+    "force-gradient" accepts one or several of these torques.
+    """
+
+    path: Path
+    mu: float
+    columns = 3
+
+    def __init__(self, path: Path | PositionFunction, mu: Real) -> None:
+        self._set("path", path_of(path, "path"))
+        if isinstance(mu, str):
+            validation.one_of(mu, "mu", tuple(GM))
+            mu = GM[mu]
+        self._set("mu", validation.positive(mu, "mu", unit="m3/s2"))
+
+    def address(self) -> int:
+        """Address of `compiled.gravity_gradient`."""
+        from attitude.torques._compiled import gravity_gradient
+
+        return gravity_gradient.address
+
+    def slope_address(self) -> int:
+        """Address of `compiled.gravity_gradient_slope`."""
+        from attitude.torques._compiled import gravity_gradient_slope
+
+        return gravity_gradient_slope.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """GM, and the upper triangle by rows of the tensor less a multiple of the identity (7,)."""
+        # A spherical part of the tensor causes no torque, and would only cancel.
+        tensor = body.tensor - np.min(np.diag(body.tensor)) * np.eye(3)
+        return np.concatenate([[self.mu], tensor[np.triu_indices(3)]])
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the path covers."""
+        return span_of(self.path, instant)
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """Positions (K, 3) in m along the path, ICRF axes.
+
+        Raises
+        ------
+        AttitudeError
+            If one of them is the zero vector, or not finite.
+        """
+        found = positions(self.path, instant, seconds, low, "path")
+        if not np.all(np.any(found != 0.0, axis=-1)):
+            raise AttitudeError("path passes through the point mass; give a path at a distance.")
+        return found
+
+    def potential(self, body: Body, history: AttitudeHistory) -> FloatArray:
+        """The potential energy (S,) in J of the torque, at the epochs of a history.
+
+        GM/(2 r^3) (3 u . I u - tr I), without the part -GM m/r, which no attitude changes.
+        """
+        seconds = history.seconds.reshape(-1)
+        low = np.zeros(seconds.size) if history.low is None else history.low.reshape(-1)
+        r = self.sample(history.epoch, seconds, low).reshape(*history.shape, 3)
+        distance = np.sqrt(np.sum(r * r, axis=-1))
+        u = quaternion.rotate(quaternion.conjugate(history.wxyz), r / distance[..., None])
+        form = np.sum(u * (u @ body.tensor), axis=-1)
+        return 0.5 * self.mu / distance**3 * (3.0 * form - np.trace(body.tensor))

@@ -1,0 +1,297 @@
+"""The base class of torques: the members that a splitting integrator uses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
+from attitude.errors import AttitudeError
+from attitude.paths._path import Path, since
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from attitude._support.annotations import FloatArray, Real, Reals
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+
+    PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
+
+
+# Kinds: a torque that depends on the attitude alone; one that depends on the angular velocity
+# too; no torque, but a slip of the body under a fixed angular momentum; a torque that is
+# the angular velocity times a constant matrix, `Torque.by_rate`.
+BY_ATTITUDE: int = 0
+BY_RATE: int = 1
+SLIP: int = 2
+LINEAR: int = 3
+
+
+class Torque(Immutable):
+    """The base of all torques.
+
+    Attributes
+    ----------
+    kind : int
+        BY_ATTITUDE, BY_RATE, SLIP or LINEAR.
+    columns : int
+        Count of the numbers that `sample` returns for each epoch.
+    is_users : bool
+        Whether the function is a user's, which only machine code calls: its exceptions, and
+        Ctrl-C, then leave the state of the motion as it was.
+    """
+
+    kind: int = BY_ATTITUDE
+    columns: int = 0
+    is_users: bool = False
+
+    def address(self) -> int:
+        """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
+        raise NotImplementedError(f"{type(self).__name__} defines no address")
+
+    def slope_address(self) -> int:
+        """Address of the compiled function for the scheme "force-gradient"; 0 without one.
+
+        The function takes a vector y, constant over the body axes, in place of the angular
+        velocity, and returns the derivatives of N . y by turns about the body axes.  For a torque
+        that depends on the attitude but has no potential it returns (y . d) N - N x y, which
+        equals these derivatives where a potential exists.
+        """
+        return 0
+
+    def parameters(self, body: Body) -> FloatArray:
+        """Constants (P,) that the compiled function takes, for a body."""
+        return np.zeros(0)
+
+    def by_rate(self) -> FloatArray:
+        """The matrix (3, 3) of a LINEAR torque, N m s: torque by angular velocity, body axes."""
+        return np.zeros((3, 3))
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """Numbers (K, columns) that the compiled function takes at each epoch.
+
+        Parameters
+        ----------
+        instant : Instant
+        seconds, low : (K,) float64 arrays
+            The epochs are instant + seconds + low, TDB.
+        """
+        return np.zeros((len(seconds), 0))
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant at which `sample` is defined."""
+        return -np.inf, np.inf
+
+
+class FunctionPath(Path):
+    """Positions by a function of TDB seconds since the instant, the epoch of the spin.
+
+    `positions` checks what the function returns.
+    """
+
+    name, center, source = "path", "point mass", "function of seconds"
+
+    def __init__(self, function: PositionFunction) -> None:
+        self.function = function
+
+    def position(
+        self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Result of the function: positions (..., 3) in m, ICRF axes; `low` is not used."""
+        return self.function(np.asarray(seconds, dtype=np.float64))
+
+
+def positions(
+    path: Path, instant: Instant, seconds: FloatArray, low: FloatArray, name: str
+) -> FloatArray:
+    """Positions (K, 3) in m along a path, ICRF axes, at instant + seconds + low."""
+    found = path.position(instant, seconds, low)
+    try:
+        found = np.asarray(found, dtype=np.float64)
+    except (TypeError, ValueError) as err:
+        raise AttitudeError(
+            f"{name} did not return an array of numbers ({err}); it must return positions "
+            "(..., 3) in m over ICRF axes."
+        ) from None
+    if found.shape != (len(seconds), 3):
+        raise AttitudeError(
+            f"{name} returned an array of shape {found.shape} for {len(seconds)} epochs; it must "
+            "return positions (..., 3) in m over ICRF axes for an array of seconds (...)."
+        )
+    if not np.all(np.isfinite(found)):
+        bad = float(seconds[np.flatnonzero(~np.all(np.isfinite(found), axis=-1))[0]])
+        raise AttitudeError(
+            f"{name} is not finite {bad:.9g} s after the epoch of the spin; give a path that "
+            "covers the span."
+        )
+    return found
+
+
+def span_of(path: Path, instant: Instant) -> tuple[float, float]:
+    """First and last TDB seconds since an instant that a path covers, rounded inwards."""
+    if path.span is None:
+        return -np.inf, np.inf
+    first, last = (sum(since(end, instant)) for end in path.span)
+    return float(np.nextafter(first, last)), float(np.nextafter(last, first))
+
+
+def path_of(given: Path | PositionFunction, name: str) -> Path:
+    """The path itself, or the `FunctionPath` of a function of seconds."""
+    if isinstance(given, Path):
+        return given
+    validation.refuse_class(given, name)
+    if not callable(given):
+        raise AttitudeError(
+            f"{name} is {given!r}; give a path, or a function of seconds (...) since the epoch of "
+            "the spin that returns positions (..., 3) in m over ICRF axes."
+        )
+    return FunctionPath(given)
+
+
+# --------------------------------------------------------------------------------------------------
+# A torque that is fixed in the body: a thruster, a leak.
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ConstantTorque(Torque):
+    """A torque with constant components over the body axes.
+
+    Parameters
+    ----------
+    torque : (3,) array_like or Quantity
+        N m.
+
+    Raises
+    ------
+    AttitudeError
+        For another shape or unit, and for numbers that are not finite.
+    """
+
+    torque: FloatArray
+
+    def __init__(self, torque: Reals) -> None:
+        self._set("torque", frozen(validation.real(torque, "torque", shape=(3,), unit="N m")))
+
+    def address(self) -> int:
+        """Address of `compiled.constant`."""
+        from attitude.torques._compiled import constant
+
+        return constant.address
+
+    def slope_address(self) -> int:
+        """Address of `compiled.constant_slope`."""
+        from attitude.torques._compiled import constant_slope
+
+        return constant_slope.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The torque (3,), N m over the body axes."""
+        return np.array(self.torque)
+
+
+# --------------------------------------------------------------------------------------------------
+# Losses: drag from outside, and friction within the body.
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class LinearDamping(Torque):
+    """A drag torque -C w from outside: it removes energy and angular momentum.
+
+    Parameters
+    ----------
+    coefficient : float, Quantity or (3, 3) array_like
+        C in N m s, over the body axes.  A matrix must not add energy: its symmetric part has no
+        negative eigenvalue.
+
+    Attributes
+    ----------
+    coefficient : (3, 3) float64 array, read-only
+
+    Raises
+    ------
+    AttitudeError
+        For another shape or unit, and for a matrix that adds energy.
+    """
+
+    coefficient: FloatArray
+    kind = LINEAR
+
+    def __init__(self, coefficient: Real | Reals) -> None:
+        given = validation.real(coefficient, "coefficient", unit="N m s")
+        if given.shape == ():
+            given = given * np.eye(3)
+        given = validation.real(given, "coefficient", shape=(3, 3))
+        least = np.linalg.eigvalsh(given + given.T).min()
+        if least < -1e-12 * np.max(np.abs(given)):
+            raise AttitudeError(
+                "coefficient would add energy: its symmetric part has a negative eigenvalue. "
+                "Give a matrix that is positive semidefinite."
+            )
+        self._set("coefficient", frozen(given))
+
+    def address(self) -> int:
+        """Address of `compiled.linear_damping`."""
+        from attitude.torques._compiled import linear_damping
+
+        return linear_damping.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The matrix C by rows (9,), N m s."""
+        return self.coefficient.reshape(9).copy()
+
+    def by_rate(self) -> FloatArray:
+        """-C, N m s."""
+        return -self.coefficient
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InternalDissipation(Torque):
+    """Friction within the body: energy falls at fixed angular momentum, towards short-axis spin.
+
+    The body turns by an additional ``strength * (l x w)`` under its momentum, l being the
+    direction of the momentum over the body axes, so that
+
+        dE/dt = -strength L |l x w|^2 <= 0   and   L is fixed in space, to rounding.
+
+    Parameters
+    ----------
+    strength : float
+        Pure number, not negative: about the inverse of the quality factor.
+
+    Raises
+    ------
+    AttitudeError
+        For a negative strength.
+
+    Notes
+    -----
+    Double-bracket dissipation (Bloch, Krishnaprasad, Marsden & Ratiu 1996, Commun. Math. Phys.
+    175, 1), the simplest model with these two laws.  It does not derive the strength from a
+    material; see Breiter, Rozek & Vokrouhlicky 2012.  Integrated to second order in the step,
+    whatever the scheme.
+    """
+
+    strength: float
+    kind = SLIP
+
+    def __init__(self, strength: Real) -> None:
+        given = validation.number(strength, "strength")
+        if given < 0.0:
+            raise AttitudeError(f"strength is {given!r}; friction does not add energy: give >= 0.")
+        self._set("strength", given)
+
+    def address(self) -> int:
+        """Address of `compiled.internal_dissipation`."""
+        from attitude.torques._compiled import internal_dissipation
+
+        return internal_dissipation.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The strength, and the tensor's upper triangle by rows (7,)."""
+        return np.concatenate([[self.strength], body.tensor[np.triu_indices(3)]])

@@ -1,0 +1,232 @@
+"""Events at which an arc ends: the first zero of a function of the attitude, on the exact motion.
+
+Zeros are isolated as in `attitude.events`: an interval is skipped only when a bound of the second
+derivative proves that it holds none.
+This is the collision search of van Zon & Schofield (2006), section 1: free motion, then the first
+time that two surfaces meet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
+from attitude._support.validation import unit_vector
+from attitude.conditions._search import TOUCH, Bounded, isolated, refined, shifted
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, Real, Reals
+    from attitude.motions._history import AttitudeHistory
+    from attitude.motions._motion import Motion
+
+
+# Spacing of the knots of a search, in radians of the fastest rotation, and knots in one call.
+_SPACING, _BLOCK = Bounded.spacing, 256
+
+
+class Trigger(Immutable):
+    """The base of events at which a change may happen, found on the exact motion.
+
+    A new kind defines
+
+    ``values(history)``
+        A smooth function of the attitude that changes its sign at the event, and its rate per
+        second, at the epochs of an AttitudeHistory.
+    ``arm``
+        Upper bound of the change of the function per radian of rotation.
+    ``drift``
+        Upper bound of the rate of the function at a fixed attitude, per second.
+    ``within``
+        Seconds after the change before it (or the epoch of the spin) in which the event must
+        happen; None for a thousand turns at the fastest rate that the motion can have.
+    """
+
+    arm: float
+    drift: float
+    within: float | None = None
+
+    def values(self, history: AttitudeHistory) -> tuple[FloatArray, FloatArray]:
+        """The function that changes its sign at the event, and its rate per second: (S,) each."""
+        raise NotImplementedError(f"{type(self).__name__} defines no values")
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class AxisCrossesDirection(Trigger):
+    """A body axis reaches a given angle to a direction that is fixed in ICRF.
+
+    Parameters
+    ----------
+    axis : (3,) array_like
+        In body axes, of any length.
+    direction : (3,) array_like
+        In ICRF, of any length.
+    angle : float
+        rad; by default a right angle.
+    within : float, optional
+        Seconds after the change before it (or the epoch of the spin) in which it must happen; by
+        default a thousand turns at the fastest rate that the motion can have.
+
+    Attributes
+    ----------
+    axis, direction : (3,) arrays
+        Unit vectors.
+    angle : float
+        rad.
+    within : float or None
+        s.
+
+    Raises
+    ------
+    AttitudeError
+        For vectors without a direction, wrong shapes and units, numbers that are not finite, and
+        a `within` that is not greater than zero.
+    """
+
+    axis: FloatArray
+    direction: FloatArray
+    angle: float = 0.5 * np.pi
+    within: float | None = None
+
+    arm, drift = 1.0, 0.0
+
+    def __init__(
+        self,
+        axis: Reals,
+        direction: Reals,
+        angle: Real = 0.5 * np.pi,
+        within: Real | None = None,
+    ) -> None:
+        self._set("axis", frozen(unit_vector(axis, "axis")))
+        self._set("direction", frozen(unit_vector(direction, "direction")))
+        self._set("angle", validation.number(angle, "angle", unit="rad"))
+        self._set("within", _seconds(within))
+
+    def values(self, history: AttitudeHistory) -> tuple[FloatArray, FloatArray]:
+        """cos(angle to the direction) - cos(angle), and its rate, per second: (S,) each."""
+        v, rate = _point(history, self.axis)
+        return v @ self.direction - np.cos(self.angle), rate @ self.direction
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class PointMeetsPlane(Trigger):
+    """A point of the body reaches a plane that is fixed in ICRF axes.
+
+    The centre of mass moves uniformly: it is at `start` at the epoch of the spin.
+
+    Parameters
+    ----------
+    point : (3,) array_like
+        m, body axes, from the centre of mass.
+    normal : (3,) array_like
+        Of any length, ICRF axes; positions on the plane have the component `offset` along it.
+    offset : float
+        m.
+    start, velocity : (3,) array_like
+        m and m/s, ICRF axes.
+    within : float, optional
+        As in `AxisCrossesDirection`.
+
+    Attributes
+    ----------
+    point, start, velocity : (3,) arrays
+        m, m and m/s.
+    normal : (3,) array
+        Unit vector.
+    offset : float
+        m.
+    within : float or None
+        s.
+    arm, drift : float
+        m and m/s; see `Trigger`.
+
+    Raises
+    ------
+    AttitudeError
+        As `AxisCrossesDirection`.
+    """
+
+    point: FloatArray
+    normal: FloatArray
+    offset: float
+    start: FloatArray
+    velocity: FloatArray
+    within: float | None = None
+
+    def __init__(
+        self,
+        point: Reals,
+        normal: Reals,
+        offset: Real = 0.0,
+        start: Reals = (0.0, 0.0, 0.0),
+        velocity: Reals = (0.0, 0.0, 0.0),
+        within: Real | None = None,
+    ) -> None:
+        self._set("point", frozen(validation.real(point, "point", shape=(3,), unit="m")))
+        self._set("normal", frozen(unit_vector(normal, "normal")))
+        self._set("offset", validation.number(offset, "offset", unit="m"))
+        self._set("start", frozen(validation.real(start, "start", shape=(3,), unit="m")))
+        speed = validation.real(velocity, "velocity", shape=(3,), unit="m/s")
+        self._set("velocity", frozen(speed))
+        self._set("within", _seconds(within))
+        self._set("arm", float(np.sqrt(self.point @ self.point)))
+        self._set("drift", abs(float(self.velocity @ self.normal)))
+
+    def values(self, history: AttitudeHistory) -> tuple[FloatArray, FloatArray]:
+        """Height of the point over the plane, m, and its rate, m/s: (S,) each."""
+        v, rate = _point(history, self.point)
+        speed = self.velocity @ self.normal
+        low = 0.0 if history.low is None else history.low
+        centre = (self.start @ self.normal - self.offset) + (history.seconds + low) * speed
+        return v @ self.normal + centre, rate @ self.normal + speed
+
+
+def first(event: Trigger, motion: Motion, start: float, end: float, name: str) -> float:
+    """Seconds of the first crossing on the last arc of a motion."""
+    bounds = motion.rate_bounds(start)
+    assert bounds is not None  # the arc is a free rotation
+    away = abs(event.values(motion.at(start))[0]) + event.arm
+    rate = bounds.first + (float(event.drift / away) if event.drift else 0.0)
+    if not rate > 0.0:
+        raise AttitudeError(
+            f"{name}.at is an event of a body that does not move, which never happens; give an "
+            "epoch."
+        )
+    within = event.within if event.within is not None else 1000.0 * 2.0 * np.pi / rate
+    last = min(end, start + within)
+    # An event at the start itself (a bounce off the same plane) is the one that started the arc.
+    left = start + TOUCH / rate
+    while left < last:
+        # Seconds from here: a single double of them is fine enough for any bracket.
+        knots = np.minimum(_SPACING / rate * np.arange(_BLOCK + 1.0), last - left)
+        knots = knots[: np.argmax(knots) + 1]
+
+        def evaluate(s: FloatArray, base: float = left) -> FloatArray:
+            return event.values(motion.at(*shifted((base, 0.0), s)))[0]
+
+        values = evaluate(knots)
+        noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
+        bound = event.arm * bounds.second
+        brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
+        if brackets.size:
+            return float(left + np.min(refined(evaluate, *brackets)))
+        left += float(knots[-1])
+    raise AttitudeError(
+        f"{name}.at is {type(event).__name__}, which does not happen between {start:.9g} and "
+        f"{last:.9g} s; give a longer within=, an event that happens, or an epoch."
+    )
+
+
+def _point(history: AttitudeHistory, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A body vector and its rate of change, over ICRF axes."""
+    rate = np.cross(history.angular_velocity, vector)
+    return quaternion.rotate(history.wxyz, vector), quaternion.rotate(history.wxyz, rate)
+
+
+def _seconds(within: Real | None) -> float | None:
+    return None if within is None else validation.positive(within, "within", unit="s")

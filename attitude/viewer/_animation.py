@@ -1,0 +1,255 @@
+"""Animations: the turning body with its light curve growing, as WebP, GIF or MP4."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude import plots
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.viewer import _subject
+from attitude.viewer._subject import subject
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude.motions._motion import HasAttitudes
+    from attitude.scene._scene import Scene
+    from attitude.scene._view import View
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+    from attitude.viewer._subject import Subject, Surface
+
+
+_ENDINGS = ("webp", "gif", "mp4")
+# Facets that are drawn.
+_FACETS = 4000
+# Least brightness of a facet, where no light falls.
+_AMBIENT = 0.12
+_GROUND, _TEXT, _LINE = "#10131a", "#aab2c4", "#ffb454"
+_SURFACE = np.array([0.78, 0.75, 0.70])
+_ROUND = np.array([0.6, 0.3, 0.74])  # towards a light without a Sun, beside the camera
+_PER_INCH = 100.0
+
+
+def animate(
+    motion: HasAttitudes | Scene,
+    output: FilePath,
+    *,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    title: str | None = None,
+    magnitude: tuple[Callable[[View], FloatArray], str] | None = None,
+    frames: int = 120,
+    rate: float = 20.0,
+    size: tuple[int, int] = (480, 420),
+    progress: Callable[[int, int], object] | None = None,
+) -> None:
+    """Write an animation: the body as the observer sees it, and its light curve as it grows.
+
+    Parameters
+    ----------
+    motion : HasAttitudes or Scene
+        As of `view`.  Without an observer the body is seen across its momentum; without a Sun the
+        light comes from beside the camera.
+    start, stop, shape, title, magnitude
+        As of `view`.
+    output : str or path
+        Ends in .webp, .gif (both by Pillow) or .mp4 (by ffmpeg).
+    frames : int
+    rate : float
+        Frames a second.
+    size : (int, int)
+        Width and height, pixels.
+    progress : callable, optional
+        ``progress(done, frames)``.
+
+    Raises
+    ------
+    AttitudeError
+        For another ending, if Pillow or ffmpeg is not installed, and as `view`.
+
+    Notes
+    -----
+    Facets are shaded by their angle to the Sun; parts of the body cast no shadows on others, as
+    they do on the page of `view`.  At most 4000 facets are drawn.
+    """
+    path = os.fspath(output)
+    ending = path.rpartition(".")[2].lower()
+    if ending not in _ENDINGS:
+        raise AttitudeError(f"output is {path!r}; give a name that ends in .webp, .gif or .mp4.")
+    count = validation.count(frames, "frames", 2)
+    validation.positive(rate, "rate")
+    what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
+    picture = _Picture.of(what, count, size)
+    if ending == "mp4":
+        _write_film(path, picture, rate, progress)
+    else:
+        _write_images(path, ending, picture, rate, progress)
+
+
+@dataclass
+class _Picture:
+    """A figure of one frame after the other."""
+
+    figure: Any
+    facets: Any
+    line: Any
+    surface: Surface
+    curve: dict[str, Any] | None
+    times: FloatArray
+    wxyz: FloatArray
+    toward: FloatArray
+    sun: FloatArray
+
+    @classmethod
+    def of(cls, what: Subject, count: int, size: tuple[int, int]) -> _Picture:
+        times = np.linspace(0.0, what.duration, count)
+        figure = plots.new_figure((size[0] / _PER_INCH, size[1] / _PER_INCH))
+        figure.set(dpi=_PER_INCH, facecolor=_GROUND)
+        curve = _subject.light_curve(what)
+        grid = figure.add_gridspec(2 if curve else 1, 1, height_ratios=(2, 1) if curve else (1,))
+        above = figure.add_subplot(grid[0])
+        above.set(xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), aspect="equal", facecolor=_GROUND)
+        above.set_axis_off()
+        above.set_title(what.title, color=_TEXT, fontsize=10)
+        line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
+        toward = _toward(what, "observer", times)
+        sun = _toward(what, "sun", times)
+        surface = _subject.surface(what, _FACETS)
+        return cls(
+            figure, _empty(above), line, surface, curve, times, what.at(times).wxyz, toward, sun
+        )
+
+    def draw(self, k: int) -> None:
+        """Frame k: facets that face the observer, from the farthest to the nearest."""
+        corners = quaternion.rotate(self.wxyz[k], self.surface.vertices)[self.surface.facets]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        across = _screen(self.toward[k])
+        light = self.sun[k] if np.any(self.sun[k]) else _ROUND @ across
+        chosen = np.flatnonzero(normal @ across[2] > 0.0)
+        chosen = chosen[np.argsort(corners[chosen].mean(axis=1) @ across[2])]
+        shade = _AMBIENT + (1.0 - _AMBIENT) * np.maximum(normal[chosen] @ light, 0.0)
+        colors = shade[:, None] * _SURFACE
+        self.facets.set_verts(corners[chosen] @ across[:2].T)
+        self.facets.set_facecolor(colors)
+        self.facets.set_edgecolor(colors)
+        if self.line is not None and self.curve is not None:
+            done = self.curve["times"] <= self.times[k]
+            unit = self.curve["unit"]
+            self.line.set_data(self.curve["times"][done] / unit, self.curve["magnitudes"][done])
+
+
+def _empty(axes: Any) -> Any:
+    from matplotlib.collections import PolyCollection
+
+    found = PolyCollection([], linewidths=0.3)
+    axes.add_collection(found)
+    return found
+
+
+def _axes_of(axes: Any, curve: dict[str, Any]) -> Any:
+    """The axes of a light curve with its full range, and a line without points."""
+    unit, name = plots.time_unit(float(curve["times"][-1]))
+    curve["unit"] = unit
+    finite = curve["magnitudes"][np.isfinite(curve["magnitudes"])]
+    low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 1.0)
+    edge = 0.05 * (high - low) + 1e-3
+    axes.set(xlim=(0.0, curve["times"][-1] / unit), ylim=(high + edge, low - edge))
+    axes.set_facecolor(_GROUND)
+    axes.tick_params(colors=_TEXT, labelsize=7)
+    axes.set_xlabel(name, color=_TEXT, fontsize=8)
+    axes.set_ylabel(curve["label"], color=_TEXT, fontsize=8)
+    for side in axes.spines.values():
+        side.set_color("#2b3140")
+    return axes.plot([], [], color=_LINE, linewidth=1.2)[0]
+
+
+def _toward(what: Subject, which: str, times: FloatArray) -> FloatArray:
+    """Unit vectors (N, 3) to observer or Sun; without a scene a side view, and zeros."""
+    if what.scene is not None:
+        view = what.view(times)
+        name = "observer_direction_icrf" if which == "observer" else "sun_direction_icrf"
+        return np.broadcast_to(np.asarray(getattr(view, name)), (len(times), 3))
+    if which == "sun":
+        return np.zeros((len(times), 3))
+    momentum = what.motion.momentum
+    pole = np.array([0.0, 0.0, 1.0]) if momentum is None or not np.any(momentum) else momentum
+    side = np.cross(pole / np.linalg.norm(pole), [0.6, 0.64, 0.48])
+    return np.broadcast_to(side / np.linalg.norm(side), (len(times), 3))
+
+
+def _screen(toward: FloatArray) -> FloatArray:
+    """Rows: right, up (north of ICRF) and towards the observer."""
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    if np.linalg.norm(right) < 1e-9:
+        right = np.array([1.0, 0.0, 0.0])
+    right = right / np.linalg.norm(right)
+    return np.stack([right, np.cross(toward, right), toward])
+
+
+def _write_images(path: str, ending: str, picture: _Picture, rate: float, progress: Any) -> None:
+    """All frames as one WebP or GIF."""
+    try:
+        from PIL import Image
+    except ImportError as err:
+        raise AttitudeError(
+            "Pillow is not installed, which writes WebP and GIF; install it with pip install "
+            "pillow."
+        ) from err
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from attitude._textfiles.atomic_write import made_whole
+
+    canvas = FigureCanvasAgg(picture.figure)
+    images = []
+    for k in range(len(picture.times)):
+        picture.draw(k)
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+        if progress is not None:
+            progress(k + 1, len(picture.times))
+    options = {"quality": 70, "method": 4} if ending == "webp" else {"optimize": True}
+    with made_whole(path) as temporary:
+        images[0].save(
+            temporary,
+            format=ending.upper(),
+            save_all=True,
+            append_images=images[1:],
+            duration=round(1000.0 / rate),
+            loop=0,
+            **options,
+        )
+
+
+def _write_film(path: str, picture: _Picture, rate: float, progress: Any) -> None:
+    """All frames as an MP4, by ffmpeg."""
+    from matplotlib.animation import FFMpegWriter
+
+    from attitude._textfiles.atomic_write import made_whole
+
+    if not FFMpegWriter.isAvailable():
+        raise AttitudeError(
+            "ffmpeg is not installed, which writes MP4; install it, or give a .webp or .gif."
+        )
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(picture.figure)
+    writer = FFMpegWriter(fps=round(rate), extra_args=["-pix_fmt", "yuv420p"])
+    with (
+        made_whole(path) as temporary,
+        writer.saving(picture.figure, temporary, dpi=_PER_INCH),
+    ):
+        for k in range(len(picture.times)):
+            picture.draw(k)
+            writer.grab_frame(facecolor=_GROUND)
+            if progress is not None:
+                progress(k + 1, len(picture.times))

@@ -1,0 +1,144 @@
+"""A catalogue of Cosmographia beside a C-kernel: x.json, x.bc, x.tf, x.tsc, x.xyzv and x.obj."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude.epochs import _instants
+from attitude.errors import AttitudeError
+from attitude.scene._scene import Scene
+from attitude.viewer import _subject
+from attitude.viewer._subject import subject
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude.motions._motion import HasAttitudes
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+    from attitude.viewer._subject import Subject, Surface
+
+
+# States of the trajectory.
+_STATES = 2000
+_MOST = 200_000
+# km, of a body whose size is unknown.
+_SIZE = 0.01
+_CENTERS = {"sun": "Sun", "earth": "Earth", "moon": "Moon", "ssb": "SSB"}
+
+
+def write_cosmographia(
+    path: FilePath,
+    motion: HasAttitudes | Scene,
+    *,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    title: str | None = None,
+    tolerance: float = 1e-6,
+) -> None:
+    """Write a catalogue that Cosmographia opens, and beside it the files that it names.
+
+    Parameters
+    ----------
+    path : str or path
+        Ends in .json; the others take its name.
+    motion, start, stop, shape, title
+        As of `view`.  The center of a Scene gives the trajectory (about the Sun, the Earth or the
+        Moon); without one the body rests at the Sun.
+    tolerance : float
+        Largest error of the attitude in the C-kernel, rad.
+
+    Raises
+    ------
+    AttitudeError
+        As `view` and `formats.ck.write`, and for a path about another body.
+    """
+    from attitude._textfiles import toml
+    from attitude._textfiles.atomic_write import written_whole
+    from attitude.formats import ck
+
+    scene = motion if isinstance(motion, Scene) else None
+    given = subject(motion, start, stop, shape=shape, title=title)
+    what = subject(given.motion, given.start.time, _end(given).time, shape=given.shape)
+    base = os.path.splitext(os.fspath(path))[0]
+    frame = "".join(each if each.isalnum() else "_" for each in given.title.upper())[:26]
+    ck.write(f"{base}.bc", what.motion, what.start.time, _end(what).time,
+             tolerance=tolerance, name=frame)  # fmt: skip
+    surface = _subject.surface(what, _MOST)
+    with written_whole(f"{base}.obj") as file:
+        file.write(_obj(surface))
+    trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
+    center = "Sun"
+    if scene is not None and scene.center is not None:
+        center = _center(scene)
+        with written_whole(f"{base}.xyzv") as file:
+            file.write(_states(what, scene))
+        trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
+    name = os.path.basename(base)
+    begin, end = (f"{each} UTC" for each in what.utc(np.array([0.0, what.duration])))
+    catalogue = {
+        "version": "1.0",
+        "name": given.title,
+        "spiceKernels": [f"{name}.tsc", f"{name}.tf", f"{name}.bc"],
+        "items": [
+            {
+                "class": "spacecraft" if center != "Sun" else "asteroid",
+                "name": given.title,
+                "startTime": begin,
+                "endTime": end,
+                "center": center,
+                "trajectoryFrame": "ICRF",
+                "trajectory": trajectory,
+                "bodyFrame": {"type": "Spice", "name": frame},
+                "geometry": {
+                    "type": "Mesh",
+                    "source": f"{name}.obj",
+                    "size": _size(surface),
+                    "meshRotation": [1, 0, 0, 0],
+                },
+            }
+        ],
+    }
+    with written_whole(path) as file:
+        file.write(toml.written(catalogue, indent=2) + "\n")
+
+
+def _end(what: Subject) -> _instants.Instant:
+    return what.start.after(what.duration)
+
+
+def _size(surface: Surface) -> float:
+    """Radius in km to which Cosmographia scales the mesh."""
+    return surface.size / 1000.0 if np.isfinite(surface.size) else _SIZE
+
+
+def _obj(surface: Surface) -> str:
+    rows = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in surface.vertices.tolist()]
+    rows += [f"f {a} {b} {c}" for a, b, c in (surface.facets + 1).tolist()]
+    return "\n".join(rows) + "\n"
+
+
+def _center(scene: Scene) -> str:
+    assert scene.center is not None
+    about = scene.center.center
+    if not isinstance(about, str) or about not in _CENTERS:
+        raise AttitudeError(
+            f"the path of {scene.center.name} is about {about}; Cosmographia's catalogue takes a "
+            f"path about one of {', '.join(_CENTERS)}."
+        )
+    return _CENTERS[about]
+
+
+def _states(what: Subject, scene: Scene) -> str:
+    """Rows of a Julian date (TDB), km and km/s."""
+    times = np.linspace(0.0, what.duration, _STATES)
+    assert scene.center is not None
+    position, velocity = scene.center.state(what.start, times)
+    dates: FloatArray = _instants.times(what.start, times).tdb.jd
+    table = np.column_stack([dates, position / 1000.0, velocity / 1000.0])
+    return "".join(
+        f"{row[0]:.9f} {' '.join(f'{each:.12g}' for each in row[1:])}\n" for row in table
+    )

@@ -1,0 +1,151 @@
+"""CZML files for Cesium: the orbit of a satellite, and its attitude in the Earth's frame.
+
+Cesium turns a model by the quaternion from body axes to Earth-fixed axes (ITRS); the position is
+on ICRF axes ("INERTIAL").
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.paths import _ground
+from attitude.scene._scene import Scene
+from attitude.viewer import _subject
+from attitude.viewer._subject import subject
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude.epochs._instants import Instant
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+    from attitude.viewer._subject import Subject
+
+
+# Positions: seconds between them, the degree of Cesium's polynomials, and the most of them.
+_STEP, _DEGREE, _MOST = 60.0, 7, 20_000
+# Share of a tolerance that the turn of the Earth between two attitudes cannot exceed.
+_TOLERANCE = 0.8 * _subject.TOLERANCE
+
+
+def write_czml(
+    path: FilePath,
+    scene: Scene,
+    *,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    title: str | None = None,
+    model: str | None = None,
+) -> None:
+    """Write a CZML file: a clock, a path about the Earth, and the attitude along it.
+
+    Parameters
+    ----------
+    path : str or path
+    scene : Scene
+        Its center is a path about the Earth (`paths.tle`, `paths.omm`, `paths.oem`).
+    start, stop : epochs, or TDB seconds since the epoch of the motion
+        As of `view`.
+    shape
+        Not written: Cesium draws models by their address; see `model`, and `write_glb`.
+    title : str, optional
+    model : str, optional
+        Address of a glTF model, whose axes become the body axes; by default a box is drawn.
+
+    Raises
+    ------
+    AttitudeError
+        For a motion without a path about the Earth, epochs outside of the IERS table, and as
+        `view`.
+
+    Notes
+    -----
+    Between attitudes Cesium follows great circles, which stay within 0.1 degree of the motion.
+    Epochs are those of the motion: light time plays no part.
+    """
+    from attitude._textfiles import toml
+    from attitude._textfiles.atomic_write import written_whole
+
+    if not isinstance(scene, Scene) or scene.center is None or scene.center.center != "earth":
+        raise AttitudeError(
+            "Cesium shows satellites of the Earth; give a Scene whose center is a path about the "
+            "Earth, such as paths.tle(file), or a mission file with one."
+        )
+    if scene.motion is None:
+        raise AttitudeError("the scene has no motion; give Scene(motion, ...) to write one.")
+    what = subject(scene.motion, start, stop, title=title or scene.center.name)
+    document = _document(what)
+    with written_whole(path) as file:
+        file.write(toml.written([document, _body(what, scene, model)]))
+
+
+def _document(what: Subject) -> dict[str, Any]:
+    begin, end = (f"{each}Z" for each in what.utc(np.array([0.0, what.duration])))
+    return {
+        "id": "document",
+        "name": what.title,
+        "version": "1.0",
+        "clock": {
+            "interval": f"{begin}/{end}",
+            "currentTime": begin,
+            "multiplier": 1,
+            "range": "LOOP_STOP",
+        },
+    }
+
+
+def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
+    begin, end = (f"{each}Z" for each in what.utc(np.array([0.0, what.duration])))
+    assert scene.center is not None
+    count = int(np.clip(np.ceil(what.duration / _STEP), _DEGREE + 1, _MOST)) + 1
+    times = np.linspace(0.0, what.duration, count)
+    positions = scene.center.position(what.start, times)
+    drawn = {"gltf": model, "minimumPixelSize": 64} if model else None
+    box = {"dimensions": {"cartesian": [10.0, 4.0, 4.0]}} if drawn is None else None
+    found: dict[str, Any] = {
+        "id": what.title,
+        "name": what.title,
+        "availability": f"{begin}/{end}",
+        "position": {
+            "interpolationAlgorithm": "LAGRANGE",
+            "interpolationDegree": _DEGREE,
+            "referenceFrame": "INERTIAL",
+            "epoch": begin,
+            "cartesian": np.column_stack([times, positions]).ravel(),
+        },
+        "orientation": {
+            "interpolationAlgorithm": "LINEAR",
+            "interpolationDegree": 1,
+            "epoch": begin,
+            "unitQuaternion": _orientation(what).ravel(),
+        },
+        "path": {"width": 1, "leadTime": 3000, "trailTime": 3000},
+    }
+    return found | ({"model": drawn} if drawn else {"box": box})
+
+
+def _orientation(what: Subject) -> FloatArray:
+    """Rows of time in s, x, y, z, w: body to ITRS."""
+    rows = []
+    for piece in _subject.pieces(what, _TOLERANCE):
+        times = piece.start + piece.step * np.arange(len(piece.wxyz), dtype=np.float64)
+        wxyz = quaternion.multiply(to_itrs(what.start, times), piece.wxyz)
+        signs = np.cumprod(np.where(np.sum(wxyz[1:] * wxyz[:-1], axis=1) < 0.0, -1.0, 1.0))
+        wxyz[1:] *= signs[:, None]
+        rows.append(np.column_stack([times, wxyz[:, 1:], wxyz[:, 0]]))
+        # The attitude is continuous where the rate jumps: one row serves both sides.
+    joined = [*(each[:-1] for each in rows[:-1]), rows[-1]]
+    return np.concatenate(joined)
+
+
+def to_itrs(start: Instant, times: FloatArray) -> FloatArray:
+    """Quaternions (N, 4) from ICRF to ITRS at times in s after an Instant."""
+    hi, lo = pairs.add((np.full(len(times), start.seconds), start.low), times)
+    columns = [_ground.to_celestial(hi, lo, axis)[0] for axis in np.eye(3)]
+    celestial = np.moveaxis(np.stack(columns, axis=1), -1, 0)
+    return quaternion.conjugate(quaternion.from_matrix(celestial))

@@ -1,0 +1,160 @@
+"""glTF files (.glb): the mesh of a body with its rotation as an animation, for any 3D viewer."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude.viewer import _subject
+from attitude.viewer._page import seconds_a_second
+from attitude.viewer._subject import subject
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import EpochOrSeconds, FilePath
+    from attitude.motions._motion import HasAttitudes
+    from attitude.scene._scene import Scene
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+
+
+_FLOAT, _UINT = 5126, 5125
+_VERTICES, _INDICES = 34962, 34963
+_JSON, _BIN = 0x4E4F534A, 0x004E4942
+# Most facets that are written.
+_MOST = 1_000_000
+# From ICRF, whose z is north, to the axes of glTF, whose y is up: x, y, z, w.
+_UPRIGHT = [-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
+
+
+def write_glb(
+    path: FilePath,
+    motion: HasAttitudes | Scene,
+    *,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    title: str | None = None,
+    speed: float | None = None,
+) -> None:
+    """Write the mesh of a body and its rotation as binary glTF 2.0.
+
+    Parameters
+    ----------
+    path : str or path
+    motion, start, stop, shape, title
+        As of `view`; of a Scene the attitudes are those that its light shows.
+    speed : float, optional
+        Seconds of the motion in a second of the animation; by default a turn takes some 8 s.  It
+        is written as "speed" into the extras of the animation.
+
+    Raises
+    ------
+    AttitudeError
+        As `view`.
+
+    Notes
+    -----
+    Vertices are in m (1 for the largest distance where the size is unknown).  Viewers follow great
+    circles between attitudes, which stay within 0.1 degree of the motion.  North of ICRF is up.
+    """
+    from attitude._support import validation
+    from attitude._textfiles import toml
+    from attitude._textfiles.atomic_write import written_whole
+
+    what = subject(motion, start, stop, shape=shape, title=title)
+    found = _subject.pieces(what)
+    pace = seconds_a_second(what, found) if speed is None else validation.positive(speed, "speed")
+    surface = _subject.surface(what, _MOST)
+    size = surface.size if np.isfinite(surface.size) else 1.0
+    buffer = _Buffer()
+    vertices = buffer.add(surface.vertices * size, "<f4", "VEC3", _VERTICES)
+    facets = buffer.add(surface.facets.reshape(-1, 1), "<u4", "SCALAR", _INDICES)
+    times, turns = _keys(found, pace)
+    inputs = buffer.add(times[:, None], "<f4", "SCALAR")
+    outputs = buffer.add(turns, "<f4", "VEC4")
+    content = {
+        "asset": {"version": "2.0", "generator": "attitude"},
+        "scene": 0,
+        "scenes": [{"nodes": [0], "name": what.title}],
+        "nodes": [
+            {"name": "ICRF", "children": [1], "rotation": _UPRIGHT},
+            {"name": what.title, "mesh": 0},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": vertices}, "indices": facets}]}],
+        "animations": [
+            {
+                "name": "rotation",
+                "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
+                "samplers": [{"input": inputs, "output": outputs, "interpolation": "LINEAR"}],
+                "extras": {"speed": pace, "start_utc": what.start.utc_iso},
+            }
+        ],
+        **buffer.described(),
+    }
+    text = toml.written(content).encode("utf-8")
+    with written_whole(path, binary=True) as file:
+        file.write(_file(text, buffer.bytes))
+
+
+def _keys(found: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
+    """Times of the animation that increase as float32, and quaternions x, y, z, w."""
+    parts = [
+        (each.start + each.step * np.arange(len(each.wxyz)), each.wxyz[:, [1, 2, 3, 0]])
+        for each in found
+    ]
+    times = (np.concatenate([part[0] for part in parts]) / pace).astype(np.float32)
+    turns = np.concatenate([part[1] for part in parts])
+    kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
+    return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
+
+
+class _Buffer:
+    """The binary part of a file, and what stands where in it."""
+
+    def __init__(self) -> None:
+        self.bytes = b""
+        self._views: list[dict[str, Any]] = []
+        self._accessors: list[dict[str, Any]] = []
+
+    def add(self, array: Any, kind: str, shape: str, target: int | None = None) -> int:
+        """Append an array; the number of its accessor."""
+        rows = np.ascontiguousarray(array, dtype=kind)
+        data = rows.tobytes()
+        view = {"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data)}
+        self._views.append(view | ({} if target is None else {"target": target}))
+        self._accessors.append(
+            {
+                "bufferView": len(self._views) - 1,
+                "componentType": _FLOAT if kind == "<f4" else _UINT,
+                "count": len(rows),
+                "type": shape,
+                "min": rows.min(axis=0),
+                "max": rows.max(axis=0),
+            }
+        )
+        self.bytes += data  # a multiple of 4 bytes, as accessors need
+        return len(self._accessors) - 1
+
+    def described(self) -> dict[str, Any]:
+        """The entries of the JSON about the buffer."""
+        return {
+            "accessors": self._accessors,
+            "bufferViews": self._views,
+            "buffers": [{"byteLength": len(self.bytes)}],
+        }
+
+
+def _file(text: bytes, data: bytes) -> bytes:
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(data)
+    return b"".join(
+        [
+            struct.pack("<4sII", b"glTF", 2, total),
+            struct.pack("<II", len(text), _JSON),
+            text,
+            struct.pack("<II", len(data), _BIN),
+            data,
+        ]
+    )

@@ -1,0 +1,532 @@
+"""What a page or animation shows: a motion or scene, a span of time, and a shape."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from attitude import plots
+from attitude._support import pairs, validation
+from attitude.epochs import _inputs
+from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.frames import quaternion
+from attitude.frames import representations as forms
+from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._motion import motion_of
+from attitude.scene._scene import Scene
+from attitude.shape._ellipsoid import Ellipsoid
+from attitude.shape._mesh import Mesh
+from attitude.shape._solids import box
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude._support.annotations import EpochOrSeconds, FloatArray, IntArray
+    from attitude.epochs import _instants
+    from attitude.motions._body import Body
+    from attitude.motions._history import AttitudeHistory
+    from attitude.motions._motion import HasAttitudes, Motion
+    from attitude.scene._view import View
+
+
+# --------------------------------------------------------------------------------------------------
+# Attitudes at the widest steps between which great circles stay within an angle of the motion.
+
+# Largest angle between the motion and what is drawn, rad: a tenth of a degree.
+TOLERANCE: float = float(np.radians(0.1))
+# Of it, what the great circles may take; rounding to 16 bits takes 0.007 degree at most.
+_SHARE = 0.85
+# Most attitudes of one page: 8 MB of text.
+MOST_POSES: int = 400_000
+# Largest turn between two attitudes, rad: beyond pi a great circle goes the other way.
+_TURN = 2.0
+# Places between two attitudes at which the error is measured, in steps; no two have a common
+# divisor, so that whole turns between two attitudes are noticed.
+_BETWEEN = (0.5, 0.236, 0.691)
+# Steps of a piece that are measured, at most, at each trial.
+_MEASURED = 4000
+# Of a step, by which the last attitude of a piece lies before a jump.
+_BEFORE = 1e-9
+
+
+@dataclass(frozen=True)
+class PosePiece:
+    """Equally spaced attitudes between two jumps of the angular velocity.
+
+    Attributes
+    ----------
+    start, step : float
+        s from the start of the span, and between attitudes.
+    wxyz, angular_velocity : (N, 4), (N, 3) arrays
+        Body to ICRF; rad/s over the body axes.
+    """
+
+    start: float
+    step: float
+    wxyz: FloatArray
+    angular_velocity: FloatArray
+
+
+def pieces(subject: Subject, tolerance: float = TOLERANCE) -> list[PosePiece]:
+    """The attitudes of a subject, each piece with the widest step that keeps the tolerance."""
+    bounds = np.concatenate([[0.0], subject.breaks(), [subject.duration]])
+    found: list[PosePiece] = []
+    for begin, end in pairwise(bounds):
+        left = MOST_POSES - sum(len(each.wxyz) for each in found)
+        found.append(_piece(subject, float(begin), float(end), tolerance, left))
+    return found
+
+
+def _piece(subject: Subject, begin: float, end: float, tolerance: float, most: int) -> PosePiece:
+    length = end - begin
+    count = _first_count(subject, begin, length)
+    while True:
+        if count + 1 > most:
+            raise _too_many(subject, length, count, most)
+        error = _error(subject, begin, length, count)
+        if error <= _SHARE * tolerance:
+            break
+        # The error falls with the square of the step at least.
+        factor = np.sqrt(error / (_SHARE * tolerance))
+        count = int(np.ceil(count * min(max(1.1 * factor, 1.2), 4.0)))
+    times = begin + length * np.arange(count + 1) / count
+    times[-1] -= _BEFORE * length / count if end < subject.duration else 0.0
+    history = subject.at(times)
+    rates = np.asarray(history.angular_velocity)
+    return PosePiece(begin, length / count, np.asarray(history.wxyz), rates)
+
+
+def _first_count(subject: Subject, begin: float, length: float) -> int:
+    """Steps over which the body turns by at most `_TURN`, by its rate at some epochs."""
+    inner = begin + length * np.linspace(0.5 / 64.0, 63.5 / 64.0, 64)
+    rates = np.linalg.norm(subject.at(inner).angular_velocity, axis=-1)
+    fastest = float(np.max(rates))
+    return max(1, int(np.ceil(fastest * length / _TURN)))
+
+
+def _error(subject: Subject, begin: float, length: float, count: int) -> float:
+    """Largest measured angle between the motion and great circles, rad."""
+    chosen = np.unique(np.floor(np.linspace(0.0, count - 1.0, min(count, _MEASURED))))
+    step = length / count
+    inside = 1.0 - _BEFORE
+    first, last = (subject.at(begin + step * (chosen + k * inside)).wxyz for k in (0, 1))
+    turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(first), last))
+    worst = 0.0
+    for part in _BETWEEN:
+        motion = subject.at(begin + step * (chosen + part)).wxyz
+        between = quaternion.multiply(first, forms.from_rotation_vector(turn * part))
+        off = quaternion.multiply(quaternion.conjugate(motion), between)
+        angles = np.linalg.norm(forms.to_rotation_vector(off), axis=-1)
+        worst = max(worst, float(np.max(angles)))
+    return worst
+
+
+def _too_many(subject: Subject, length: float, count: int, most: int) -> AttitudeError:
+    longest = 0.9 * length * most / count
+    return AttitudeError(
+        f"a span of {length:.6g} s needs {count:.2g} attitudes, so that what is drawn stays within "
+        f"0.1 degree of the motion; {MOST_POSES} can be shown. Give a stop at most {longest:.4g} s "
+        "after "
+        "the start."
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# Directions to Sun and observer and the light curve, at epochs close enough for lines between.
+
+# Epochs of directions: at first, and at most.
+_FIRST, _MOST_DIRECTIONS = 33, 8193
+# Points of a light curve for each half turn, and their least and largest number.
+_HALF_TURN, _LEAST, _CURVE = 40.0, 240, 4000
+# Facets times points, roughly, that are computed in some ten seconds.
+_WORK = 100_000_000
+# Points of a light curve computed between two reports.
+_BLOCK = 250
+
+
+def directions(subject: Subject, which: str) -> FloatArray:
+    """Unit vectors (N, 3), ICRF, from the body at equal steps over the span.
+
+    `which` is "sun" or "observer".  Lines between neighbours stay within 0.1 degree, up to the
+    largest number of epochs; a fixed direction is one row.
+    """
+    count = _FIRST
+    while True:
+        found = _icrf(subject, which, count)
+        if np.ptp(found, axis=0).max() == 0.0:
+            return found[:1]
+        middle = found[:-2:2] + found[2::2]
+        middle = middle / np.linalg.norm(middle, axis=1)[:, None]
+        if (
+            np.linalg.norm(middle - found[1:-1:2], axis=1).max() < TOLERANCE
+            or count >= _MOST_DIRECTIONS
+        ):
+            return found
+        count = 2 * count - 1
+
+
+def _icrf(subject: Subject, which: str, count: int) -> FloatArray:
+    view = subject.view(np.linspace(0.0, subject.duration, count))
+    name = "sun_direction_icrf" if which == "sun" else "observer_direction_icrf"
+    return np.broadcast_to(np.asarray(getattr(view, name)), (count, 3))
+
+
+def light_curve(
+    subject: Subject, progress: Callable[[int, int], object] | None = None
+) -> dict[str, Any] | None:
+    """Times in s from the start, and magnitudes (inf where nothing is seen); None without a shape.
+
+    ``progress(done, count)`` is called after each block.
+    """
+    if subject.magnitude is None or subject.scene is None or subject.scene.shape is None:
+        return None
+    times = np.linspace(0.0, subject.duration, _points(subject))
+    parts = []
+    for begin in range(0, len(times), _BLOCK):
+        parts.append(subject.magnitude(subject.view(times[begin : begin + _BLOCK])))
+        if progress is not None:
+            progress(min(begin + _BLOCK, len(times)), len(times))
+    return {"times": times, "magnitudes": np.concatenate(parts), "label": subject.label}
+
+
+def _points(subject: Subject) -> int:
+    """Points of the light curve: a body shows two maxima a turn."""
+    inner = subject.duration * np.linspace(0.5 / 32.0, 31.5 / 32.0, 32)
+    rates = np.linalg.norm(subject.at(inner).angular_velocity, axis=-1)
+    half_turns = float(np.mean(rates)) * subject.duration / np.pi
+    shape = subject.scene.shape if subject.scene is not None else None
+    costly = _WORK // len(shape) if isinstance(shape, Mesh) else _CURVE
+    most = max(min(_CURVE, costly), _LEAST)
+    return int(np.clip(_HALF_TURN * half_turns, _LEAST, most))
+
+
+# --------------------------------------------------------------------------------------------------
+# Poinsot's construction: the ellipsoid of inertia that rolls on the invariable plane.
+#
+# The ellipsoid is x . I x = s^2 in body axes, I the inertia tensor, s a scale.  Its point s omega /
+# sqrt(2 E) touches the plane across the angular momentum L at the distance s sqrt(2 E) / L; the
+# point draws the polhode on the ellipsoid and the herpolhode on the plane.
+
+# Longest over shortest semi-axis that is drawn: the moment of a rod's own axis is zero.
+_LONGEST = 8.0
+# Points of the polhode; of the herpolhode a turn of the faster phase, and at most.
+_POLHODE, _A_TURN, _MOST = 361, 48.0, 6000
+
+
+class InertiaEllipsoid(NamedTuple):
+    """Semi-axes (3,), the longest 1, and their directions as columns (3, 3), body axes."""
+
+    semi_axes: FloatArray
+    axes: FloatArray
+
+
+def inertia_ellipsoid(body: Body | None) -> InertiaEllipsoid | None:
+    """The ellipsoid of inertia; None without a body or if all moments are zero."""
+    if body is None or not np.any(body.moments > 0.0):
+        return None
+    least = np.max(body.moments) / _LONGEST**2
+    semi = 1.0 / np.sqrt(np.maximum(body.moments, least))
+    return InertiaEllipsoid(semi / semi.max(), np.asarray(body.principal_axes))
+
+
+def construction(subject: Subject) -> dict[str, Any] | None:
+    """The curves of a free rotation, in units of the longest semi-axis; None for other motions.
+
+    "semi_axes", "axes", "distance" of the plane, "pole" (unit vector of the momentum, ICRF),
+    "rate" (the angular velocity of which the ellipsoid has its unit, rad/s), "polhode" (body axes)
+    and "herpolhode" (ICRF), rows of 3.
+    """
+    motion = subject.motion
+    if not isinstance(motion, FreeRotation) or np.min(motion.body.moments) <= 0.0:
+        return None
+    energy, momentum = motion.energy, motion.momentum
+    size = float(np.linalg.norm(momentum))
+    found = inertia_ellipsoid(motion.body)
+    if found is None or not energy > 0.0 or not size > 0.0:
+        return None
+    # s / sqrt(2 E), with s such that the longest semi-axis s / sqrt(least moment) is 1.
+    per_rate = float(np.sqrt(np.min(motion.body.moments) / (2.0 * energy)))
+    times = np.linspace(0.0, *_herpolhode_span(subject))
+    history = subject.at(times)
+    return {
+        "semi_axes": found.semi_axes,
+        "axes": found.axes,
+        "distance": per_rate * 2.0 * energy / size,
+        "pole": momentum / size,
+        "rate": 1.0 / per_rate,
+        "polhode": motion.polhode(_POLHODE) * per_rate,
+        "herpolhode": quaternion.rotate(history.wxyz, history.angular_velocity) * per_rate,
+    }
+
+
+def _herpolhode_span(subject: Subject) -> tuple[float, int]:
+    """Seconds and number of points of the herpolhode: as much of the span as is drawn finely."""
+    regime = subject.motion.regime
+    periods = [abs(each) for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
+    shortest = min((each for each in periods if 0.0 < each < np.inf), default=subject.duration)
+    span = min(subject.duration, shortest * _MOST / _A_TURN)
+    return span, int(np.clip(_A_TURN * span / shortest, 64, _MOST))
+
+
+# --------------------------------------------------------------------------------------------------
+# The surface that is drawn: the facets of a shape, the ellipsoid of inertia, or a box.
+
+# Most facets that are drawn; of a finer mesh, vertices within small cubes become one.
+MOST_FACETS: int = 200_000
+# Facets of the coarser mesh that is drawn while frames take too long.
+COARSE: int = 10_000
+# Facets of an ellipsoid.
+_FACETS = 5120
+# m, of a body without a known shape or inertia.
+_BOX = (1.0, 0.7, 0.45)
+
+
+class Surface(NamedTuple):
+    """Triangles in body axes.
+
+    Attributes
+    ----------
+    vertices : (V, 3) array
+        In units of the greatest distance of a vertex from the origin.
+    facets : (F, 3) array of int
+    kind : str
+        "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
+    size : float
+        The unit of the vertices in m; NaN if the size is unknown.
+    closed : bool
+        Whether no facet is seen from behind.
+    """
+
+    vertices: FloatArray
+    facets: IntArray
+    kind: str
+    size: float
+    closed: bool
+
+
+def surface(subject: Subject, most: int = MOST_FACETS) -> Surface:
+    """The surface of a subject, of at most about `most` facets."""
+    shape = subject.shape
+    if isinstance(shape, Ellipsoid):
+        return _scaled(shape.facets(min(_FACETS, most)), "ellipsoid")
+    if isinstance(shape, Mesh):
+        found = _scaled(_drawn(shape, most), "mesh", np.linalg.norm(shape.vertices, axis=1).max())
+        return found._replace(closed=shape.is_closed and not len(shape.inward_facets))
+    ellipsoid = inertia_ellipsoid(subject.motion.body)
+    if ellipsoid is None:
+        return _scaled(box(_BOX), "box")._replace(size=np.nan)
+    ball = Ellipsoid((1.0, 1.0, 1.0)).facets(min(_FACETS, most))
+    stretched = ball.vertices * ellipsoid.semi_axes @ ellipsoid.axes.T
+    found = _scaled((stretched, ball.facets), "ellipsoid of inertia")
+    return found._replace(size=np.nan)
+
+
+def _scaled(
+    mesh: Mesh | tuple[FloatArray, IntArray], kind: str, size: float | None = None
+) -> Surface:
+    vertices, facets = (mesh.vertices, mesh.facets) if isinstance(mesh, Mesh) else mesh
+    if size is None:
+        size = np.linalg.norm(vertices, axis=1).max()
+    return Surface(vertices / size, facets, kind, float(size), closed=True)
+
+
+def _drawn(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:
+    """The mesh, or vertices and facets of a coarser one, with a warning."""
+    if len(mesh) <= most:
+        return mesh
+    vertices, facets = coarser(mesh.vertices, mesh.facets, most)
+    warnings.warn(
+        f"the mesh has {len(mesh)} facets, of which a page draws {most} at most: it is drawn with "
+        f"{len(facets)}; brightness follows from all of them.",
+        AttitudeWarning,
+        stacklevel=2,
+    )
+    return vertices, facets
+
+
+def coarser(vertices: FloatArray, facets: IntArray, most: int) -> tuple[FloatArray, IntArray]:
+    """Vertices and facets of a surface with at most `most` facets, from one that has more."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    # A closed surface of n^2 cubes a side has some 12 n^2 triangles.
+    cells = np.sqrt(most / 12.0)
+    best, tried = None, 0
+    while best is None or (len(best[1]) < 0.8 * most and tried < 6):
+        found = _clustered(vertices, facets, low, float(np.max(high - low)) / cells)
+        count = len(found[1])
+        if count <= most and (best is None or count > len(best[1])):
+            best = found
+        cells *= 0.95 * np.sqrt(most / max(count, 1))
+        tried += 1
+    return best
+
+
+def _clustered(
+    vertices: FloatArray, facets: IntArray, low: FloatArray, side: float
+) -> tuple[FloatArray, IntArray]:
+    """Vertices in cubes of a side, each cube's as one, and the facets that keep three corners."""
+    cubes = np.floor((vertices - low) / side).astype(np.int64)
+    key = (cubes[:, 0] << 42) | (cubes[:, 1] << 21) | cubes[:, 2]
+    _, member, count = np.unique(key, return_inverse=True, return_counts=True)
+    means = [np.bincount(member, vertices[:, k]) / count for k in range(3)]
+    corners = member[facets]
+    a, b, c = corners.T
+    kept = corners[(a != b) & (b != c) & (c != a)]
+    # Each triangle once, whichever corner it begins with.
+    first = np.argmin(kept, axis=1)[:, None]
+    turned = np.take_along_axis(kept, (first + np.arange(3)) % 3, axis=1)
+    return np.stack(means, axis=1), np.unique(turned, axis=0)
+
+
+# Turns that are shown of a motion without periods and without a span of its own.
+_TURNS = 10.0
+# s that are shown of a body at rest.
+_AT_REST = 3600.0
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is shown; made by `subject`.
+
+    Times are seconds of TDB from `start`.  In a scene they are those at which light is received:
+    the attitude shown is the one that the light shows.
+
+    Attributes
+    ----------
+    motion : Motion
+    scene : Scene or None
+    shape : Ellipsoid, Mesh or None
+    start : Instant
+    duration : float
+        s
+    title : str
+    magnitude : callable or None
+        Magnitudes (N,) of a View, and `label` on their axis; None without a shape in the scene.
+    label : str
+    """
+
+    motion: Motion
+    scene: Scene | None
+    shape: Ellipsoid | Mesh | None
+    start: _instants.Instant
+    duration: float
+    title: str
+    magnitude: Callable[[View], FloatArray] | None
+    label: str
+
+    def at(self, times: FloatArray) -> AttitudeHistory:
+        """The attitudes that are seen at times (N,), s from the start."""
+        if self.scene is not None:
+            return self.view(times).attitude
+        hi, lo = pairs.add(self._offset(), np.asarray(times, dtype=np.float64))
+        return self.motion.at(hi, low=lo)
+
+    def view(self, times: FloatArray) -> View:
+        """The scene at times (N,), s from the start."""
+        assert self.scene is not None
+        return self.scene.since(self.start, times)
+
+    def breaks(self) -> FloatArray:
+        """Times within the span at which the angular velocity jumps, s from the start."""
+        joints = self.motion.breaks()
+        hi, lo = self._offset()
+        found = (joints[:, 0] - hi) + (joints[:, 1] - lo)
+        if self.scene is not None and len(found):
+            # Light arrives later than it leaves: the delay at the start serves the whole span.
+            left, low = self.view(np.zeros(1)).emission
+            found = found + (hi - left[0]) + (lo - (0.0 if low is None else low[0]))
+        return np.sort(found[(found > 0.0) & (found < self.duration)])
+
+    def utc(self, times: FloatArray) -> list[str]:
+        """ISO texts in UTC of times, s from the start."""
+        return [self.start.after(float(each)).utc_iso for each in times]
+
+    def _offset(self) -> tuple[float, float]:
+        own, start = self.motion.epoch, self.start
+        return pairs.add((start.seconds, start.low), -own.seconds, -own.low)
+
+
+def subject(
+    given: HasAttitudes | Scene,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    *,
+    shape: Ellipsoid | Mesh | None = None,
+    title: str | None = None,
+    magnitude: tuple[Callable[[View], FloatArray], str] | None = None,
+) -> Subject:
+    """The Subject of a motion or a scene.
+
+    Shapes: magnitude (callable, str).
+    """
+    if shape is not None and not isinstance(shape, (Ellipsoid, Mesh)):
+        raise AttitudeError(
+            f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, such "
+            "as shape.read(file)."
+        )
+    scene = given if isinstance(given, Scene) else None
+    if isinstance(given, Scene):
+        if given.motion is None:
+            raise AttitudeError("the scene has no motion; give Scene(motion, ...) to show one.")
+        motion = given.motion
+    else:
+        motion = motion_of(given)
+    first, last = _span(motion, start, stop)
+    label = "magnitude"
+    if scene is not None and scene.shape is not None and magnitude is None:
+        is_far = scene.sun.is_direction or scene.observer.is_direction
+        label = "reduced magnitude" if is_far else label
+        magnitude = (_reduced if is_far else _apparent), label
+    drawn = shape if shape is not None or scene is None else scene.shape
+    name = type(motion).__name__ if title is None else title
+    of_view, label = magnitude if magnitude is not None else (None, label)
+    return Subject(motion, scene, drawn, first, last.since(first), name, of_view, label)
+
+
+def _apparent(view: View) -> FloatArray:
+    return view.magnitude
+
+
+def _reduced(view: View) -> FloatArray:
+    return view.reduced_magnitude
+
+
+def _span(motion: Motion, start: Any, stop: Any) -> tuple[_instants.Instant, _instants.Instant]:
+    first = motion.epoch if motion.span is None else motion.span[0]
+    if start is not None:
+        first = _instant(motion, start, "start")
+    if stop is not None:
+        last = _instant(motion, stop, "stop")
+    elif motion.span is not None:
+        last = motion.span[1]
+    else:
+        last = first.after(_typical(motion))
+    if not last.since(first) > 0.0:
+        raise AttitudeError(
+            f"stop is {last.utc_iso} and start {first.utc_iso}; give a stop after the start."
+        )
+    return first, last
+
+
+def _instant(motion: Motion, value: Any, name: str) -> _instants.Instant:
+    hi, lo = _inputs.seconds_since(motion.epoch, value, None, name)
+    if np.ndim(hi):
+        raise AttitudeError(f"{name} holds {np.size(hi)} epochs; give one.")
+    if not np.isfinite(hi):
+        raise AttitudeError(f"{name} is {validation.shown(value)}; give a finite epoch.")
+    return motion.epoch.after(float(hi), 0.0 if lo is None else float(lo))
+
+
+def _typical(motion: Motion) -> float:
+    """Seconds that show what a motion without a span does."""
+    try:
+        _ = motion.regime
+    except AttitudeError:
+        rate = float(np.linalg.norm(motion.at(0.0).angular_velocity))
+        turns = _TURNS * 2.0 * np.pi / rate if rate > 0.0 else _AT_REST
+        return float(np.max(motion.joints, initial=0.0)) + turns
+    rates = motion.angular_velocity_at(np.zeros(1))
+    return plots.time_span(motion) if np.any(rates) else _AT_REST  # type: ignore[arg-type]

@@ -1,0 +1,494 @@
+"""The command line: good input gives tables and texts, bad input exit code 2 and one sentence."""
+
+import csv
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import attitude
+from attitude import Body, FreeRotation, Spin, cli, epochs
+from attitude.cli import _options, _output
+from attitude.formats import spin_file
+from attitude.motions import _description
+from tests.support.places import ROOT
+
+TOUTATIS = str(ROOT / "data" / "spin" / "toutatis.toml")
+PAPER = str(ROOT / "data" / "spin" / "paper.toml")
+ENVISAT = str(ROOT / "data" / "spin" / "envisat.toml")
+
+
+@pytest.fixture
+def attitude_command(capsys):
+    def run(*arguments):
+        code = cli.main([str(each) for each in arguments])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+def started(*arguments, **settings):
+    return subprocess.Popen(
+        [sys.executable, "-m", "attitude", *arguments],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        text=True,
+        **settings,
+    )
+
+
+def columns(text):
+    rows = list(csv.reader(io.StringIO(text)))
+    return dict(zip(rows[0], zip(*rows[1:], strict=True), strict=True))
+
+
+# propagate ----------------------------------------------------------------------------------------
+
+
+def test_rows_are_those_of_the_motion(attitude_command):
+    code, out, err = attitude_command(
+        "propagate", TOUTATIS, "--start", "0", "--stop", "3 d", "--step", "6 h", "--rates"
+    )
+    assert (code, err) == (0, "")
+    found = columns(out)
+    seconds = np.array(found["tdb_seconds"], dtype=float)
+    assert seconds.tolist() == [21600.0 * k for k in range(13)]
+    history = spin_file.read(TOUTATIS).motion.at(seconds)
+    for k, name in enumerate("wxyz"):
+        assert np.array(found[name], dtype=float).tolist() == history.wxyz[:, k].tolist()
+    for k, name in enumerate(("omega_x", "omega_y", "omega_z")):
+        assert (
+            np.array(found[name], dtype=float).tolist() == history.angular_velocity[:, k].tolist()
+        )
+    # The dates say the same epochs, to the nanosecond.
+    since = epochs.seconds_since(history.epoch, list(found["utc"]))
+    assert np.max(np.abs(since[0] - seconds + since[1])) <= 0.5001e-9
+
+
+def test_standard_deviations(attitude_command, tmp_path):
+    spin_text = Path(PAPER).read_text() + '\n[errors]\nattitude = "1 deg"\nmoments = 0.01\n'
+    (tmp_path / "a.toml").write_text(spin_text)
+    options = ("propagate", tmp_path / "a.toml", "--stop", "20", "--step", "2", "--sigma")
+    code, out, err = attitude_command(*options, "--rates")
+    assert (code, err) == (0, "")
+    found = columns(out)
+    motion = spin_file.read(tmp_path / "a.toml").motion
+    history = motion.at(np.array(found["tdb_seconds"], dtype=float))
+    for k, axis in enumerate("xyz"):
+        sigma = np.array(found[f"sigma_{axis}"], dtype=float)
+        assert sigma.tolist() == history.sigma[:, k].tolist()
+        of_rate = np.array(found[f"sigma_omega_{axis}"], dtype=float)
+        assert of_rate.tolist() == np.sqrt(history.covariance[:, 3 + k, 3 + k]).tolist()
+        assert sigma[0] == pytest.approx(np.radians(1.0), rel=1e-12)
+    assert sigma[-1] > np.radians(1.001)
+    _, out, _ = attitude_command(*options)
+    assert list(columns(out))[-4:] == ["z", "sigma_x", "sigma_y", "sigma_z"]
+    from astropy.table import QTable
+
+    attitude_command(*options, "--rates", "--output", tmp_path / "a.ecsv")
+    table = QTable.read(tmp_path / "a.ecsv")
+    assert np.array_equal(table["sigma_z"].to_value("rad"), history.sigma[:, 2])
+    assert str(table["sigma_omega_x"].unit) == "rad / s"
+    code, out, err = attitude_command("propagate", PAPER, "--stop", "1", "--step", "1", "--sigma")
+    assert (code, out) == (2, "")
+    assert "paper.toml has no section [errors], from which --sigma follows" in err
+
+
+def test_dates_are_stepped_in_utc(attitude_command):
+    code, out, _ = attitude_command(
+        "propagate", PAPER, "--start", "2016-12-31T23:59:58.5", "--stop", "2017-01-01T00:00:01",
+        "--step", "500 ms",
+    )  # fmt: skip
+    assert code == 0
+    found = columns(out)
+    assert found["utc"] == (
+        "2016-12-31T23:59:58.500", "2016-12-31T23:59:59.000", "2016-12-31T23:59:59.500",
+        "2016-12-31T23:59:60.000", "2016-12-31T23:59:60.500",
+        "2017-01-01T00:00:00.000", "2017-01-01T00:00:00.500", "2017-01-01T00:00:01.000",
+    )  # fmt: skip
+    motion = spin_file.read(PAPER).motion
+    wanted = epochs.seconds_since(motion.spin.epoch, list(found["utc"]))
+    seconds = np.array(found["tdb_seconds"], dtype=float)
+    assert np.max(np.abs(seconds - wanted[0] - wanted[1])) < 1e-7  # one double, at 5e8 s
+    # The attitudes are those of the dates, not of the rounded column: 5e-14 s times 15 rad/s.
+    wxyz = np.array([found[name] for name in "wxyz"], dtype=float).T
+    assert np.max(np.abs(wxyz - motion.at(list(found["utc"])).wxyz)) < 1e-12
+
+
+def test_dates_start_from_the_epoch_by_default(attitude_command):
+    _, out, _ = attitude_command(
+        "propagate", TOUTATIS, "--stop", "1992-11-12T17:49:47", "--step", "1 d"
+    )
+    found = columns(out)
+    assert found["utc"] == tuple(f"1992-11-{day:02d}T17:49:47" for day in (9, 10, 11, 12))
+    assert found["tdb_seconds"][0] == "0.0"
+
+
+def test_time_runs_backwards(attitude_command):
+    for options in (("--start", "0", "--stop", "-2 h"), ("--start", "0", "--stop", "-2h")):
+        code, out, _ = attitude_command("propagate", TOUTATIS, *options, "--step", "-1h")
+        assert code == 0
+        assert columns(out)["tdb_seconds"] == ("0.0", "-3600.0", "-7200.0")
+
+
+def test_one_row_and_a_last_step_that_does_not_fit(attitude_command):
+    _, out, _ = attitude_command("propagate", PAPER, "--stop", "0", "--step", "1")
+    assert len(out.splitlines()) == 2
+    _, out, _ = attitude_command("propagate", PAPER, "--stop", "0.35", "--step", "0.1")
+    assert columns(out)["tdb_seconds"] == ("0.0", "0.1", "0.2", "0.3")
+    _, out, _ = attitude_command("propagate", PAPER, "--stop", "0.3", "--step", "0.1")
+    assert columns(out)["tdb_seconds"] == ("0.0", "0.1", "0.2", "0.3")
+
+
+def test_blocks_make_no_difference(monkeypatch, attitude_command):
+    options = ("propagate", TOUTATIS, "--stop", "1993-01-01", "--step", "1 h", "--rates")
+    whole = attitude_command(*options)[1]
+    monkeypatch.setattr("attitude.cli.propagate._BLOCK", 7)
+    parts = attitude_command(*options)[1]
+    assert parts.splitlines()[0] == whole.splitlines()[0]
+    assert columns(parts)["utc"] == columns(whole)["utc"]
+    for name in list(columns(whole))[1:]:
+        # Of few epochs TDB - TT is made in another way, to 5e-15 s: 1e-20 of a rate here.
+        a, b = (np.array(columns(text)[name], dtype=float) for text in (parts, whole))
+        assert a == pytest.approx(b, rel=1e-14, abs=1e-15 if name in "wxyz" else 1e-19)
+
+
+def test_files(tmp_path, attitude_command):
+    options = ("propagate", ENVISAT, "--stop", "1 h", "--step", "10 s", "--rates")
+    _, out, _ = attitude_command(*options)
+    assert attitude_command(*options, "--output", tmp_path / "a.csv") == (0, "", "")
+    assert (tmp_path / "a.csv").read_text() == out
+    assert attitude_command(*options, "--output", tmp_path / "a.ecsv") == (0, "", "")
+    assert sorted(os.listdir(tmp_path)) == ["a.csv", "a.ecsv"]
+
+    from astropy.table import QTable
+
+    found = QTable.read(tmp_path / "a.ecsv")
+    assert found["utc"].scale == "utc"
+    assert found["tdb_seconds"].unit == "s"
+    assert found["omega_z"].unit == "rad/s"
+    assert found.meta["frame"] == "ICRF"
+    assert found["w"].tolist() == np.array(columns(out)["w"], dtype=float).tolist()
+    assert np.max(np.abs((found["utc"] - found["utc"][0]).sec - found["tdb_seconds"].value)) < 1e-5
+
+
+def test_a_failed_table_leaves_nothing(tmp_path, monkeypatch, attitude_command):
+    (tmp_path / "a.csv").write_text("old")
+    written = []
+
+    def full(*_, **__):
+        written.append(1)
+        if len(written) > 2:
+            raise OSError(28, "No space left on device")
+        return "row\n"
+
+    monkeypatch.setattr(_output, "rows", full)
+    code, _, err = attitude_command(
+        "propagate", PAPER, "--stop", "1e6", "--step", "1", "--output", tmp_path / "a.csv"
+    )
+    assert code == 2
+    assert "cannot be written: No space left on device" in err
+    assert (tmp_path / "a.csv").read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.csv"]
+
+
+GO = ("propagate", TOUTATIS)
+BAD = [
+    ((), "give a command: propagate, "),
+    (("propagat",), "there is no command 'propagat'; did you mean propagate?"),
+    (("xyz",), "there is no command 'xyz'; give one of propagate, "),
+    (("--verbose",), "not known|required"),
+    (("describe",), "the following arguments are required: "),
+    (("describe", "none.toml"), "none.toml: cannot be read"),
+    (("describe", "none.aem"), "'none.aem' cannot be read: No such file"),
+    (("view", "none.aem"), "'none.aem' cannot be read: No such file"),
+    (("view", "none"), "the catalogue has no 'none'"),
+    (("describe", TOUTATIS, "--rates"), "--rates is not known"),
+    ((*GO, "--step", "1"), "required: --stop"),
+    ((*GO, "--stop", "1"), "required: --step"),
+    ((*GO, "--stop", "1", "--stepp", "1", "--step", "1"), "did you mean --step"),
+    ((*GO, "--stop", "1", "--step", "0"), "--step is zero"),
+    ((*GO, "--stop", "1", "--step", "0 h"), "--step is zero"),
+    ((*GO, "--stop", "1", "--step", "1e-10"), "shortest"),
+    ((*GO, "--stop", "1", "--step", "-1"), "lies after --start 0, but --step is -1"),
+    ((*GO, "--stop", "-1", "--step", "1"), "lies before --start 0"),
+    ((*GO, "--stop", "1 d", "--step", "1e-8 s"), "more than 10000000000"),
+    ((*GO, "--stop", "1", "--step", "1 m"), "--step is '1 m'; give a time, like"),
+    ((*GO, "--stop", "1", "--step", "1 hor"), "not a unit that astropy knows"),
+    ((*GO, "--stop", "1", "--step", "1, 2 h"), "give one time"),
+    ((*GO, "--stop", "1", "--step", "fast"), "--step is 'fast', which is not a number"),
+    ((*GO, "--stop", "1", "--step", "nan"), "--step is 'nan', which is not a number"),
+    ((*GO, "--stop", "soon", "--step", "1"), "--stop is 'soon'; give a date in UTC"),
+    ((*GO, "--stop", "1992-13-01", "--step", "1 d"), "a date that does not exist"),
+    ((*GO, "--start", "1992-11-31", "--stop", "1", "--step", "1"), "--start is '19"),
+    ((*GO, "--stop", "1e5 yr", "--step", "1 yr"), "out of the years 0001 to 9999"),
+    ((*GO, "--stop", "1e400", "--step", "1e399"), "out of the years 0001 to 9999"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", "a.xls"), "ends in .csv or"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", "csv"), "ends in .csv or"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", "a.aem"), "`attitude convert` writes AEM"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", "/no/a.csv"), "No such file"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD, ids=[" ".join(a[-4:]) for a, _ in BAD])
+def test_bad_input_is_a_sentence(arguments, message, attitude_command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = attitude_command(*arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith("attitude: ")
+    assert err.count("\n") == 1
+    assert any(part in err for part in message.split("|")), err
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_bad_spin_file(tmp_path, attitude_command):
+    (tmp_path / "a.toml").write_text("[body]\nmoments = [1, 2, 3]\n[spin]\nepoc = '2026-01-01'\n")
+    code, out, err = attitude_command("describe", tmp_path / "a.toml")
+    assert (code, out) == (2, "")
+    assert "a.toml: [spin] has a key 'epoc' that is not known; did you mean 'epoch'?" in err
+
+
+def test_out_of_reach_is_said_before_a_row(tmp_path, attitude_command):
+    spin_file.write(
+        tmp_path / "fast.toml",
+        FreeRotation(
+            Body(moments=(1, 2, 3)),
+            Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e9, 1e9, 1e9)),
+        ),
+    )
+    code, out, err = attitude_command(
+        "propagate", tmp_path / "fast.toml", "--stop", "100 yr", "--step", "1 yr"
+    )
+    assert (code, out) == (2, "")
+    assert err.startswith("attitude: ")
+
+
+# describe -----------------------------------------------------------------------------------------
+
+
+def test_describe_toutatis(attitude_command):
+    code, out, err = attitude_command("describe", TOUTATIS)
+    assert (code, err) == (0, "")
+    assert out.startswith("(4179) Toutatis\nTakahashi, Busch & Scheeres 2013")
+    for words in (
+        "Long-axis mode (LAM)",
+        "1992-11-09T17:49:47 UTC",
+        "463841.019 s = 128.844728 h = 5.36853031 d",
+        "= 7.41165227 d",
+        "RA 152.366290 deg, Dec -47.979950 deg",
+        "longitude 181.029574 deg, latitude -53.620593 deg",
+        "(relative)",
+        "rad/s times the unit of the moments",
+        "-0.840093: on the long-axis side",
+    ):
+        assert words in out
+
+
+def test_describe_the_others(attitude_command):
+    _, out, _ = attitude_command("describe", ENVISAT)
+    assert "ASSUMED STATE" in out
+    assert "Short-axis mode" in out
+    assert " kg m2/s\n" in out
+    assert "140.515232 J" in out
+    _, out, _ = attitude_command("describe", PAPER)
+    assert "0.000616903: on the short-axis side" in out
+    assert "2268 J" in out
+
+
+def test_numbers_may_be_parted_by_spaces(attitude_command):
+    """Also negative ones, and each the same as with commas."""
+    rest = ("--phi0", 0, "--psi0", "-3 deg", "--epoch", "2008-10-07")
+    moments = "--moments", 0.4, 0.9, 1
+    code, apart, _ = attitude_command(
+        "describe", "2008 TC3", *moments, "--pole", -10, -20.5, "deg", *rest
+    )
+    assert code == 0
+    assert "longitude 350.000000 deg, latitude -20.500000 deg" in apart
+    joined = "--moments", "0.4, 0.9, 1", "--pole", "-10, -20.5 deg"
+    assert attitude_command("describe", "2008 TC3", *joined, *rest)[1] == apart
+
+
+def test_the_assumed_state_of_envisat_is_what_its_note_says():
+    found = spin_file.read(ENVISAT)
+    rates = found.body.rates_about_principal_axes(found.spin.angular_velocity)[:, 0]
+    wanted = np.radians(360 / 134.74) * np.array([0.02, 0.02, 1.0])
+    assert rates == pytest.approx(wanted, rel=1e-13)  # printed with 16 digits
+
+
+@pytest.mark.parametrize("path", [TOUTATIS, PAPER, ENVISAT])
+def test_nutation_is_what_the_motion_does(path):
+    motion = spin_file.read(path).motion
+    about = np.argmin if motion.circulates_about == "long" else np.argmax
+    axis = motion.body.principal_axes[:, about(motion.body.moments)]
+    t = np.linspace(0.0, motion.period_psi, 20001)
+    along = motion.at(t).body_to_inertial(axis) @ motion.momentum / np.linalg.norm(motion.momentum)
+    angles = np.arccos(np.abs(along))
+    low, high = re.search(
+        r"nutation +(\S+) to (\S+) deg", _description.description(motion)
+    ).groups()
+    # Printed with six digits; sampled to 1e-4 of the period, in second order 1e-7 rad.
+    found = np.degrees([angles.min(), angles.max()])
+    assert [float(low), float(high)] == pytest.approx(found, rel=5e-6, abs=1e-5)
+
+
+def motion_of(moments, rates):
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=rates)
+    return FreeRotation(Body(moments=moments), spin)
+
+
+@pytest.mark.parametrize(
+    ("moments", "rates", "wanted"),
+    [
+        ((1, 2, 3), (0, 0, 0), ["At rest"]),
+        ((2, 2, 2), (1, 1, 1), ["three equal moments", "period            3.62759873 s"]),
+        ((1, 2, 3), (0, 0, 1), ["about a principal axis", "Dec +90.000000"]),
+        ((1, 2, 3), (0, 1, 0), ["about the middle axis: any disturbance", "6.28318531 s"]),
+        ((2, 2, 3), (0.1, 0, 1), ["symmetric body", "12.5663706 s", "3.81407 deg between"]),
+        ((2, 5, 6), (6, 2, 6), ["On the separatrix", "infinite"]),
+        ((1, 2, 3), (1e-20, 1, 0), ["within rounding", "rotation about a principal axis"]),
+        ((1, 2, 2 + 4e-16), (1, 1e-3, 0), ["within rounding   a symmetric body"]),
+    ],
+)
+def test_every_mode_has_its_words(moments, rates, wanted):
+    text = str(motion_of(moments, rates))
+    for words in wanted:
+        assert words in text
+    assert "nan" not in text
+
+
+# The command itself -------------------------------------------------------------------------------
+
+
+def test_help_and_version(attitude_command):
+    for option in ("--version", "-V"):
+        assert attitude_command(option) == (0, f"attitude {attitude.__version__}\n", "")
+    code, out, _ = attitude_command("--help")
+    assert code == 0
+    assert "write a table of attitudes" in out
+    assert "example:" in out
+    for command in cli.COMMANDS:
+        code, out, _ = attitude_command(command, "--help")
+        assert code == 0
+        assert f"usage: attitude {command}" in out
+        assert command not in ("propagate", "describe") or "example:" in out
+
+
+def test_a_closed_pipe_is_silent():
+    running = started("propagate", PAPER, "--stop", "1e9", "--step", "1", stdout=subprocess.PIPE)
+    assert running.stdout.readline().startswith("utc,tdb_seconds,w,x,y,z")
+    assert running.stdout.readline().startswith("2000-01-01T11:58:55.816")
+    running.stdout.close()
+    assert running.stderr.read() == ""
+    running.stderr.close()
+    assert running.wait(60) == 141
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is another thing there")
+def test_ctrl_c_is_silent_and_leaves_nothing(tmp_path):
+    output = tmp_path / "a.csv"
+    running = started("propagate", PAPER, "--stop", "1e9", "--step", "1", "--output", str(output))
+    deadline = time.monotonic() + 120
+    while not any(each.stat().st_size > 0 for each in tmp_path.iterdir()):
+        assert time.monotonic() < deadline and running.poll() is None
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    assert running.wait(60) == 130
+    assert running.stderr.read() == ""
+    running.stderr.close()
+    assert os.listdir(tmp_path) == []
+
+
+def test_bad_input_of_a_real_process():
+    running = started("describe", "none.toml", stdout=subprocess.PIPE)
+    out, err = running.communicate(timeout=120)
+    assert (running.returncode, out) == (2, "")
+    assert err == (
+        "attitude: none.toml: cannot be read (No such file or directory); give the name of a spin "
+        "file.\n"
+    )
+
+
+def test_parsing_needs_nothing_heavy():
+    code = (
+        "import sys; from attitude import cli; cli.main(['propagate', '--help']);"
+        "print([m for m in ('numba', 'astropy', 'scipy', 'matplotlib') if m in sys.modules])"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert found.stdout.splitlines()[-1] == "[]"
+
+
+# Grids and dates ----------------------------------------------------------------------------------
+
+
+def test_a_far_grid_stays_on_its_steps():
+    # 1e9 steps of a tenth of a second: the last is at 1e8 s, not 5e-9 s beside it.
+    found = _options.grid(epochs.instant("2000-01-01"), "0", "1e8", "0.1 s")
+    assert found.count == 10**9 + 1
+    hi, lo = found.block(found.count - 1, 5)[:2]
+    assert hi.tolist() == [1e8]
+    assert abs(lo[0]) < 1e-24
+
+
+def test_dates_are_those_of_instants():
+    motion = spin_file.read(TOUTATIS).motion
+    epoch = motion.spin.epoch
+    steps = _options.grid(epoch, "1999-12-31T23:59:59.999999999", "2000-02-01", "34567.891 s")
+    rows = _output.rows(steps, motion, 0, steps.count, rates=False).splitlines()
+    found = [epochs.instant(row.split(",")[0]) for row in rows]
+    hi, lo = steps.block(0, steps.count)
+    assert len(rows) == steps.count == 78
+    for instant, a, b in zip(found, hi, lo, strict=True):
+        since = instant.after(-epoch.seconds, -epoch.low)
+        assert abs((since.seconds - a) + (since.low - b)) <= 0.5001e-9
+
+
+def test_steps_of_utc_are_equal_in_utc():
+    # TDB runs unevenly against UTC, by milliseconds in a year; the dates do not show it.
+    found = _options.grid(epochs.instant("2020-01-01"), "2020-01-01", "2021-01-01", "1 d")
+    assert (found.count, found.digits) == (367, 0)
+    hi, lo = found.block(0, 400)
+    drift = hi - 86400.0 * np.arange(367) + lo
+    assert 2e-3 < np.ptp(drift) < 4e-3
+
+
+# Names of the catalogue ---------------------------------------------------------------------------
+
+
+def test_catalogue_names_are_motions(attitude_command, tmp_path):
+    """propagate and convert take a name as they take the spin file with the same numbers."""
+    options = ("--stop", "1 d", "--step", "12 h")
+    code, out, _ = attitude_command("propagate", "4179 Toutatis", *options)
+    assert code == 0
+    _, of_file, _ = attitude_command("propagate", TOUTATIS, *options)
+    mine, theirs = ([row.split(",") for row in text.splitlines()[1:]] for text in (out, of_file))
+    assert [row[0] for row in mine] == [row[0] for row in theirs] and len(mine) == 3
+    numbers = [np.array([row[1:] for row in rows], float) for rows in (mine, theirs)]
+    np.testing.assert_allclose(*numbers, rtol=0.0, atol=1e-14)
+    target = tmp_path / "x.aem"
+    code, _, err = attitude_command("convert", "toutatis", target, *options)
+    assert code == 0, err
+    assert "Takahashi" in target.read_text()
+    code, _, err = attitude_command("propagate", "17 Thetis", *options)
+    assert code == 2 and "the catalogue has no '17 Thetis'" in err
+
+
+def test_describe_says_which_numbers_were_given(attitude_command):
+    given = ("--phi0", "10 deg", "--psi0", "3 deg", "--epoch", "2012-12-23", "--P-psi", "260 h")
+    code, out, _ = attitude_command("describe", "apophis", *given)
+    assert code == 0
+    first = out.splitlines()[0]
+    assert first == "99942 Apophis (2022), with --P-psi, --phi0, --psi0, --epoch as given here"

@@ -1,0 +1,210 @@
+"""``attitude invert`` on the photometry of Toutatis, and ``attitude lightcurve --observed``."""
+
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, cli, epochs, inversion
+from attitude.formats import spin_file
+from attitude.frames import matrix_to_icrf
+from attitude.inversion import _errors, _search, _states
+from tests.support.places import DATA
+
+PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
+
+
+def _smaller(monkeypatch, **counts):
+    """Pairs of frequencies, starts and solutions of a search, and samples of its errors."""
+    for name, count in counts.items():
+        monkeypatch.setattr(_search, name, count)
+    monkeypatch.setattr(_errors, "_REFITS", 1)
+    monkeypatch.setattr(_errors, "_SAMPLES", 100)
+
+
+def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
+    """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given.
+
+    With a fifth of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
+    """
+    _smaller(monkeypatch, _PAIRS=40, _DEEP=20, _CLASSES=8, _CONVEX=8, _FINAL=3)
+    found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
+    given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
+    assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
+    text = capsys.readouterr().out
+    assert "solved: chi2/N" in text and "370 points" in text
+    motion = spin_file.read(found).motion
+    state = motion.published("L", frame="ecliptic")
+    assert state.mode == "LAM"
+    assert state.P_psi / 86400.0 == pytest.approx(5.37, abs=0.05)
+    assert state.P_phi / 86400.0 == pytest.approx(7.41, abs=0.05)
+    radar = np.radians([181.0, -53.6])
+    x, y = (_unit(*each) for each in (radar, state.pole))
+    assert np.degrees(np.arccos(x @ y)) < 10.0
+    assert drawn.stat().st_size > 10_000
+    # the long axis at the radar epochs
+    rows = [row.split(",") for row in (DATA / "toutatis-observed.csv").read_text().splitlines()]
+    rows = [row for row in rows if row[0].startswith("1992-12")]
+    history = motion.at([row[0] for row in rows])
+    long_axis = history.matrix[:, :, np.argmin(motion.body.moments)] @ matrix_to_icrf("ecliptic")
+    for row, mine in zip(rows, long_axis, strict=True):
+        a, b = np.radians([float(row[1]), float(row[2])])
+        seen = np.array([np.sin(a) * np.sin(b), -np.cos(a) * np.sin(b), np.cos(b)])
+        assert np.degrees(np.arccos(min(1.0, abs(mine @ seen)))) < 30.0
+
+
+def test_known_moments(tmp_path, monkeypatch, capsys):
+    """The body of a spin file holds the moments of all solutions."""
+    _smaller(monkeypatch, _PAIRS=20, _DEEP=10, _CLASSES=6, _CONVEX=6, _FINAL=4)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "body.toml").write_text(
+        '[body]\nmoments = [30, 10, 32]\n[spin]\nepoch = "1993-01-01"\n'
+        "wxyz = [1, 0, 0, 0]\nangular_velocity = [1e-5, 0, 1e-5]\n"
+    )
+    options = ["--max-frequency", "0.5 /d", "--budget", "0.5 s", "--output", "found.toml"]
+    options += ["--modes", "LAM"]
+    assert cli.main(["invert", str(PHOTOMETRY), *options, "--moments", "body.toml"]) == 0
+    moments = np.sort(spin_file.read("found.toml").motion.body.moments)
+    assert moments / moments[0] == pytest.approx([1.0, 3.0, 3.2], rel=0.02)
+
+
+def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
+    """`test_known_moments` has a search with a body; three numbers reach the same argument."""
+
+    def refused(curves, most, **options):
+        assert options["moments"].tolist() == [3.0, 1.0, 3.2]
+        body = Body(moments=(30, 10, 32))
+        assert _states.of(options["moments"]).given == pytest.approx(
+            _states.of(body).given, rel=1e-14
+        )
+        raise AttitudeError("the search of the test")
+
+    monkeypatch.setattr(inversion, "spin_states", refused)
+    options = ["--max-frequency", "0.5 /d", "--moments", "3.0, 1, 3.2"]
+    assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
+    assert "the search of the test" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ("known", 'give "shape", "free", a number'),
+        ("3, 2", "--moments has shape (2,)"),
+        ("1, 1, 3", "moments"),
+        ("nothing.toml", "nothing.toml"),
+    ],
+)
+def test_moments_that_no_body_has(capsys, given, words):
+    options = ["--max-frequency", "0.5 /d", "--moments", given]
+    assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
+    assert words in capsys.readouterr().err
+
+
+def _unit(longitude, latitude):
+    c = np.cos(latitude)
+    return np.array([c * np.cos(longitude), c * np.sin(longitude), np.sin(latitude)])
+
+
+def test_files_of_light_curves(tmp_path):
+    curve = inversion.LightCurve.read(PHOTOMETRY)
+    assert len(curve) == 370 and len(curve.sessions) == 27
+    table = [line.split(",") for line in PHOTOMETRY.read_text().splitlines() if line[0] in "12"]
+    listed = np.array([float(row[-1]) for row in table])
+    order = np.argsort([float(row[1]) for row in table], kind="stable")
+    assert np.degrees(curve.phase_angle) == pytest.approx(listed[order], abs=0.02)
+    rows = np.column_stack(
+        [2460000.5 + np.arange(30) / 10.0, 15.0 + np.arange(30) % 3, np.full(30, 0.02)]
+    )
+    rows = np.column_stack([rows, np.zeros(30), np.tile([1.0, 0.1, 0, 0.2, 0.1, 0], (30, 1))])
+    plain = tmp_path / "plain.txt"
+    np.savetxt(plain, rows, header="jd_tdb mag sigma session sun observer")
+    read = inversion.LightCurve.read(plain, frame="ecliptic")
+    assert len(read) == 30 and read.sun[0, 2] > 0.0
+
+
+def test_rows_without_a_magnitude_are_noted(tmp_path):
+    lines = PHOTOMETRY.read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line[0] in "12")
+    row = lines[at].split(",")
+    row[2] = "nan"
+    lines[at] = ",".join(row)
+    file = tmp_path / "curve.csv"
+    file.write_text("\n".join(lines))
+    curve = inversion.LightCurve.read(file)
+    assert len(curve) == 369 and "1 of 370 rows have no magnitude." in curve.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "holds no rows"),
+        ("mag,sigma\n15,0.1\n", "no column of epochs"),
+        ("utc,mag\n2026-01-01,bright\n", "line 2: the magnitude is 'bright', which is no number"),
+        ("1 2 3\n4 5 6\n", "neither a date nor a Julian date"),
+    ],
+)
+def test_files_that_cannot_be_read(tmp_path, capsys, text, words):
+    file = tmp_path / "curve.csv"
+    file.write_text(text)
+    assert cli.main(["invert", str(file), "--max-frequency", "1 /d"]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_mission_against_observations(tmp_path, capsys):
+    mission = tmp_path / "m.toml"
+    mission.write_text(
+        "observer.direction = [1, 0, 0]\nsun.direction = [1, 1, 0]\n"
+        "[body]\nmoments = [1, 2, 3]\nrelative = true\n"
+        '[spin]\nepoch = "2026-01-01"\nwxyz = [1, 0, 0, 0]\n'
+        'angular_velocity = "0, 0, 1 deg/s"\n[shape]\nellipsoid = "3, 2, 1 m"\n'
+        '[times]\nstart = "0"\nstop = "360 s"\nstep = "30 s"\n'
+    )
+    curve = tmp_path / "curve.csv"
+    model = tmp_path / "model.csv"
+    assert cli.main(["lightcurve", str(mission), "--output", str(model)]) == 0
+    names, *rows = [row.split(",") for row in model.read_text().splitlines()]
+    column = next(k for k, name in enumerate(names) if name.startswith("reduced_magnitude"))
+    magnitude = [float(row[column]) for row in rows]
+    lines = ["utc,mag,session"]
+    lines += [
+        f"{row[0]},{value + 3.0 + k % 2},{'ab'[k % 2]}"
+        for k, (row, value) in enumerate(zip(rows, magnitude, strict=True))
+    ]
+    curve.write_text("\n".join(lines) + "\n")
+    out, drawn = tmp_path / "out.csv", tmp_path / "out.png"
+    given = ["lightcurve", str(mission), "--observed", str(curve), "--output", str(out)]
+    assert cli.main([*given, "--figure", str(drawn)]) == 0
+    text = capsys.readouterr().out
+    assert "a: 7 points, zero point +3.000" in text and "rms of all 13 points: 0.000" in text
+    assert out.read_text().startswith("utc,session,observed,computed,residual")
+    assert drawn.stat().st_size > 1000
+
+
+def test_the_site_is_text_with_units():
+    """One unit behind longitude and latitude, or one each."""
+    from attitude.cli.invert import _site
+
+    start, zero = epochs.instant("2020-01-01"), np.zeros(1)
+    one, other = (_site(f"{text}, 2700 m") for text in ("-70.7, -30.2 deg", "-70.7 deg, -30.2 deg"))
+    np.testing.assert_array_equal(one.position(start, zero), other.position(start, zero))
+    with pytest.raises(AttitudeError, match="give longitude, latitude"):
+        _site("12 deg")
+
+
+def test_many_points_are_averaged_with_a_note(tmp_path, capsys, monkeypatch):
+    """A curve of more points than are searched: the averages are told with the verdict."""
+    _smaller(monkeypatch, _PAIRS=4, _DEEP=4, _CLASSES=4, _CONVEX=4, _FINAL=2)
+    count = 12_000
+    t = 2460000.5 + np.linspace(0.0, 4.0, count)
+    generator = np.random.default_rng(3)
+    magnitude = 15.0 + 0.2 * np.cos(4.0 * np.pi * t / 0.4) + 0.1 * generator.normal(size=count)
+    angle = 0.05 * (t - t[0])
+    sun = [-np.cos(angle), -np.sin(angle), 0.0 * t]
+    rows = np.stack([t, magnitude, 0.1 + 0.0 * t, *sun, -0.3 + 0.0 * t, 0.1 * angle, 0.0 * t])
+    head = "jd_tdb,mag,sigma,sun_x,sun_y,sun_z,observer_x,observer_y,observer_z"
+    path = tmp_path / "many.csv"
+    np.savetxt(path, rows.T, fmt="%.7f", delimiter=",", header=head, comments="")
+    options = ["--max-frequency", "6 /d", "--budget", "0.2 s"]
+    assert cli.main(["invert", str(path), *options]) == 0
+    text = capsys.readouterr().out
+    assert f"LightCurve of {count} points" in text
+    averaged = [line for line in text.splitlines() if f"{count} points were averaged to" in line]
+    assert len(averaged) == 1 and 1000 < int(averaged[0].rstrip(".").split()[-1]) < 6000

@@ -1,0 +1,195 @@
+"""Pages of docs that are made from the sources are up to date, and their links lead somewhere."""
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from contextlib import suppress
+from importlib import metadata
+
+import pytest
+
+from tests.support.places import ROOT
+
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def test_the_map_of_the_package_is_true():
+    spec = importlib.util.spec_from_file_location("make_map", ROOT / "docs" / "make_map.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    text = made.PAGE.read_text()
+    assert text == made.page(text), "run python docs/make_map.py"
+    for file in (ROOT / "attitude").rglob("*.py"):
+        assert len(made.first_line(file)) <= 100, file
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page):
+    text = page.read_text()
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.exists(), f"{page.name} links to {target}"
+        if anchor and file.suffix == ".md":
+            heads = re.findall(r"^#+ (.*)$", file.read_text(), re.MULTILINE)
+            names = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+            assert anchor in names, f"{page.name} links to {target}"
+
+
+def test_files_that_recipes_name_exist():
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    named = set(re.findall(r"\b((?:tests|benchmarks|docs)/[\w/]+\.(?:py|md))\b", text))
+    assert len(named) > 8
+    for name in named:
+        assert (ROOT / name).is_file(), name
+
+
+def test_the_gallery_is_that_of_the_examples():
+    """Each figure was drawn by the example as it is."""
+    spec = importlib.util.spec_from_file_location("make_gallery", ROOT / "docs" / "make_gallery.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    stored = made.stored()
+    assert len(stored) >= 3
+    assert stored == {name: made.hash_of(name) for name in stored}, "run docs/make_gallery.py"
+    assert set(stored) == {file.stem for file in made.FOLDER.glob("*.webp")}
+    assert (ROOT / "docs" / "gallery.md").read_text() == made.page()
+
+
+def test_public_modules_exist_and_pages_are_in_the_site():
+    import attitude
+
+    for name in attitude.PUBLIC_MODULES:
+        file = ROOT.joinpath(*name.split("."))
+        assert file.with_suffix(".py").is_file() or (file / "__init__.py").is_file(), name
+    index = (ROOT / "docs" / "index.md").read_text()
+    for page in (ROOT / "docs").glob("*.md"):
+        assert page.stem == "index" or f"\n{page.stem}\n" in index, f"{page.name} is in no contents"
+
+
+def test_docs_import_from_public_modules():
+    """Functions of own laws are compiled by `attitude.scattering.reduction_subroutine`."""
+    import attitude
+
+    pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
+    examples = sorted((ROOT / "examples").glob("*.py"))
+    for file in [page for page in pages if "_build" not in page.parts] + examples:
+        for name in re.findall(r"\bfrom (attitude[\w.]*) import ", file.read_text()):
+            known = name in attitude.PUBLIC_MODULES
+            assert known, f"{file.name} imports from {name}"
+
+
+# Units other than SI and radians, as docstrings spell them behind "in" or a comma, or at the end.
+_NOT_SI = {
+    "deg": r"deg|degrees?",
+    "h": r"h|hours?",
+    "d": r"d|days?",
+    "km": r"km",
+    "au": r"au",
+    "arcsec": r"arcsec|arcseconds?",
+}
+
+
+def test_public_numbers_are_si_or_name_their_unit():
+    """A public attribute in another unit has the unit at the end of its name."""
+    import importlib
+    import inspect
+
+    import attitude
+
+    spelled = {unit: re.compile(rf"(?:,|\bin) (?:{each})[.,;]") for unit, each in _NOT_SI.items()}
+    seen, bad = set(), []
+    for module in attitude.PUBLIC_MODULES:
+        try:
+            found = importlib.import_module(module)
+        except ImportError:  # jax, torch
+            continue
+        names = getattr(found, "__all__", vars(found))
+        classes = []
+        for name in names:
+            with suppress(attitude.AttitudeError):  # needs a package that is not installed
+                classes += filter(inspect.isclass, [getattr(found, name)])
+        for owner in classes:
+            if owner in seen or not owner.__module__.startswith("attitude"):
+                continue
+            seen.add(owner)
+            docs = {name: each.__doc__ or "" for name, each in vars(owner).items()}
+            docs = {name: text.split("\n")[0] for name, text in docs.items() if name[0] != "_"}
+            heads = re.findall(
+                r"^    (\w[\w, ]*) : .*\n((?:        .*\n)*)", owner.__doc__ or "", re.M
+            )
+            docs |= {name: text for names, text in heads for name in names.split(", ")}
+            for name, text in docs.items():
+                for unit, pattern in spelled.items():
+                    if pattern.search(text) and not name.endswith(f"_{unit}"):
+                        bad.append(f"{owner.__qualname__}.{name}: {text.strip()}")
+    assert len(seen) > 100
+    # The columns of DAMIT's files, and arguments that take any Quantity.
+    assert not [each for each in bad if not each.startswith("DamitLightCurve.")], bad
+
+
+def _brought_by_the_install_line():
+    """Names of all distributions that `pip install .` installs, as the metadata here say."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    names, wanted = set(), list(project["dependencies"])
+    while wanted:
+        given = wanted.pop()
+        name = re.match(r"[\w.-]+", given).group().lower().replace("_", "-").replace(".", "-")
+        if name not in names and "extra ==" not in given:
+            names.add(name)
+            with suppress(metadata.PackageNotFoundError):  # for another system or Python
+                wanted += metadata.requires(name) or []
+    return names
+
+
+def test_the_first_block_of_the_readme_needs_no_extra(tmp_path):
+    """What stands in the first block runs after the first command: no other package can load."""
+    block = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
+    brought = _brought_by_the_install_line()
+    others = {
+        module
+        for module, owners in metadata.packages_distributions().items()
+        if not any(re.sub(r"[_.]", "-", each).lower() in brought for each in owners)
+    } - {"attitude", "numba", "sitecustomize", "__editable___attitude_propagation_finder"}
+    assert "pytest" in others and "numpy" not in others
+    hide = f"import sys\nfor name in {sorted(others)!r}:\n    sys.modules[name] = None\n"
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", hide + block],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "toutatis.png").stat().st_size > 10_000
+
+
+def test_pages_and_messages_install_from_one_place():
+    """`calls.SOURCE`; extras in quotes, since zsh expands brackets."""
+    from attitude._support import validation
+
+    pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
+    sources = [
+        file for folder in ("attitude", "examples") for file in (ROOT / folder).rglob("*.py")
+    ]
+    wrong, count = [], 0
+    for file in [*pages, *sources]:
+        if file == ROOT / "attitude" / "calls.py":
+            continue
+        for line in file.read_text().splitlines():
+            for found in re.findall(
+                r'pip install (?:-e )?((?:\\?")?[\w.-]+(?:\[[^\]]*\](?:\\?")?)?)', line
+            ):
+                is_own = re.match(r'["\\]*(?:\.|attitude)', found) is not None
+                count += is_own
+                name = re.match(r'["\\]*([\w.-]+)', found).group(1)
+                quoted = "[" not in found or '"' in found[:2]
+                if is_own and not (name == validation.SOURCE and quoted):
+                    wrong.append(f"{file.name}: {line.strip()}")
+    assert wrong == [] and count > 5

@@ -1,0 +1,191 @@
+"""Rotation about one axis: poles, their mirror images, errors of several minima, and a search."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from attitude import inversion
+from attitude.inversion import _ellipsoid, _pole_map, _refinement, _search, _shapes, _verdicts
+from attitude.inversion._problem import CurveProblem
+from benchmarks import inversion as figures
+from benchmarks import inversion_cases
+
+
+def problem_of(sun, observer, t):
+    """A problem of given directions (3, N)."""
+    count = len(t)
+    terms, prior = np.ones((count, 1)), np.array([np.inf])
+    return CurveProblem.of(
+        t, 1e6, sun, observer, np.zeros(count), np.full(count, 0.02), terms, prior, 0.0
+    )
+
+
+def in_plane(generator, count, normal):
+    """Unit vectors (3, count) in the plane of a normal."""
+    first = np.cross(normal, [0.3, 0.5, 0.8])
+    first /= np.linalg.norm(first)
+    angle = generator.uniform(-0.6, 0.6, count)
+    return np.outer(first, np.cos(angle)) + np.outer(np.cross(normal, first), np.sin(angle))
+
+
+def test_the_mirror_pole_shows_the_same_magnitudes():
+    """Of a body reflected in the plane of the scene, whose spin is an axial vector."""
+    generator = np.random.default_rng(5)
+    normal = np.array([0.1, -0.2, 0.97])
+    normal /= np.linalg.norm(normal)
+    t = np.sort(generator.uniform(-0.5, 0.5, 60))
+    given = problem_of(in_plane(generator, 60, normal), in_plane(generator, 60, normal), t)
+    state = _ellipsoid.starts(generator, np.array([17.3]), np.array([-1.0]))[0]
+    state[2:5] = 0.0, _ellipsoid.AXIAL, 0.0
+    other = state.copy()
+    reflection = np.eye(3) - 2.0 * np.outer(normal, normal)
+    turn = reflection @ state[5:14].reshape(3, 3) @ np.diag([1.0, 1.0, -1.0])
+    other[5:14] = turn.ravel()
+    assert turn[:, 2] == pytest.approx(_verdicts.mirrored(state[[7, 10, 13]], normal), abs=1e-12)
+    away = other.copy()
+    away[[6, 7, 9, 10, 12, 13]] *= -1.0
+    own, seen, antipode = (
+        _refinement.model(given, np.append(each, np.zeros(_refinement.WIDTH - len(each)))).magnitude
+        for each in (state, other, away)
+    )
+    # the facets of an ellipsoid are not symmetric
+    assert np.abs(own - seen).max() < 0.03 and np.abs(own - antipode).max() > 0.15
+    assert _verdicts.relation(other, state, given) == "mirror pole"
+    turned = other.copy()
+    turned[[7, 10, 13]] *= -1.0
+    assert _verdicts.relation(turned, state, given) == "antipode of the mirror pole"
+    state[0] *= 2.0
+    assert _verdicts.relation(state, other, given) == "half the period of phi, mirror pole"
+
+
+def test_the_scene_turns_about_a_pole():
+    t = np.linspace(-0.5, 0.5, 80)
+    angle = 2.0 * math.pi * 0.2 * t
+    scene = np.stack([np.cos(angle), np.sin(angle), np.full(80, 0.3)]) / math.sqrt(1.09)
+    given = problem_of(scene, scene, t)
+    turns = _pole_map.turn_of_scene(given, np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]))
+    assert turns == pytest.approx([0.2, -0.2])
+    up = _ellipsoid.starts(np.random.default_rng(1), np.array([10.1]), np.array([-1.0]))[0]
+    up[5:14], down = np.eye(3).ravel(), up.copy()
+    down[0], down[5:14] = 9.9, np.diag([1.0, -1.0, -1.0]).ravel()
+    # 20.2 turns about the one pole are seen as 19.8 about the other one
+    assert _pole_map.has_turn(given, up, down)
+    down[0] = 10.1
+    assert not _pole_map.has_turn(given, up, down)
+
+
+def test_other_minima_widen_the_errors_of_a_pole():
+    angle = math.radians(20.0)
+    here = np.zeros(_refinement.WIDTH)
+    here[0], here[5:14] = 10.0, np.eye(3).ravel()
+    tilted, away = here.copy(), here.copy()
+    c, s = math.cos(angle), math.sin(angle)
+    tilted[5:14] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).ravel()
+    tilted[0] = 10.1
+    away[5:14] = np.diag([1.0, -1.0, -1.0]).ravel()
+    alone = _pole_map.spread(here, 5.0, [(away, 5.0)])
+    assert not alone.any()
+    both = _pole_map.spread(here, 5.0, [(away, 5.0), (tilted, 5.0)])
+    assert both[0, 0] == pytest.approx(0.5 * angle**2) and both[1, 1] == pytest.approx(0.0)
+    assert both[3, 3] == pytest.approx(0.5 * 0.1**2)
+    # a minimum that is less probable counts less
+    assert _pole_map.spread(here, 5.0, [(tilted, 15.0)])[0, 0] < 0.01 * angle**2
+
+
+def test_cases_that_vary_by_less_than_their_errors_are_not_drawn(capsys):
+    """By the truth alone; the seed is printed and the next one taken, with the same style."""
+    style = figures.AXIAL[8]
+    case = inversion_cases.case(7300008, style)
+    errors = (case.magnitude - case.exact) / case.sigma
+    assert errors.std() == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * len(errors)))
+    assert inversion_cases.variation(case) == pytest.approx(0.022, abs=5e-4)
+    assert not inversion_cases.is_decidable(case)
+    [drawn] = figures.made(figures.Kind([style], "shared", decidable=True), 1, 7300008)
+    assert "seed 7300008, 0.022 mag" in capsys.readouterr().out
+    assert np.array_equal(drawn.magnitude, inversion_cases.case(7300009, style).magnitude)
+    assert inversion_cases.variation(drawn) > 0.03
+
+
+def test_what_every_fit_projects_out_is_no_variation():
+    case = inversion_cases.case(7300009, figures.AXIAL[9])
+    before = inversion_cases.variation(case)
+    r, d = np.linalg.norm(case.sun, axis=1), np.linalg.norm(case.observer, axis=1)
+    alpha = np.arccos(np.sum(case.sun * case.observer, axis=1) / r / d)
+    case.exact = case.exact + 0.3 + 2.0 * alpha - np.exp(-alpha / math.radians(5.0))
+    assert inversion_cases.variation(case) == pytest.approx(before, rel=1e-9)
+
+
+def test_the_share_of_the_sky_that_a_list_covers():
+    cap = 0.5 * (1.0 - math.cos(math.radians(15.0)))
+    up = np.array([0.0, 0.0, 1.0])
+    assert figures.share_of_sky([up, up]) == pytest.approx(cap, rel=0.02)
+    assert figures.share_of_sky([up, -up]) == pytest.approx(2.0 * cap, rel=0.02)
+    assert figures.share_of_sky([]) == 0.0
+
+
+def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
+    def at(degrees, evidence, rate=10.0):
+        angle, state = math.radians(degrees), np.zeros(_refinement.WIDTH)
+        c, s = math.cos(angle), math.sin(angle)
+        state[5:14] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).ravel()
+        state[0] = rate
+        return SimpleNamespace(refined=SimpleNamespace(state=state), evidence=evidence)
+
+    best, near, far, other = at(0.0, 1.0), at(14.0, 2.0), at(16.0, 3.0), at(5.0, 4.0, rate=11.0)
+    entries, beside = _pole_map.listed([far, at(40.0, 27.0), other, near, best], 25.0)
+    assert entries == [best, far, other] and beside == [near]
+
+
+@pytest.fixture(scope="module")
+def solved():
+    """A synthetic rotator of an independent model, and a search of fewer poles and pairs."""
+    case = inversion_cases.case(1, {**figures.AXIAL[0], "per_hour": 1})
+    curve = figures.curve_of(case, "shared")
+    most = f"{1.3 / case.P_phi} /d"
+    with pytest.MonkeyPatch.context() as patch:
+        for name, count in {"_PAIRS": 10, "_DEEP": 4, "_CLASSES": 6, "_CONVEX": 10}.items():
+            patch.setattr(_search, name, count)
+        patch.setattr(_pole_map, "POLES", 60)
+        return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)
+
+
+def test_a_rotation_about_one_axis_is_found(solved):
+    """Period at rank 1, pole or mirror pole among those that compete, errors that contain it."""
+    case, found = solved
+    assert found[0].mode == "PA" and figures.judged(found[0], case)[0]
+    assert found.verdict != "not solved"
+    near = [each for each in found if each.evidence < found[0].evidence + 12.0]
+    angles = [figures.judged(each, case)[1] for each in near]
+    assert min(angles) < 15.0
+    assert np.radians(min(angles)) < 4.0 * near[int(np.argmin(angles))].pole_sigma
+
+
+def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
+    _, found = solved
+    poles = np.array([_search.pole(each.state) for each in found if each.is_axial])
+    rates = np.array([each.state[0] for each in found if each.is_axial])
+    alike = (poles @ poles.T > math.cos(math.radians(14.9))) & (
+        np.abs(rates[:, None] - rates) < 0.17
+    )
+    assert alike.sum() == len(poles)
+    assert "best" in found[0].relation and all(each.relation for each in found)
+
+
+def test_a_wider_prior_changes_the_evidence_as_laplace_says():
+    """Of parameters whose cost is a parabola: the minimum and the determinant in closed form."""
+    generator = np.random.default_rng(9)
+    stiff = generator.uniform(1.0, 50.0, _shapes.SIZE)
+    middle = generator.normal(size=_shapes.SIZE)
+    own, wide = (_shapes.widths(each) ** -2.0 for each in (True, False))
+    normal = np.eye(_refinement.SIZE)
+    normal[8:, 8:] = np.diag(stiff + own)
+    state = np.zeros(_refinement.WIDTH)
+    state[-_shapes.SIZE :] = stiff * middle / (stiff + own)
+    found = SimpleNamespace(
+        refined=SimpleNamespace(normal=normal, state=state), problem=np.zeros(100)
+    )
+    costs = [stiff * each / (stiff + each) @ middle**2 for each in (own, wide)]
+    volume = np.sum(np.log((stiff + wide) / (stiff + own)))
+    assert _refinement.widened(found) == pytest.approx(costs[1] - costs[0] + volume)

@@ -1,0 +1,141 @@
+"""Evidence and verdicts: what competes with the best solution."""
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from attitude.inversion import _ellipsoid, _refinement, _verdicts
+from attitude.inversion import _problem as inversion_problem
+from attitude.inversion._curve import CALIBRATED
+from attitude.inversion._spin_states import is_constant
+
+COUNT = 100
+
+
+def _problem(sigma):
+    y = np.sin(np.arange(COUNT))
+    ones = np.ones((COUNT, 1))
+    given = np.linspace(-0.5, 0.5, COUNT), 1.0, np.zeros((3, COUNT)), np.zeros((3, COUNT)), y
+    return inversion_problem.CurveProblem.of(
+        *given, np.full(COUNT, sigma), ones, np.full(1, np.inf), 0.0
+    )
+
+
+def _solution(nutation, evidence, residual, pole=0):
+    state, signs = np.zeros(_refinement.WIDTH), np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    state[:5] = 20.0, nutation, 0.0, -1.0 if nutation else _ellipsoid.AXIAL, 0.0
+    state[5:14] = np.roll(np.eye(3), pole, axis=0).ravel()
+    return SimpleNamespace(
+        refined=SimpleNamespace(state=state), evidence=evidence, residual=residual * signs
+    )
+
+
+@pytest.mark.parametrize(
+    ("residual", "behind", "expected"),
+    [
+        (0.01, 5.0, _verdicts.PERIODS),  # as small as the errors: 13 decide
+        (0.01, 20.0, _verdicts.SOLVED),
+        (0.05, 20.0, _verdicts.PERIODS),  # larger than the errors: 120 decide
+        (0.05, 130.0, _verdicts.SOLVED),
+    ],
+)
+def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expected):
+    found = [_solution(0.0, 0.0, residual), _solution(-7.0, behind, residual)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("tumbling", "behind", "ln_rho", "expected"),
+    [
+        (0.01, 30.0, -1.0, _verdicts.OPEN),  # the prior alone prefers one axis
+        (0.0195, 30.0, -1.0, _verdicts.SOLVED),  # fits no better than by chance
+        (0.01, 30.0, -4.0, _verdicts.SOLVED),  # a wobble about the one axis
+        (0.01, 80.0, -1.0, _verdicts.SOLVED),  # its shape is too improbable
+    ],
+)
+def test_a_nutation_that_fits_better_than_by_chance(tumbling, behind, ln_rho, expected):
+    """For 100 points and 200 frequencies: ln N and odds count 38 in evidence, and 13 are needed."""
+    found = [_solution(0.0, 0.0, 0.02), _solution(-7.0, behind, tumbling)]
+    found[1].refined.state[3] = ln_rho
+    assert _verdicts.verdict(found, _problem(0.02), True, 70.0)[0] == expected
+
+
+def test_other_poles_leave_the_periods():
+    found = [_solution(7.0, 0.0, 0.01), _solution(7.0, 5.0, 0.01, pole=1)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == _verdicts.PERIODS
+    found[1].evidence = 50.0
+    assert _verdicts.verdict(found, _problem(0.02))[0] == _verdicts.SOLVED
+
+
+def test_a_search_that_was_cut_off_claims_nothing():
+    verdict, words = _verdicts.verdict([_solution(7.0, 0.0, 0.01)], _problem(0.02), False)
+    assert verdict == _verdicts.OPEN and "larger budget" in words
+
+
+def test_zero_points_of_nights_do_not_hide_a_variation():
+    """A slow variation of 0.115 mag within each night, of which zero points take the mean."""
+    t = np.sort(np.random.default_rng(2).uniform(0.0, 1.0, 400))
+    nights = np.floor(40.0 * t)
+    terms = (nights[:, None] == np.arange(40)).astype(float)
+    noise = 0.05 * np.random.default_rng(3).normal(size=400)
+    zeros = np.zeros((3, 400))
+    for size, expected in ((0.0, True), (0.115, False)):
+        y = noise + size * (40.0 * t - nights - 0.5)
+        rest = zeros, zeros, y, np.full(400, 0.05), terms, np.full(40, np.inf), 0.07
+        assert is_constant(inversion_problem.CurveProblem.of(t, 1.0, *rest)) is expected
+
+
+@pytest.mark.parametrize(("size", "expected"), [(0.0, True), (0.08, True), (0.25, False)])
+def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expected):
+    """Offsets of 60 sessions of four points, held to 0.1 mag; the residuals are noise in each."""
+    nights = np.repeat(np.arange(60), 4)
+    generator = np.random.default_rng(4)
+    y = 0.05 * generator.normal(size=240) + size * generator.normal(size=60)[nights]
+    terms = np.concatenate([np.ones((240, 1)), nights[:, None] == np.arange(60)], axis=1)
+    prior = np.r_[np.inf, np.full(60, CALIBRATED)]
+    zeros = np.zeros((3, 240))
+    given = np.linspace(-0.5, 0.5, 240), 1.0, zeros, zeros, y, np.full(240, 0.05), terms, prior
+    made = inversion_problem.CurveProblem.of(*given, 0.07)
+    assert is_constant(made) is expected
+    found = _refinement.constant(made)
+    assert found.chi_squared < 1.3
+    # the offsets' part of the posterior volume, closed: ln(1 + 4 prior^2 / sigma^2) of each
+    assert _refinement.volume_of_offsets(found.problem) == pytest.approx(
+        60.0 * np.log(17.0), rel=0.1
+    )
+
+
+def test_residuals_above_the_errors_are_not_solved():
+    assert _verdicts.verdict([_solution(7.0, 0.0, 0.5)], _problem(0.02))[0] == _verdicts.OPEN
+    assert _verdicts.verdict([], _problem(0.02))[0] == _verdicts.OPEN
+
+
+def test_the_volume_of_a_minimum_counts():
+    """By Laplace's method; parameters of the nutation count ln N each instead."""
+    normal = np.diag(np.arange(1.0, _refinement.SIZE + 1.0) * 1e4)
+    first = _refinement.occam(normal, COUNT)
+    narrow = normal.copy()
+    narrow[1, 1] *= 9.0
+    assert _refinement.occam(narrow, COUNT) - first == pytest.approx(np.log(9.0), abs=1e-3)
+    narrow = normal.copy()
+    narrow[6, 6] *= 9.0
+    assert _refinement.occam(narrow, COUNT) == first
+
+
+@pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
+def test_what_chance_exceeds_is_a_quantile_of_chi_squared(probability):
+    from scipy import special
+
+    found = _verdicts.exceeded_by_chance(probability)
+    assert found == pytest.approx(special.chdtri(4, probability), rel=1e-13)
+
+
+def test_a_search_imports_no_scipy():
+    """Its import takes half a second of processor, of the eight of a first search."""
+    code = (
+        "import sys, attitude.inversion; sys.exit(any(n.startswith('scipy') for n in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

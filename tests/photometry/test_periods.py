@@ -1,0 +1,480 @@
+"""Periods from photometry: reduction, one period, two periods, errors, candidates, commands."""
+
+import signal
+import subprocess
+import sys
+import time
+import types
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from astropy import units
+from astropy.time import Time
+from astropy.timeseries import LombScargle
+
+from attitude import AttitudeError, cli, paths, photometry, scattering, spectrum
+from attitude._support.constants import ASTRONOMICAL_UNIT_M as AU
+from attitude._support.constants import SPEED_OF_LIGHT_M_S as C
+from attitude.errors import AttitudeWarning
+from attitude.photometry import _periodogram, _samples, _spectrum, _two_periods
+from tests.cli.test_invert_command import PHOTOMETRY
+from tests.support.places import ROOT
+
+HOUR, DAY = 3600.0, 86400.0
+
+
+def nights(count=12, per_night=25, seed=0):
+    """Epochs in s of nights of 8 hours at one site."""
+    generator = np.random.default_rng(seed)
+    each = np.sort(generator.uniform(0.0, 8.0 * HOUR, (count, per_night)), axis=1)
+    return (each + DAY * np.arange(count)[:, None]).reshape(-1)
+
+
+def tumbler(t, first=5.31 * HOUR, second=17.9 * HOUR, noise=0.01, seed=1):
+    """Lines of a body whose long axis turns with `second`, and the spin about it with `first`."""
+    generator = np.random.default_rng(seed)
+    f, g = 1.0 / second, 1.0 / first
+    y = 0.4 * np.cos(2 * np.pi * 2 * f * t + 1.0) + 0.2 * np.cos(2 * np.pi * (f + 2 * g) * t)
+    y = y + 0.15 * np.cos(2 * np.pi * (2 * f + 2 * g) * t + 2.0) + 0.05 * np.cos(4 * np.pi * g * t)
+    return y + noise * generator.normal(size=t.size)
+
+
+# Samples ------------------------------------------------------------------------------------------
+
+
+def test_spectrum_takes_times_quantities_and_photometry():
+    """The same series from seconds, days with a unit, Times, dates and a Photometry."""
+    t = np.linspace(0.0, 40.0, 300) * DAY
+    y = 15.0 + 0.3 * np.cos(2 * np.pi * (1 / (3.1 * DAY) + 1 / (7.7 * DAY)) * t)
+    plain = spectrum.fit(t, y, 7.7 * DAY, 3.1 * DAY)
+    assert plain.rms < 1e-13
+    times = Time(2448827.0, t / DAY, format="jd", scale="tdb")
+    data = photometry.Photometry(times, y * units.mag)
+    for found in (
+        spectrum.fit(t / DAY * units.day, y, "7.7 d", "3.1 d"),
+        spectrum.fit(times, y * units.mag, 7.7 * units.day, 3.1 * units.day),
+        spectrum.fit(data, P_psi="7.7 d", P_phi="3.1 d"),
+        spectrum.fit(times.isot, y, "7.7 d", "3.1 d"),
+    ):
+        assert found.rms < 1e-6 and found.strongest(1)[0][1] == pytest.approx(0.3, abs=1e-6)
+    assert spectrum.fit(data, P_psi="7.7 d", P_phi="3.1 d")(times[:5]) == pytest.approx(y[:5])
+    with pytest.warns(AttitudeWarning, match="looks like a Julian date"):
+        _samples.of(times.jd, y)
+    with pytest.raises(AttitudeError, match="leave those arguments out"):
+        spectrum.fit(data, y, "7.7 d", "3.1 d")
+    with pytest.raises(AttitudeError, match="P_phi is missing"):
+        spectrum.fit(data, P_psi="7.7 d")
+    with pytest.raises(AttitudeError, match="values is missing"):
+        spectrum.fit(t, P_psi="7.7 d", P_phi="1 d")
+
+
+def test_errors_in_another_unit_than_the_values():
+    t, y = np.arange(50.0), np.cos(np.arange(50.0))
+    one = _samples.of(t, y * units.mag, np.full(50, 20.0) * units.mmag)
+    np.testing.assert_allclose(one.errors, 0.02)
+
+
+# Reduction ----------------------------------------------------------------------------------------
+
+
+def circle():
+    return paths.kepler(
+        semi_major_axis="2 au", eccentricity=0.1, inclination="5 deg", node="40 deg",
+        pericenter_argument="10 deg", mean_anomaly="60 deg", epoch="2026-01-01",
+    )  # fmt: skip
+
+
+def test_reduction_takes_off_distances_light_time_and_phase():
+    times = Time("2026-01-01") + np.arange(30) * units.day
+    data = photometry.Photometry(times, magnitude=np.full(30, 15.0), site="500")
+    found = data.reduced(circle(), site="earth", g=0.15)
+    far = [np.linalg.norm(each, axis=1) / AU for each in (found.sun, found.observer)]
+    late = (times - found.times).to_value("s")
+    np.testing.assert_allclose(late, far[1] * AU / C, rtol=1e-9, atol=1e-5)
+    alpha = photometry.phase_angle(found)
+    phase = scattering.hg(alpha, 0.0, 0.15) - scattering.hg(np.zeros(1), 0.0, 0.15)[0]
+    np.testing.assert_allclose(
+        found.value, 15.0 - 5.0 * np.log10(far[0] * far[1]) - phase, atol=1e-12
+    )
+    assert found.time_of == "emission" and found.unit_distances and found.zero_phase
+    again = found.reduced()  # nothing more to take off
+    np.testing.assert_allclose(again.value, found.value)
+    flux = photometry.Photometry(times, flux=np.full(30, 2.0)).reduced(circle())
+    np.testing.assert_allclose(flux.value, 2.0 * (far[0] * far[1]) ** 2, rtol=1e-12)
+    with pytest.raises(AttitudeError, match="give the path of the body"):
+        data.reduced()
+    with pytest.raises(AttitudeError, match="at zero phase angle already"):
+        found.reduced(g=0.1)
+
+
+def test_dates_at_the_barycenter_become_those_of_the_observer():
+    """BJD made from the geometry of reception is taken back to within a microsecond."""
+    times = Time("2026-01-01", scale="utc") + np.arange(5) * 60 * units.day
+    direct = photometry.Photometry(times, magnitude=np.full(5, 15.0)).reduced(
+        circle(), site="earth"
+    )
+    towards = -direct.observer / np.linalg.norm(direct.observer, axis=1)[:, None]
+    start = direct.epoch
+    received = (times.tdb - start.time).to_value("s")
+    earth = paths.body("earth").position(start, received)
+    bjd = received + np.sum(earth * towards, axis=1) / C
+    data = photometry.Photometry(bjd, magnitude=np.full(5, 15.0), epoch=start, time_of="barycenter")
+    found = data.reduced(circle(), site="earth")
+    np.testing.assert_allclose((found.times - direct.times).to_value("s"), 0.0, atol=2e-5)
+
+
+def test_photometry_is_written_and_read(tmp_path):
+    times = Time("2026-01-01") + np.arange(25) * units.day
+    data = photometry.Photometry(
+        times,
+        magnitude=15.0 + np.arange(25) / 7,
+        sigma=0.02,
+        filter="V",
+        session="a, b",
+        site="568",
+    )
+    for each in (data, data.reduced(circle(), site="earth")):
+        each.write(tmp_path / "a.csv")
+        back = photometry.read(tmp_path / "a.csv")
+        np.testing.assert_array_equal(back.value, each.value)
+        assert back.time_of == each.time_of and back.unit_distances == each.unit_distances
+        assert back.sessions == ("a, b",)
+        assert np.abs((back.times - each.times).to_value("s")).max() < 1e-6
+
+
+# One period ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["fourier", "pdm"])
+def test_one_period_with_its_error_and_aliases(method):
+    t = nights()
+    turn = 2 * np.pi * t / (7.37 * HOUR)
+    y = 0.3 * np.cos(2 * turn) + 0.1 * np.cos(turn + 1)
+    y = y + 0.02 * np.random.default_rng(3).normal(size=t.size)
+    found = photometry.periodogram(
+        t, y, np.full(t.size, 0.02), min_period="3 h", max_period="30 h", method=method
+    )
+    assert abs(found.period - 7.37 * HOUR) < 5.0 * found.error < 30.0
+    assert found.peaks[0].power > 5.0 * found.false_alarm
+    words = [each.relation for each in found.peaks]
+    assert any("alias of" in each and "1 /d)" in each for each in words)
+    assert any(each.endswith("x #1") for each in words)
+    assert len(found.table()) == len(found.peaks)
+
+
+def test_errors_by_curvature_and_by_bootstrap_are_those_of_repeated_noise():
+    """Both to a factor of 1.6 of the scatter over 30 light curves."""
+    t, found = nights(6), []
+    for seed in range(30):
+        noise = 0.05 * np.random.default_rng(seed).normal(size=t.size)
+        y = 0.3 * np.cos(2 * np.pi * t / (5.0 * HOUR)) + noise
+        data = _samples.of(t, y)
+        found.append(_spectrum.refined(data, np.array([1 / (5.0 * HOUR)]), np.array([[1]])))
+    f = np.array([each.frequencies[0] for each in found])
+    scatter = np.std(f, ddof=1)
+    assert 1 / 1.6 < found[0].errors[0] / scatter < 1.6
+    drawn = _spectrum.bootstrap(data, found[-1], 100, 0)
+    assert 1 / 1.6 < np.std(drawn) / scatter < 1.6
+
+
+def _slow():
+    """Two periods of days in 60 sessions of three hours, errors of 0.03 mag."""
+    generator = np.random.default_rng(12)
+    session = np.repeat(np.arange(60), 5)
+    t = DAY * (2.3 * session + generator.uniform(0.0, 0.125, 300))
+    first, second = 2.0 * np.pi * t / (5.3 * DAY), 2.0 * np.pi * t / (3.7 * DAY)
+    y = 0.4 * np.cos(2.0 * first) + 0.3 * np.cos(first + second)
+    y += 0.03 * generator.normal(size=300)
+    times = Time("2026-01-01", scale="tdb") + t * units.s
+    return photometry.Photometry(times, magnitude=y, sigma=0.03, session=session)
+
+
+def test_periods_of_days_in_sessions_of_hours():
+    """Zero points of the sessions would take up three quarters of it; the data need one."""
+    data = _slow()
+    bounds = {"min_period": "1.5 d", "max_period": "20 d"}
+    found = photometry.two_periods(data, order=2, count=3, **bounds)
+    assert found.samples.curves == 1 and found[0].left < 0.02
+    free = photometry.two_periods(data, order=2, count=3, zero_points="free", **bounds)
+    assert free.samples.curves == 60
+    lines = [line.frequency * DAY for line, _ in found.lines()[:2]]
+    expected = [2.0 / 5.3, 1.0 / 5.3 + 1.0 / 3.7]
+    assert lines == pytest.approx(expected, abs=5e-4)  # a tenth of 1/span
+    folded = photometry.fold(data, ["5.3 d", "3.7 d"], order=2)
+    assert folded.samples.curves == 1 and folded.rms < 0.035
+    one = photometry.periodogram(data, order=1, **bounds)
+    assert one.samples.curves == 1 and one.period == pytest.approx(0.5 * 5.3 * DAY, rel=2e-3)
+
+
+def test_peaks_lie_in_the_range_of_periods_and_in_the_order_of_their_power():
+    """Half a period lies just outside of the range: its slope may lead a refinement there."""
+    t = nights()
+    y = np.cos(2 * np.pi * t / (6.1 * HOUR)) + 0.1 * np.random.default_rng(3).normal(size=t.size)
+    for bounds in (("6.15 h", "14 h"), ("3 h", "6.05 h"), ("5 h", "7 h")):
+        found = photometry.periodogram(t, y, min_period=bounds[0], max_period=bounds[1], count=20)
+        low, high = (float(each[:-2]) * HOUR for each in bounds)
+        periods = np.array([each.period for each in found.peaks])
+        assert np.all((periods >= low * (1 - 1e-12)) & (periods <= high * (1 + 1e-12)))
+        assert np.all(np.diff([each.power for each in found.peaks]) <= 0.0)
+
+
+def test_zero_points_of_sessions_are_free():
+    t = nights()
+    session = (t // DAY).astype(int)
+    y = (
+        0.2 * np.cos(2 * np.pi * t / (6.1 * HOUR))
+        + np.random.default_rng(0).normal(size=12)[session]
+    )
+    times = Time("2026-01-01", scale="tdb") + t * units.s
+    data = photometry.Photometry(times, magnitude=y, session=session)
+    found = photometry.periodogram(data, min_period="3 h", max_period="20 h", order=1)
+    assert found.period == pytest.approx(6.1 * HOUR, rel=1e-9)
+    folded = photometry.fold(data, "6.1 h")
+    assert folded.rms < 1e-9 and np.ptp(folded.curve(np.linspace(0, 1, 100))) == pytest.approx(
+        0.4, abs=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"min_period": "30 h", "max_period": "3 h"}, "give a shorter min_period"),
+        ({"min_period": "0.01 s"}, "at most 5000000 are searched"),
+        ({"method": "box"}, "method is 'box'"),
+        ({"order": 0}, "order is 0"),
+        ({"order": 200}, "give more values, or a lower order"),
+    ],
+)
+def test_wrong_arguments(given, words):
+    t = nights(6)
+    with pytest.raises(AttitudeError, match=words):
+        photometry.periodogram(t, np.cos(t), **given)
+
+
+def test_relations_of_periods_in_words():
+    line = _periodogram.WindowLine(1 / DAY, 0.9)
+    near = 1e-8
+    f = 1 / (5 * HOUR)
+    assert _periodogram.relation(2 * f, [f], [line], near) == "2 x #1"
+    assert _periodogram.relation(f / 2, [f], [line], near) == "1/2 of #1"
+    assert _periodogram.relation(f + 1 / DAY, [f], [line], near) == "alias of #1 (+1 /d)"
+    assert _periodogram.relation(f * 1.234, [f], [line], near) == ""
+
+
+# Two periods --------------------------------------------------------------------------------------
+
+
+LIMITS = {"min_period": "2 h", "max_period": "40 h"}
+
+
+@pytest.fixture(scope="module")
+def blind():
+    """Epochs and brightness of a tumbler, and its pairs of periods."""
+    t = nights(14, 30)
+    y = tumbler(t)
+    return t, y, photometry.two_periods(t, y, np.full(t.size, 0.01), **LIMITS, count=8)
+
+
+def test_two_periods_blind(blind, tmp_path):
+    t, y, found = blind
+    # lines at i/P_phi + 2 j/P_psi: the lattice of 1/P_phi and 2/P_psi
+    base = np.array([1 / (17.9 * HOUR), 2 / (5.31 * HOUR)])
+    pair = found.pairs[0]
+    for each in pair[:2]:
+        combos = [abs(a * base[0] + b * base[1] - each) for a in range(-4, 5) for b in range(-2, 3)]
+        assert min(combos) < 0.1 / np.ptp(t)
+    assert pair.left < 0.01 < found.false_alarm and found.tried > 10_000
+    first, second = found.bootstrap(draws=20)
+    assert 0.2 < first / pair.errors[0] < 5.0 and 0.2 < second / pair.errors[1] < 5.0
+    assert any(
+        each.P_phi_long == pytest.approx(17.9 * HOUR, rel=1e-3) for each in found.candidates()
+    )
+    found.plot(tmp_path / "two.png")
+    found.fold().plot(tmp_path / "fold.png")
+    assert (tmp_path / "two.png").stat().st_size > 10_000
+    with pytest.raises(AttitudeError, match="min_period is missing"):
+        photometry.two_periods(t, y)
+    with pytest.raises(AttitudeError, match=r"pairs, and at most"):
+        photometry.two_periods(t, y, min_period="1 s")
+
+
+def test_many_pairs_are_ranked_by_their_powers_first(blind, monkeypatch):
+    """With a limit of a fifth of the pairs the best one is the same."""
+    t, y, whole = blind
+    monkeypatch.setattr(_spectrum, "MOST", whole.tried // 5)
+    part = photometry.two_periods(t, y, np.full(t.size, 0.01), **LIMITS, count=3)
+    assert part.pairs[0].left == pytest.approx(whole.pairs[0].left, rel=1e-6)
+
+
+def test_candidates_of_known_lines():
+    """Lines of Apophis (Pravec et al. 2014): SAM, P_psi 263 h, P_phi 27.38 h of the short axis."""
+    psi, long_axis = 1 / (263 * HOUR), 1 / (27.38 * HOUR) - 1 / (263 * HOUR)
+    f = np.array([2 * long_axis, long_axis + psi])
+    numbers = np.array([[1, 0], [0, 1], [0, 2], [1, 1], [2, 0]])
+    amplitudes = np.array([0.4, 0.12, 0.05, 0.01, 0.03])
+    series = _spectrum.RefinedSeries(
+        f, np.eye(2), numbers, np.zeros(1), amplitudes, np.zeros(5), 0.0, np.zeros(1), 0.0, 1
+    )
+    best = _two_periods.ranked([(0, 0.01, series)], 1 / (100 * DAY), 3)[0]
+    assert best.mode == "SAM" and best.P_psi == pytest.approx(263 * HOUR, rel=1e-9)
+    assert best.P_phi == pytest.approx(27.38 * HOUR, rel=1e-9)
+    assert best.P_phi_long == pytest.approx(30.56 * HOUR, rel=1e-3)
+
+
+# Commands -----------------------------------------------------------------------------------------
+
+
+def test_commands(tmp_path, capsys, monkeypatch):
+    """Toutatis, 1992: P_phi 7.4 d and P_psi 5.4 d (Zhao et al. 2015) from the photometry alone."""
+    given = [str(PHOTOMETRY), "--zero-points", "shared", "--g", "0.15"]
+    figure = tmp_path / "p.png"
+    limits = ["--min", "1 d", "--max", "40 d"]
+    assert cli.main(["periods", *given, *limits, "--figure", str(figure)]) == 0
+    text = capsys.readouterr().out
+    best = next(line for line in text.splitlines() if line.startswith("  1 "))
+    assert float(best.split()[3]) == pytest.approx(7.40, abs=0.02)
+    assert figure.stat().st_size > 10_000
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("attitude._support.blocks._PATIENCE", 0.0)
+    assert cli.main(["periods", *given, *limits, "--two"]) == 0
+    text, err = capsys.readouterr()
+    assert "pairs of periods" in err and err.endswith("100 %\n")
+    best = next(line for line in text.splitlines() if line.startswith("  1 "))
+    first, second = float(best.split()[1]) / 24.0, float(best.split()[3]) / 24.0
+    assert first == pytest.approx(7.40, abs=0.03) and second == pytest.approx(5.38, abs=0.03)
+    table = tmp_path / "f.csv"
+    fold = ["fold", *given, "--period", "5.36, 7.4 d", "--refine", "--output", str(table)]
+    assert cli.main([*fold, "--figure", str(tmp_path / "f.png")]) == 0
+    assert "rms of the residuals" in capsys.readouterr().out
+    assert table.read_text().startswith("time,phase_1,value_1")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("periods", "none.csv"), "cannot be read"),
+        (("periods", str(PHOTOMETRY), "--min", "three"), "not a number with a unit"),
+        (("periods", str(PHOTOMETRY), "--figure", "a.doc"), "ends in .png"),
+        (("periods", str(PHOTOMETRY), "--filter", "V"), "filter is 'V'"),
+        (("periods", str(PHOTOMETRY), "--two"), "min_period is missing"),
+        (("fold", str(PHOTOMETRY), "--period", "5 kg"), "give it in s"),
+        (("fold", str(PHOTOMETRY), "--period", "1, 2, 3 h"), "shape of period"),
+    ],
+)
+def test_wrong_commands(capsys, arguments, words):
+    assert cli.main(list(arguments)) == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("core", "sentence"),
+    [
+        (None, "nifty-ls is not installed; install it, or give"),
+        (SimpleNamespace(AVAILABLE_BACKENDS=["auto"]), "finufft, .* cannot be imported here"),
+    ],
+    ids=["absent", "without finufft"],
+)
+def test_without_nifty_ls_astropy_computes(core, sentence, monkeypatch):
+    """By default; where nifty-ls is asked for, a sentence."""
+    monkeypatch.setitem(sys.modules, "nifty_ls", core)
+    monkeypatch.setitem(sys.modules, "nifty_ls.core", core)
+    t = nights(6)
+    given = (t, np.cos(2 * np.pi * t / (6.1 * HOUR)))
+    limits = {"min_period": "4 h", "max_period": "20 h"}
+    one = photometry.periodogram(*given, engine="astropy", **limits)
+    assert np.array_equal(photometry.periodogram(*given, **limits).power, one.power)
+    with pytest.raises(AttitudeError, match=sentence):
+        photometry.periodogram(*given, engine="nifty-ls", **limits)
+
+
+_BOTH = """
+import numpy as np
+from attitude import photometry
+
+t = np.sort(np.random.default_rng(0).uniform(0.0, 5e5, 150))
+y = np.cos(2 * np.pi * t / 21960.0)
+one, other = (
+    photometry.periodogram(t, y, engine=each, min_period="4 h", max_period="20 h")
+    for each in ("astropy", "nifty-ls")
+)
+assert one.power.max() > 0.9
+print(np.max(np.abs(one.power - other.power)))
+"""
+
+
+def test_both_engines_agree():
+    """In a process of its own: in that of other tests finufft could not always be imported."""
+    pytest.importorskip("nifty_ls", reason="nifty-ls is not installed")
+    run = subprocess.run([sys.executable, "-c", _BOTH], capture_output=True, text=True, cwd=ROOT)
+    assert run.returncode == 0, run.stderr
+    assert float(run.stdout) < 1e-6  # share of the variance: finufft's tolerance
+
+
+# Ctrl-C -------------------------------------------------------------------------------------------
+
+
+def longest_silence(work):
+    """The longest time, s of processor, in which Python acts on no signal while `work` runs."""
+    heard = [time.process_time()]
+    other = signal.signal(signal.SIGPROF, lambda *_: heard.append(time.process_time()))
+    signal.setitimer(signal.ITIMER_PROF, 0.01, 0.01)
+    try:
+        work()
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, other)
+    return np.diff([*heard, time.process_time()]).max()
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers of processor time")
+def test_searches_hear_signals_soon(monkeypatch):
+    """0.2 s are felt as at once; compiled loops over all pairs, or all points, took 0.3 to 2 s."""
+    monkeypatch.setattr(_periodogram, "_PERMUTATIONS", 1)
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 60.0 * DAY, 1000))
+    y, few = tumbler(t), slice(100)
+    photometry.two_periods(t[few], y[few], min_period="24 h", max_period="40 h")  # compiles
+    photometry.periodogram(t[few], y[few], min_period="24 h", method="pdm")
+    work = (
+        lambda: photometry.two_periods(t, y, min_period="4 h", max_period="40 h"),
+        lambda: photometry.periodogram(t, y, min_period="0.5 h", method="pdm"),
+    )
+    assert [round(each, 2) for each in map(longest_silence, work) if each > 0.2] == []
+
+
+def test_ctrl_c_in_a_destructor_of_finufft_is_not_lost(monkeypatch):
+    """Python prints and swallows what a destructor raises; finufft's plans have one."""
+
+    class Plan:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    calls = []
+
+    def power(series, frequency, method, assume_regular_frequency):
+        assert method == "fastnifty_chi2" and len(frequency) > 1
+        calls.append(len(frequency))
+        plan = Plan()
+        del plan
+        return np.zeros(len(frequency))
+
+    core = SimpleNamespace(AVAILABLE_BACKENDS=["finufft_chi2"])
+    monkeypatch.setitem(sys.modules, "nifty_ls", types.ModuleType("nifty_ls"))
+    monkeypatch.setitem(sys.modules, "nifty_ls.core", core)
+    monkeypatch.setattr(LombScargle, "power", power)
+    t = np.linspace(0.0, 60.0 * DAY, 300)
+    with pytest.raises(KeyboardInterrupt):
+        photometry.periodogram(t, tumbler(t), min_period="0.5 h", engine="nifty-ls")
+    assert len(calls) == 1
+
+
+def test_parts_of_the_grid_of_nifty_ls_join(monkeypatch):
+    """The powers of the parts are those of the whole, to the errors of its transforms, 1e-7."""
+    pytest.importorskip("nifty_ls", reason="nifty-ls is not installed")
+    t = np.sort(np.random.default_rng(0).uniform(0.0, 60.0 * DAY, 200))
+    powers = []
+    for most in (1 << 15, 1000):
+        monkeypatch.setattr(_periodogram, "_FREQUENCIES", most)
+        found = photometry.periodogram(t, tumbler(t), min_period="2 h", engine="nifty-ls")
+        powers.append(found.power)
+    assert np.abs(powers[1] - powers[0]).max() < 1e-7

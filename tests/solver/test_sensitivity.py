@@ -1,0 +1,259 @@
+"""Sensitivities against central differences of the 60-digit oracle, in every regime."""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
+from attitude.frames import representations as forms
+from attitude.frames.quaternion import conjugate, matrix, multiply
+from tests.support.differences import exact_sensitivity, sensitivity
+
+WXYZ = (1.0, 0.3, 0.2, -0.1)
+# Moments, angular velocity, tolerance relative to the largest entry of a column.
+STATES = {
+    "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
+    "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
+    "hyperbolic form": ((10, 20, 26), (1, 15, 1), 4e-15),
+    "symmetric": ((2, 2, 3), (0.3, 0.4, 0.9), 4e-15),
+    "symmetric, long axis": ((2, 3, 3), (1.3, 0.4, 0.9), 4e-15),
+    "symmetric but for 1e-7": ((2, 2.0000001, 3), (0.3, 0.4, 0.9), 4e-15),
+    "symmetric but for 1e-14": ((2, 2 + 2e-14, 3), (0.3, 0.4, 0.9), 4e-15),
+    "near the short axis, 1e-5": ((1, 2, 2.7), (1e-5, 2e-5, 1.0), 4e-15),
+    "near the short axis, 1e-10": ((1, 2, 2.7), (1e-10, 2e-10, 1.0), 4e-15),
+    "near the long axis": ((1, 2, 2.7), (1.0, 1e-8, 2e-10), 4e-15),
+    "lamina": ((1, 2, 3 - 1e-9), (0.1, 0.2, 1.0), 4e-15),
+    "short axis": ((1, 2, 2.7), (0, 0, 1.0), 4e-15),
+    "long axis": ((1, 2, 2.7), (0.7, 0, 0), 4e-15),
+    "sphere": ((2, 2, 2), (0.3, 0.5, 1), 4e-15),
+    "equator of a symmetric body": ((2, 2, 3), (0.3, 0.5, 0), 4e-15),
+    "at rest": ((1, 2, 2.7), (0, 0, 0), 4e-15),
+    "sphere but for 1e-3": ((2, 2.002, 2.003), (0.3, 0.5, 1), 4e-15),
+    "sphere but for 1e-8": ((2, 2.00000002, 2.00000003), (0.3, 0.5, 1), 4e-15),
+    "beside the equator": ((2, 2, 3), (0.3, 0.5, 1e-9), 4e-15),
+    "series of the largest nome": ((0.4931512, 0.56326773, 1), (0.03754, -0.17851, 0.00588), 4e-15),
+    "needle, end over end": ((0.0189, 0.9946, 1), (-0.0974, -0.987, 0.0055), 4e-15),
+    "1e-2 from the separatrix": ((1, 2, 2.7), (1.3888, 0.4, 1.0), 4e-15),
+    "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 4e-15),
+    "1e-15 from the separatrix": ((1, 2, 2.7), (1.3747727084867534, 0.4, 1.0), 4e-15),
+    "middle axis, 1e-2, short": ((1, 2, 2.6), (3e-3, 1.0, 1e-2), 4e-15),
+    "middle axis, 1e-4, long": ((2, 1, 2.6), (1.0, -1e-4, 2e-5), 4e-15),
+    "middle axis, 1e-6": ((2.6, 2, 1), (0, 1.0, 1e-6), 4e-15),
+    "middle axis, 1e-8": ((1, 2, 2.6), (1e-8, -1.0, -2e-8), 4e-15),
+    "middle axis, 1e-12": ((1, 2, 2.6), (1e-12, 0.3, 0), 4e-15),
+    "middle axis, sin pi": ((1, 2, 2.6), (1.2246467991473532e-16, 1.0, 0), 4e-15),
+    "needle of 1e-2": ((1.005, 1, 1e-2), (0.3, 0.5, 0.2), 4e-15),
+    "needle of 1e-5": ((1e-5, 1, 1.000004), (0.3, 0.5, -0.9), 4e-15),
+    "needle of 1e-8": ((1, 1e-8, 1.000000003), (0.3, 0.5, 0.2), 4e-15),
+    "needle beside the separatrix": ((1e-3, 1, 1.0005), (1e-7, 1.0, 2e-6), 4e-15),
+}
+
+
+def _epochs(omega, revolutions):
+    return [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in revolutions]
+
+
+def _compare(found, expected, tolerance, least=1e-20):
+    for j in range(9):
+        size = np.abs(expected[:, :, j]).max(axis=1)
+        size[size < least] = 1.0  # zero in exact arithmetic
+        error = np.abs(found[:, :, j] - expected[:, :, j]).max(axis=1)
+        assert np.all(error <= tolerance * size), (j, error / size)
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_against_differences_of_the_oracle(name):
+    moments, omega, tolerance = STATES[name]
+    times = _epochs(omega, (1.3, 1e3 + 0.3, 1e6 + 0.7))
+    found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    attitude, rates = sensitivity(moments, WXYZ, omega, times)
+    _compare(found[2], attitude, tolerance)
+    _compare(found[3], rates, 2.0 * tolerance)
+
+
+@pytest.mark.parametrize("name", ["middle axis, 1e-8", "short-axis mode", "needle of 1e-5"])
+def test_beside_the_epoch(name):
+    """Columns of the moments begin with t^2, and are right where they are small."""
+    moments, omega, tolerance = STATES[name]
+    times = [1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0]
+    found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    attitude, rates = sensitivity(moments, WXYZ, omega, times)
+    _compare(found[2], attitude, tolerance, 1e-50)
+    _compare(found[3], rates, 2.0 * tolerance, 1e-50)
+
+
+def test_errors_of_a_flip():
+    """Errors of the middle moment alone: right from the first second to the first turning over."""
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (math.sin(math.pi), 1, 0),
+                covariance={"moments": (0, 0.01, 0)})  # fmt: skip
+    times = [1.0, 10.0, 20.0, 70.0, 80.0]
+    found = FreeRotation(Body(moments=(1, 2, 2.6)), spin).at(times).sigma
+    by_moment = sensitivity((1, 2, 2.6), (1, 0, 0, 0), (math.sin(math.pi), 1, 0), times)[0][..., 7]
+    expected = 0.01 * np.abs(by_moment)
+    size = expected.max(axis=1)
+    assert np.all(np.abs(found - expected).max(axis=1) <= 4e-15 * size)
+    assert size[2] < 2.6e-14 and size[4] > 1e-3  # rad
+
+
+def test_a_tensor_spun_about_its_middle_axis():
+    """Its axes and moments are irrational: rounding moves the spin by 1e-17 from the axis."""
+    axes = matrix(forms.from_rotation_vector(np.array([0.3, -0.5, 0.8])))
+    tensor = axes @ np.diag([1.0, 2.0, 2.6]) @ axes.T
+    tensor = 0.5 * (tensor + tensor.T)
+    omega, times = axes[:, 1], [0.5, 3.0, 20.0, 90.0]
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=omega)
+    found = FreeRotation(Body(tensor=tensor), spin).sensitivity_at(times)
+    with mp.workdps(90):
+        values, vectors = mp.eigsy(mp.matrix(tensor.tolist()))
+        if mp.det(vectors) < 0:
+            vectors = -vectors
+        rates = [sum(vectors[i, k] * mp.mpf(omega[i]) for i in range(3)) for k in range(3)]
+        exact = exact_sensitivity(list(values), (1, 0, 0, 0), rates, times)[0]
+        turn = np.array(vectors.tolist()).astype(object)
+        # attitudes of the principal axes begin with 1: their inertial axes are turned
+        exact = np.einsum("ij,tjk->tik", turn, exact)
+        exact[:, :, :3] = np.einsum("tij,kj->tik", exact[:, :, :3], turn)
+        exact[:, :, 3:6] = np.einsum("tij,kj->tik", exact[:, :, 3:6], turn)
+    _compare(found, exact.astype(float), 4e-15)
+
+
+def test_series_of_short_times_of_nearly_symmetric_bodies():
+    moments, omega = (
+        (0.7142232756, 1.1189726819, 0.7142237898),
+        (-2.0781687, -1.7430382, -1.1886594),
+    )
+    times = [0.36, 0.72, 0.74, 1.0, 1.25]  # s, of which the series serve up to 0.73
+    found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+    _compare(found, sensitivity(moments, WXYZ, omega, times)[0], 4e-15)
+
+
+def test_the_middle_axis_grows_as_it_should():
+    moments, omega = (1, 2, 2.7), (0, 1.0, 0)
+    times = [1.0, 10.0, 30.0]
+    found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+    _compare(found, sensitivity(moments, WXYZ, omega, times)[0], 4e-14)
+    with pytest.raises(AttitudeError, match="unstable"):
+        propagate(moments, WXYZ, omega, [1e4], sensitivity=True)
+
+
+def test_on_the_exact_separatrix():
+    """One passage, which does not return: derivatives grow by e with 1/wp, and stay right."""
+    moments, omega = (1, 2, 2.25), (0.75, 1.0, 1.0)
+    times = [0.1, 1.0, 5.0, 20.0]
+    found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    attitude, rates = sensitivity(moments, WXYZ, omega, times)
+    for one, other in ((found[2], attitude), (found[3], rates)):
+        scale = np.abs(other).max(axis=(1, 2))
+        assert np.all(np.abs(one - other).max(axis=(1, 2)) < 1e-14 * scale)
+
+
+def test_all_forms_agree_where_they_meet():
+    """A motion next to a uniform one, or next to another form, has nearly the same derivatives."""
+    times = np.linspace(0.0, 20.0, 9)
+    for moments, omega, change in (
+        ((1, 2, 2.7), (0, 0, 1.0), (1e-9, 0, 0)),
+        ((2, 2, 3), (0.3, 0.5, 0), (0, 0, 1e-9)),
+        ((1, 2, 2.7), (0, 0, 0), (1e-9, 0, 0)),
+    ):
+        other = np.add(omega, change)
+        one = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+        two = propagate(moments, WXYZ, other, times, sensitivity=True)[1]
+        assert np.abs(one - two).max() < 1e-6 * np.abs(one).max()
+
+
+def test_a_tensor_and_another_frame():
+    rotation = forms.from_rotation_vector(np.array([0.3, -0.5, 0.8]))
+    axes = matrix(rotation)
+    tensor = axes @ np.diag([2.0, 3.0, 4.5]) @ axes.T
+    body = Body(tensor=0.5 * (tensor + tensor.T))
+    spin = Spin(
+        epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.2, 1.0, 0.3), frame="ecliptic"
+    )
+    motion = FreeRotation(body, spin)
+    t = 12.5
+    found, rates = motion.sensitivity_at(t, angular_velocity=True)
+    for j in range(9):
+        step = 1e-5
+        sides = [motion.changed(sign * step * np.eye(9)[j]).at(t) for sign in (1, -1)]
+        turn = multiply(sides[0].wxyz, conjugate(sides[1].wxyz))
+        numeric = forms.to_rotation_vector(turn) / (2 * step)
+        assert np.abs(found[:, j] - numeric).max() < 1e-7 * np.abs(found).max()
+        numeric = (sides[0].angular_velocity - sides[1].angular_velocity) / (2 * step)
+        assert np.abs(rates[:, j] - numeric).max() < 1e-7 * np.abs(found).max()
+
+
+def test_body_axes():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.2, 1.0, 0.3))
+    motion = FreeRotation(Body(moments=(2, 3, 4.5)), spin)
+    inertial, body = (motion.sensitivity_at([0.0, 3.0], axes=axes) for axes in ("inertial", "body"))
+    assert np.allclose(body[0, :, :3], np.eye(3), atol=1e-15)
+    history = motion.at([0.0, 3.0])
+    assert np.allclose(history.matrix[1] @ body[1, :, 3:], inertial[1, :, 3:], atol=1e-13)
+    back = history.matrix[1] @ body[1, :, :3] @ history.matrix[0].T
+    assert np.allclose(back, inertial[1, :, :3], atol=1e-13)
+
+
+def test_shapes_blocks_and_memory():
+    moments = np.array([[10, 20, 26], [1, 2, 2.7], [2, 2, 2.0]])
+    omega = np.array([[1, 15, 1], [0, 0, 1.0], [1, 2, 3]])
+    t = np.linspace(-5.0, 5.0, 777)
+    wxyz, found = propagate(moments, WXYZ, omega, t, sensitivity=True)
+    assert found.shape == (3, 777, 3, 9)
+    for b in range(3):
+        one, alone = propagate(moments[b], WXYZ, omega[b], t, sensitivity=True)
+        assert np.array_equal(one, wxyz[b])
+        assert np.array_equal(alone, found[b])
+        for k in (0, 300, 776):  # the same bits whatever the block
+            assert np.array_equal(
+                propagate(moments[b], WXYZ, omega[b], t[k], sensitivity=True)[1], found[b, k]
+            )
+    out = np.empty((3, 777, 3, 9))
+    assert propagate(moments, WXYZ, omega, t, sensitivity=True, sensitivity_out=out)[1] is out
+    assert np.array_equal(out, found)
+    with pytest.raises(AttitudeError, match="sensitivity_out"):
+        propagate(moments, WXYZ, omega, t, sensitivity_out=out)
+    with pytest.raises(AttitudeError, match="rod"):
+        propagate((0, 1, 1), WXYZ, (0, 1, 1), t, sensitivity=True)
+    gap = propagate(moments, WXYZ, omega, [1.0, np.nan], sensitivity=True)[1]
+    assert np.isnan(gap[:, 1]).all() and np.isfinite(gap[:, 0]).all()
+
+
+@pytest.mark.parametrize("count", [20001, 20005, 30000])
+@pytest.mark.parametrize("omega", [(1.0, 15.0, 1.0), (1.0, 1.0, 15.0)])
+def test_large_results_have_the_bits_of_small_ones(count, omega):
+    """Results beyond 4 MB are stored past the caches, in whole lines of them."""
+    moments, t = (10.0, 20.0, 26.0), np.linspace(-40.0, 900.0, count)
+    t[1234] = np.nan
+    memory = np.full(27 * count + 16, 7.0)
+    for shift in (0, 3):
+        out = memory[shift : shift + 27 * count].reshape(3, 9, count).transpose(2, 0, 1)
+        assert propagate(moments, WXYZ, omega, t, sensitivity=True, sensitivity_out=out)[1] is out
+        for first in range(0, count, 4000):
+            part = t[first : first + 4000]
+            alone = propagate(moments, WXYZ, omega, part, sensitivity=True)[1]
+            assert np.array_equal(alone, out[first : first + 4000], equal_nan=True)
+    both = {"sensitivity": True, "angular_velocity": True}
+    rates = propagate(moments, WXYZ, omega, t, **both)[-1]
+    for first in range(0, count, 4000):
+        alone = propagate(moments, WXYZ, omega, t[first : first + 4000], **both)[-1]
+        assert np.array_equal(alone, rates[first : first + 4000], equal_nan=True)
+    assert np.all(memory[27 * count + 3 :] == 7.0)  # nothing is stored beyond the result
+
+
+def test_the_epoch_is_exact():
+    for moments, omega, _ in STATES.values():
+        found = propagate(moments, WXYZ, omega, 0.0, sensitivity=True)[1]
+        expected = np.zeros((3, 9))
+        expected[:, :3] = np.eye(3)
+        assert np.abs(found - expected).max() <= 1e-30
+
+
+def test_a_second_double_of_the_epoch():
+    moments, omega = (10, 20, 26), (1, 15, 1)
+    t, low = 1e9, 3e-8
+    whole = propagate(moments, WXYZ, omega, t, t_low=low, sensitivity=True)[1]
+    swapped = propagate(moments, WXYZ, omega, low, t_low=t, sensitivity=True)[1]
+    assert np.array_equal(whole, swapped)
+    assert np.any(whole != propagate(moments, WXYZ, omega, t, sensitivity=True)[1])

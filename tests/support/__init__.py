@@ -1,0 +1,1 @@
+"""Oracles, samplers and integrators that tests and benchmarks share."""

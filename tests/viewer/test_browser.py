@@ -1,0 +1,268 @@
+"""The page in a real browser: it draws, keeps the motion, and answers keys and mouse."""
+
+import numpy as np
+import pytest
+
+from attitude import Arcs, Impulse, Scene, catalog, shape
+from attitude.frames import quaternion
+from attitude.viewer import _subject, view
+from tests.support import browser
+
+DAY = 86400.0
+# Errors of drivers without graphics hardware, which tell nothing about the page.
+OF_DRIVERS = ("GPU stall due to ReadPixels", "Automatic fallback to software WebGL")
+
+
+def toutatis():
+    return catalog.entry("toutatis").motion()
+
+
+def lit(motion):
+    body = shape.Ellipsoid((2.1, 1.2, 1.0)).facets(1000)
+    return Scene(motion, None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+
+
+def angle(p, q):
+    """Between two attitudes, degrees."""
+    off = quaternion.multiply(quaternion.conjugate(p), q)
+    return np.degrees(2.0 * np.arctan2(np.linalg.norm(off[..., 1:], axis=-1), np.abs(off[..., 0])))
+
+
+def known(errors):
+    return [each for each in errors if not any(known in each for known in OF_DRIVERS)]
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with browser.running() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def shown(chromium, tmp_path_factory):
+    """The page of 30 days of Toutatis, lit and seen."""
+    path = tmp_path_factory.mktemp("viewer") / "toutatis.html"
+    view(lit(toutatis()), stop=30 * DAY, title="4179 Toutatis", output=path)
+    with browser.opened(chromium, path) as (page, errors):
+        yield page, errors
+
+
+def test_it_draws_without_errors(shown):
+    page, errors = shown
+    assert known(errors) == []
+    assert page.title() == "4179 Toutatis"
+    # The body is lit: pixels of the canvas are bright on one side of the picture.
+    bright = page.evaluate(
+        """() => {
+          const canvas = document.getElementById("picture");
+          const copy = document.createElement("canvas");
+          copy.width = canvas.width; copy.height = canvas.height;
+          const pen = copy.getContext("2d");
+          pen.drawImage(canvas, 0, 0);
+          const data = pen.getImageData(0, 0, copy.width, copy.height).data;
+          let count = 0;
+          for (let k = 0; k < data.length; k += 4) if (data[k] > 120) count++;
+          return count / (data.length / 4);
+        }"""
+    )
+    assert 0.01 < bright < 0.6
+    assert "Long-axis mode" in page.inner_text("#kind")
+    assert "period psi" in page.inner_text("#facts")
+
+
+def test_the_pose_is_that_of_the_package(shown):
+    page, _ = shown
+    times = np.linspace(0.0, 30 * DAY, 400) * 0.999 + 17.0
+    poses = np.array(page.evaluate("times => times.map(t => attitudeViewer.pose(t))", list(times)))
+    assert angle(poses, toutatis().at(times).wxyz).max() < 0.2
+
+
+def test_the_arrow_of_the_rate_is_that_of_the_package(shown):
+    page, _ = shown
+    t = 1234567.0
+    drawn = page.evaluate(
+        "t => { attitudeViewer.clock.play(false); attitudeViewer.drawAt(t); "
+        "return attitudeViewer.stage.rate.toArray(); }",
+        t,
+    )
+    expected = toutatis().at(t).angular_velocity_inertial
+    assert np.allclose(drawn, expected, rtol=0, atol=2e-3 * np.linalg.norm(expected))
+
+
+def test_keys_and_scrubber(shown):
+    page, errors = shown
+    now = "attitudeViewer.clock.time"
+    page.evaluate("attitudeViewer.clock.play(true)")
+    page.keyboard.press(" ")
+    assert page.evaluate("attitudeViewer.clock.playing") is False
+    page.keyboard.press("Home")
+    assert page.evaluate(now) == 0.0
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate(now) == pytest.approx(30 * DAY / 1000)
+    page.keyboard.press("End")
+    assert page.evaluate(now) == pytest.approx(30 * DAY)
+    page.evaluate(
+        "() => { const bar = document.getElementById('scrubber'); bar.value = 50000; "
+        "bar.dispatchEvent(new Event('input')); }"
+    )
+    assert page.evaluate(now) == pytest.approx(15 * DAY)
+    assert page.inner_text("#utc") == "1992-11-24 17:49:47 UTC"
+    for key, name in (("2", "observer"), ("3", "sun"), ("4", "body"), ("1", "inertial")):
+        page.keyboard.press(key)
+        assert page.evaluate("attitudeViewer.views.current") == name
+        page.wait_for_timeout(50)
+    page.keyboard.press("p")
+    assert page.evaluate("attitudeViewer.stage.poinsot.plane.visible") is True
+    page.click("input[name=axes]")
+    assert page.evaluate("attitudeViewer.stage.arrows.axes[0].object.visible") is False
+    assert known(errors) == []
+
+
+def test_the_cursor_of_the_curve_is_dragged(shown):
+    page, _ = shown
+    box = page.locator("#curve").bounding_box()
+    middle = box["x"] + 58 + (box["width"] - 58 - 24) / 2
+    page.mouse.move(box["x"] + 100, box["y"] + 60)
+    page.mouse.down()
+    page.mouse.move(middle, box["y"] + 60)
+    page.mouse.up()
+    assert page.evaluate("attitudeViewer.clock.time") == pytest.approx(15 * DAY, rel=0.01)
+
+
+def test_views_turn_the_world(shown):
+    """From the observer its direction points at the camera; from the body, x stays."""
+    page, _ = shown
+    found = page.evaluate(
+        """() => {
+          const { stage, views, panel, drawAt } = attitudeViewer;
+          const of = (name, make) => { panel.choose(name); drawAt(1e6); return make(); };
+          const world = (vector) => vector.applyQuaternion(stage.world.quaternion).toArray();
+          const to = new stage.direction.constructor();
+          return {
+            observer: of("observer", () => world(stage.observer.at(1e6, to))),
+            body: of("body", () => world(to.set(1, 0, 0).applyQuaternion(stage.pose))),
+          };
+        }"""
+    )
+    assert np.allclose(found["observer"], [1, 0, 0], atol=1e-6)
+    assert np.allclose(found["body"], [1, 0, 0], atol=1e-6)
+
+
+def test_impulses_jump(chromium, tmp_path):
+    """At an impulse the rate jumps and the attitude does not; both sides are kept."""
+    motion = toutatis()
+    arcs = Arcs(motion.body, motion.spin, Impulse(10 * DAY, -0.8 * motion.momentum, "icrf"))
+    path = tmp_path / "arcs.html"
+    view(arcs, stop=20 * DAY, output=path)
+    times = np.concatenate([np.linspace(0, 20 * DAY, 97), 10 * DAY + np.array([-1.0, 1.0])])
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        poses = page.evaluate("times => times.map(t => attitudeViewer.pose(t))", list(times))
+        assert known(errors) == []
+    assert angle(np.array(poses), arcs.at(times).wxyz).max() < 0.2
+
+
+def test_frames_draw_what_changed(chromium, tmp_path):
+    """The shadows are drawn again where pose or light changed; a paused page draws nothing."""
+    wing = shape.box_wing((10, 4, 4), (14, 5), wings=1)
+    scene = Scene(toutatis(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=wing)
+    path = tmp_path / "wing.html"
+    view(scene, stop=DAY, output=path)
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        found = page.evaluate(
+            """() => {
+              const { stage, clock, drawAt, panel } = attitudeViewer;
+              clock.play(false);
+              const drawn = [];
+              const draw = (time, change = () => {}) => {
+                change();
+                drawAt(time);
+                const { calls, triangles } = stage.renderer.info.render;
+                drawn.push([calls, triangles]);
+              };
+              panel.choose("inertial");
+              draw(1000);
+              draw(1000, () => stage.camera.position.multiplyScalar(1.2));
+              draw(5000);
+              draw(5000, () => panel.toggle("shadows"));
+              draw(5000, () => panel.toggle("shadows"));
+              return drawn;
+            }"""
+        )
+        (first, moved, later, without, again) = found
+        facets = len(wing.facets)
+        assert first == later == again
+        assert first[1] - moved[1] == first[1] - without[1] == facets
+        assert first[0] - moved[0] == 1
+        page.wait_for_timeout(100)
+        counts = page.evaluate(
+            """async () => {
+              const { frames, clock } = attitudeViewer;
+              const pause = () => new Promise((done) => setTimeout(done, 300));
+              await pause();
+              const before = { ...frames };
+              await pause();
+              const paused = frames.drawn - before.drawn, passed = frames.count - before.count;
+              clock.play(true);
+              await pause();
+              return [passed, paused, frames.drawn - before.drawn];
+            }"""
+        )
+        assert counts[0] > 1 and counts[1] == 0 and counts[2] > 1
+        assert known(errors) == []
+
+
+def test_slow_frames_draw_less_and_a_still_picture_is_whole(chromium, tmp_path):
+    """Frames 50 ms apart lower the quality level by level; the page at rest draws all facets."""
+    ball = shape.Ellipsoid((1.0, 0.8, 0.7)).facets(12_000)
+    body = ball.moved((-0.9, 0.0, 0.0)).joined(ball.moved((0.9, 0.0, 0.0)))
+    scene = Scene(toutatis(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+    path = tmp_path / "slow.html"
+    view(scene, stop=DAY, output=path)
+    with browser.opened(chromium, path, 400, 300) as (page, errors):
+        found = page.evaluate(
+            """async () => {
+              const { stage, clock, quality, drawAt } = attitudeViewer;
+              clock.play(false);
+              const drawn = [];
+              let now = quality.last + 1000;
+              const frames = (count, apart, changed) => {
+                for (let k = 0; k < count; k++) {
+                  stage.changed = changed;
+                  quality.frame((now += apart));
+                }
+                drawAt(clock.time);
+                const { width, height } = stage.canvas;
+                drawn.push([
+                  quality.drawn,
+                  quality.level,
+                  stage.mesh.geometry.index.count / 3,
+                  stage.light.shadow.mapSize.x,
+                  width / height,
+                  width,
+                ]);
+              };
+              quality.level = 0;
+              frames(20, 16, false);
+              frames(41, 17, true);
+              for (let k = 0; k < 5; k++) frames(8, 50, true);
+              frames(20, 16, false);
+              frames(1, 16, true);
+              frames(8, 150, true);
+              const levels = quality.levels.length;
+              await new Promise((done) => setTimeout(done, 1000));
+              return [drawn, levels, quality.drawn];
+            }"""
+        )
+        assert known(errors) == []
+    drawn, levels, left = found
+    still, fast, *slow, rest, again, slower = drawn
+    assert levels == 5 and left == 0
+    assert still == fast and still[:4] == [0, 0, len(body), 2048]
+    assert [each[0] for each in slow] == [1, 2, 3, 4, 4]
+    assert slow[0][2:4] == [len(body), 1024]
+    assert 1000 < slow[1][2] <= _subject.COARSE
+    assert slow[-1][3] == 512 and slow[-1][5] == pytest.approx(0.3 * still[5], abs=1)
+    assert rest == [0, 4, *still[2:]]
+    # After a pause one level more is tried; frames that take 150 ms lower it by two.
+    assert again[0] == 3 and slower[0] == 4
+    assert all(each[4] == pytest.approx(still[4], rel=0.02) for each in drawn)

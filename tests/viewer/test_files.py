@@ -1,0 +1,214 @@
+"""Animations and files for other viewers, each opened by a reader of another project."""
+
+import itertools
+import json
+import shutil
+import warnings
+
+import numpy as np
+import pytest
+
+from attitude import Body, FreeRotation, Scene, Spin, cli, paths, shape
+from attitude.errors import AttitudeError
+from attitude.frames import quaternion
+from attitude.viewer import animate, write_cosmographia, write_czml, write_glb
+from tests.support.places import ROOT
+
+TLE = ROOT / "data" / "paths" / "envisat-2013.tle"
+
+
+def tumbler():
+    spin = Spin(epoch="2013-10-23", wxyz=(0.5, 0.5, -0.5, 0.5), angular_velocity=(0.02, 0.05, 0.01))
+    return FreeRotation(Body(moments=(10, 20, 26)), spin)
+
+
+def orbiting():
+    return Scene(tumbler(), paths.tle(TLE), shape=shape.box((10, 4, 4)))
+
+
+def lit():
+    body = shape.Ellipsoid((2.0, 1.2, 1.0))
+    return Scene(tumbler(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+
+
+def angle(p, q):
+    off = quaternion.multiply(quaternion.conjugate(p), q)
+    return np.degrees(2.0 * np.arctan2(np.linalg.norm(off[..., 1:], axis=-1), np.abs(off[..., 0])))
+
+
+def slerped(keys, turns, times):
+    """Attitudes wxyz along great circles between rows x, y, z, w; by scipy."""
+    from scipy.spatial.transform import Rotation, Slerp
+
+    found = Slerp(keys, Rotation.from_quat(turns))(times).as_quat()
+    return found[:, [3, 0, 1, 2]]
+
+
+def test_czml_is_that_of_the_motion(tmp_path):
+    """Against skyfield's rotation of the Earth, and read by the models of czml3."""
+    path = tmp_path / "envisat.czml"
+    write_czml(path, orbiting(), stop=1200.0, title="Envisat")
+    document, body = json.loads(path.read_text())
+    assert document["version"] == "1.0" and body["position"]["referenceFrame"] == "INERTIAL"
+    rows = np.array(body["orientation"]["unitQuaternion"]).reshape(-1, 5)
+    times = np.linspace(0.0, 1200.0, 301)
+    made = slerped(rows[:, 0], rows[:, 1:], times)
+
+    from skyfield.api import load
+    from skyfield.framelib import itrs
+
+    history = tumbler().at(times)
+    moments = load.timescale(builtin=True).tdb_jd(history.time.jd)
+    turn = np.moveaxis(itrs.rotation_at(moments), -1, 0)  # ICRF to ITRS
+    expected = quaternion.multiply(quaternion.from_matrix(turn), history.wxyz)
+    assert angle(made, expected).max() < 0.1
+    place = np.array(body["position"]["cartesian"]).reshape(-1, 4)
+    orbit = orbiting().center.position(tumbler().epoch, place[:, 0])
+    assert np.allclose(place[:, 1:], orbit, rtol=0, atol=1e-3)
+
+
+def test_czml_is_read_by_another_parser(tmp_path):
+    czml3 = pytest.importorskip("czml3", reason="czml3 is not installed")
+    properties = pytest.importorskip("czml3.properties")
+    path = tmp_path / "envisat.czml"
+    write_czml(path, orbiting(), stop=600.0, model="https://example.org/envisat.glb")
+    document, body = json.loads(path.read_text())
+    assert czml3.Packet(**document).version == "1.0"
+    assert properties.Orientation(**body["orientation"]).unitQuaternion is not None
+    assert czml3.Packet(**body).model is not None
+
+
+@pytest.mark.parametrize("scene", [tumbler(), lit()], ids=["no path", "directions"])
+def test_czml_needs_an_orbit_of_the_earth(tmp_path, scene):
+    with pytest.raises(AttitudeError, match="a path about the Earth"):
+        write_czml(tmp_path / "x.czml", scene)
+
+
+def test_glb_is_read_by_pygltflib_and_trimesh(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    path = tmp_path / "body.glb"
+    ball = shape.Ellipsoid((3.0, 2.0, 1.0)).facets(500)
+    write_glb(path, tumbler(), stop=600.0, shape=ball, title="body", speed=10.0)
+    mesh = trimesh.load(path, force="scene")
+    found = next(iter(mesh.geometry.values()))
+    assert found.is_watertight and found.volume == pytest.approx(ball.volume, rel=1e-6)
+    assert np.allclose(found.vertices, ball.vertices, atol=1e-6)
+
+    pygltflib = pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    content = pygltflib.GLTF2().load(path)
+    sampler = content.animations[0].samplers[0]
+    keys, turns = (accessor(content, each) for each in (sampler.input, sampler.output))
+    times = np.linspace(0.0, 600.0, 200)
+    made = slerped(keys[:, 0].astype(float), turns, np.minimum(times / 10.0, keys[-1, 0]))
+    assert angle(made, tumbler().at(times).wxyz).max() < 0.12  # float32 times add to 0.1
+
+
+def accessor(content, k):
+    """An array of a glTF file, float32."""
+    one = content.accessors[k]
+    part = content.bufferViews[one.bufferView]
+    data = content.binary_blob()[part.byteOffset : part.byteOffset + part.byteLength]
+    return np.frombuffer(data, "<f4").reshape(one.count, -1)
+
+
+def test_glb_passes_the_validator(tmp_path):
+    """Khronos' validator, where node and the npm package gltf-validator are installed."""
+    import os
+    import subprocess
+
+    node, folder = shutil.which("node"), os.environ.get("GLTF_VALIDATOR")
+    if node is None or folder is None:
+        pytest.skip("GLTF_VALIDATOR does not name the folder of the npm package gltf-validator")
+    path = tmp_path / "body.glb"
+    write_glb(path, tumbler(), stop=600.0)
+    code = (
+        "require(process.argv[1]).validateBytes(new Uint8Array(require('fs').readFileSync("
+        "process.argv[2]))).then(r => console.log(JSON.stringify(r.issues)))"
+    )
+    run = subprocess.run([node, "-e", code, folder, path], capture_output=True, text=True)
+    issues = json.loads(run.stdout)
+    assert (issues["numErrors"], issues["numWarnings"]) == (0, 0), issues["messages"]
+
+
+def test_cosmographia_is_beside_a_c_kernel_that_spice_reads(tmp_path):
+    spiceypy = pytest.importorskip("spiceypy")
+    path = tmp_path / "envisat.json"
+    write_cosmographia(path, orbiting(), stop=1200.0, title="Envisat 2013")
+    catalogue = json.loads(path.read_text())
+    (item,) = catalogue["items"]
+    for name in (
+        *catalogue["spiceKernels"],
+        item["geometry"]["source"],
+        item["trajectory"]["source"],
+    ):
+        assert (tmp_path / name).is_file()
+    assert item["center"] == "Earth" and item["geometry"]["size"] == pytest.approx(
+        np.linalg.norm([5, 2, 2]) / 1000
+    )
+    for name in catalogue["spiceKernels"]:
+        spiceypy.furnsh(str(tmp_path / name))
+    try:
+        history = tumbler().at(np.linspace(1.0, 1199.0, 20))
+        matrices = [
+            spiceypy.pxform(item["bodyFrame"]["name"], "J2000", each)
+            for each in history.epoch.seconds + history.seconds
+        ]
+    finally:
+        spiceypy.kclear()
+    assert np.allclose(matrices, history.matrix, rtol=0, atol=3e-6)
+    rows = np.loadtxt(tmp_path / item["trajectory"]["source"])
+    assert np.allclose(np.linalg.norm(rows[:, 1:4], axis=1), 7150, atol=60)  # km
+    trimesh = pytest.importorskip("trimesh")
+    assert trimesh.load(tmp_path / item["geometry"]["source"]).is_watertight
+
+
+@pytest.mark.parametrize("ending", ["webp", "gif"])
+def test_an_animation_shows_the_turning_body(tmp_path, ending):
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    path = tmp_path / f"a.{ending}"
+    done = []
+    animate(lit(), path, stop=60.0, frames=5, size=(200, 180), progress=lambda *n: done.append(n))
+    assert done == [(k, 5) for k in range(1, 6)]
+    with image.open(path) as film:
+        assert (film.n_frames, film.size) == (5, (200, 180))
+        frames = []
+        for k in range(5):
+            film.seek(k)
+            frames.append(np.asarray(film.convert("L"), dtype=float))
+    # The body is drawn, and the curve grows: pixels change from frame to frame.
+    assert all((each > 100).sum() > 300 for each in frames)
+    assert all(np.abs(a - b).max() > 60 for a, b in itertools.pairwise(frames))
+
+
+def test_an_animation_as_mp4(tmp_path):
+    if shutil.which("ffmpeg") is None:
+        pytest.skip("ffmpeg is not installed")
+    path = tmp_path / "a.mp4"
+    animate(tumbler(), path, stop=60.0, frames=4, size=(160, 160))
+    assert path.read_bytes()[4:8] == b"ftyp"
+
+
+def test_bad_outputs_are_sentences(tmp_path, capsys):
+    with pytest.raises(AttitudeError, match=r"ends in \.webp, \.gif or \.mp4"):
+        animate(tumbler(), tmp_path / "a.avi")
+    assert cli.main(["view", "toutatis", "--output", "x.pdf"]) == 2
+    assert ".czml" in capsys.readouterr().err
+    both = ["view", "toutatis", "--output", "x.html", "--animate", "x.gif"]
+    assert cli.main(both) == 2
+
+
+def test_the_command_writes_them(tmp_path):
+    pytest.importorskip("PIL")
+    mission = str(ROOT / "data" / "mission" / "envisat-pass.toml")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        out = tmp_path / "e.czml"
+        assert cli.main(["view", mission, "--output", str(out)]) == 0
+        assert len(json.loads(out.read_text())) == 2
+        out = tmp_path / "t.webp"
+        arguments = ["--stop", "2 d", "--frames", "3"]
+        assert cli.main(["view", "toutatis", "--animate", str(out), *arguments]) == 0
+        assert out.read_bytes()[8:12] == b"WEBP"
+        out = tmp_path / "t.glb"
+        assert cli.main(["view", "toutatis", "--output", str(out), "--stop", "2 d"]) == 0
+        assert out.read_bytes()[:4] == b"glTF"

@@ -1,0 +1,290 @@
+"""Pages without a browser: what they hold, how large they are, and what is refused."""
+
+import base64
+import json
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+from attitude import (
+    Arcs,
+    AttitudeTable,
+    Body,
+    FreeRotation,
+    Impulse,
+    Scene,
+    Spin,
+    catalog,
+    cli,
+    shape,
+)
+from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.frames import quaternion
+from attitude.viewer import _page, _subject, view
+from attitude.viewer._subject import subject
+from tests.support.places import ROOT
+
+DAY = 86400.0
+FLIP = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.001, 1, 0.001))
+
+
+def toutatis():
+    return catalog.entry("toutatis").motion()
+
+
+def content(made):
+    """The value that a page holds."""
+    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', made.html, re.S)
+    return json.loads(text.group(1))
+
+
+def array(text, kind, width):
+    return np.frombuffer(base64.b64decode(text), kind).reshape(-1, width)
+
+
+def slerp_error(what, count=3000):
+    """Largest angle, degrees, between great circles of a page and the motion."""
+    worst = 0.0
+    for piece in _subject.pieces(what):
+        rows = np.random.default_rng(1).integers(0, len(piece.wxyz) - 1, count)
+        part = np.random.default_rng(2).random(count)
+        ends = [np.rint(piece.wxyz[rows + k] * 32767.0) for k in (0, 1)]
+        ends = [each / np.linalg.norm(each, axis=1)[:, None] for each in ends]
+        dot = np.sum(ends[0] * ends[1], axis=1)
+        omega = np.arccos(np.clip(np.abs(dot), 0, 1))
+        sine = np.maximum(np.sin(omega), 1e-12)
+        weights = np.sin((1 - part) * omega) / sine, np.sign(dot) * np.sin(part * omega) / sine
+        made = weights[0][:, None] * ends[0] + weights[1][:, None] * ends[1]
+        made /= np.linalg.norm(made, axis=1)[:, None]
+        true = what.at(piece.start + (rows + part) * piece.step).wxyz
+        off = quaternion.multiply(quaternion.conjugate(true), made)
+        angles = 2 * np.arctan2(np.linalg.norm(off[:, 1:], axis=1), np.abs(off[:, 0]))
+        worst = max(worst, np.degrees(angles).max())
+    return worst
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        subject(toutatis(), stop=30 * DAY),
+        subject(catalog.entry("envisat").motion(), stop=3600.0),
+        subject(FreeRotation(Body(moments=(10, 20, 26)), FLIP), stop=300.0),
+        subject(FreeRotation(Body(moments=(1, 1, 1)), FLIP), stop=300.0),
+        subject(toutatis(), start="2004-01-01", stop="2004-02-01"),
+    ],
+    ids=["toutatis", "envisat", "flip", "uniform", "later"],
+)
+def test_great_circles_stay_within_a_tenth_of_a_degree(what):
+    assert slerp_error(what) < 0.1
+
+
+def test_a_uniform_rotation_needs_few_attitudes():
+    """The step is as wide as the motion allows: of a uniform rotation 2 rad, not its period."""
+    what = subject(FreeRotation(Body(moments=(1, 1, 1)), FLIP), stop=300.0)
+    (piece,) = _subject.pieces(what)
+    assert len(piece.wxyz) == 152
+
+
+def test_thirty_days_of_toutatis_are_small():
+    """Below 300 kB beside the library, with Sun, observer, light curve and mesh."""
+    body = shape.Ellipsoid((2.1, 1.2, 1.0)).facets(1000)
+    scene = Scene(toutatis(), None, observer=(1, 0.2, 0.1), sun=(0.3, 1, 0.2), shape=body)
+    made = view(scene, stop=30 * DAY)
+    library = len((_page.FOLDER / "three" / "three.min.js").read_text())
+    assert len(made.html) - library < 300_000
+    data = content(made)
+    # 2592000 s of TDB are 0.7 ms less of UTC.
+    assert data["utc"] == ["1992-11-09T17:49:47", "1992-12-09T17:49:46.999333959"]
+    times = array(data["curve"]["times"], "<f8", 1)[:, 0]
+    values = array(data["curve"]["values"], "<f4", 1)[:, 0]
+    expected = scene.at(times).reduced_magnitude
+    assert np.allclose(values, expected, rtol=0, atol=1e-5)
+    assert data["curve"]["label"] == "reduced magnitude"
+
+
+def test_a_scene_is_shown_as_it_is_received():
+    """The attitude at a time of the page is that of the light that arrives."""
+    made = cli_page("data/mission/apophis-2012.toml", "--stop", "2012-12-12")
+    from attitude.formats import mission
+
+    scene = mission.read(str(ROOT / "data/mission/apophis-2012.toml")).scene
+    piece = made["poses"][0]
+    row = 40
+    wxyz = array(piece["wxyz"], "<i2", 4)[row].astype(float)
+    wxyz /= np.linalg.norm(wxyz)
+    from attitude import epochs
+
+    start = epochs.instant("2012-12-02")
+    seen = scene.since(start, np.array([piece["start"] + row * piece["step"]]))
+    assert abs(seen.attitude.wxyz[0] @ wxyz) > 1.0 - 1e-8
+    given = scene.motion.at(seen.seconds).wxyz[0]
+    assert abs(given @ wxyz) < 1.0 - 1e-6  # without light time it is another attitude
+
+
+def cli_page(*words, tmp="view.html"):
+    import tempfile
+    from pathlib import Path
+
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / tmp
+        first, *rest = words
+        given = str(ROOT / first) if "/" in first else first
+        assert cli.main(["view", given, *rest, "--output", str(out)]) == 0
+        text = out.read_text()
+    found = re.search(r'id="data">(.*?)</script>', text, re.S)
+    return json.loads(found.group(1))
+
+
+def test_the_command_takes_every_source():
+    assert cli_page("toutatis", "--stop", "3 d")["duration"] == pytest.approx(3 * DAY)
+    assert cli_page("data/spin/paper.toml")["poinsot"] is not None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AttitudeWarning)
+        table = cli_page("tests/data/two-segments.aem")
+    assert table["surface"]["kind"] == "box" and table["momentum"] is None
+    lit = cli_page("toutatis", "--sun", "1, 0, 0", "--observer", "0, 1, 0", "--stop", "1 d")
+    assert lit["curve"] is not None
+
+
+def test_the_command_takes_a_c_kernel(tmp_path):
+    pytest.importorskip("spiceypy")
+    from attitude.formats import ck
+
+    ck.write(tmp_path / "t.bc", toutatis(), 0.0, 2 * DAY, tolerance=1e-6)
+    out = tmp_path / "t.html"
+    arguments = ["--start", "1992-11-09T18:00:00", "--stop", "1992-11-10T18:00:00"]
+    assert cli.main(["view", str(tmp_path / "t.bc"), *arguments, "--output", str(out)]) == 0
+    assert out.stat().st_size > 500_000
+
+
+def test_the_mesh_of_a_file(tmp_path):
+    file = tmp_path / "body.obj"
+    file.write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    data = cli_page("toutatis", "--shape", str(file), "--unit", "km")
+    assert data["surface"]["size"] == pytest.approx(2000.0)
+    assert array(data["surface"]["facets"], "<u4", 3).shape == (4, 3)
+
+
+def test_too_many_facets_are_drawn_with_fewer():
+    ball = shape.Ellipsoid((1.0, 0.8, 0.7)).facets(80_000)
+    what = subject(toutatis(), shape=ball)
+    with pytest.warns(AttitudeWarning, match="79380 facets, of which a page draws 20000"):
+        found = _subject.surface(what, 20_000)
+    assert 8_000 < len(found.facets) <= 20_000
+    # Still the same body: its extent and volume to a few cells.
+    assert np.allclose(np.ptp(found.vertices, axis=0), [2.0, 1.6, 1.4], atol=0.05)
+    a, b, c = np.moveaxis(found.vertices[found.facets], 1, 0)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+    assert volume == pytest.approx(4.0 / 3.0 * np.pi * 0.56, rel=0.02)
+
+
+def test_a_body_at_rest_is_drawn():
+    still = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+    data = content(view(FreeRotation(Body(moments=(1, 2, 3)), still)))
+    assert data["momentum"] is None and data["poinsot"] is None and data["turns"] is False
+    assert data["duration"] == 3600.0
+
+
+def test_a_rod_is_drawn_without_poinsot():
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 1, 0))
+    data = content(view(FreeRotation(Body(moments=(0, 2, 2)), spin)))
+    assert data["poinsot"] is None and data["surface"]["kind"] == "ellipsoid of inertia"
+
+
+def test_impulses_make_pieces():
+    motion = toutatis()
+    arcs = Arcs(motion.body, motion.spin, Impulse(2 * DAY, 0.5 * motion.momentum, "icrf"))
+    data = content(view(arcs, stop=4 * DAY))
+    assert [each["start"] for each in data["poses"]] == [0.0, 2 * DAY]
+    assert ["impulses", "1 in the span"] in data["facts"]
+    before, after = (array(each["rates"], "<f4", 3) for each in data["poses"])
+    expected = arcs.angular_velocity_at(np.array([2 * DAY - 1e-3, 2 * DAY]))
+    assert np.allclose(before[-1], expected[0], rtol=1e-5)
+    assert np.allclose(after[0], expected[1], rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"stop": 1e9 * 7 * DAY}, "needs .* attitudes"),
+        ({"stop": np.nan}, "stop is nan; give a finite epoch"),
+        ({"start": [0.0, np.nan]}, "start holds 2 epochs"),
+        ({"start": 5.0, "stop": 5.0}, "give a stop after the start"),
+        ({"shape": "toutatis.obj"}, "shape is str"),
+        ({"output": "/nowhere/view.html"}, "/nowhere"),
+    ],
+)
+def test_bad_input_is_a_sentence(settings, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        view(toutatis(), **settings)
+
+
+def test_a_scene_without_a_motion_is_refused():
+    with pytest.raises(AttitudeError, match="the scene has no motion"):
+        view(Scene(None, None, (1, 0, 0), (0, 1, 0)))
+
+
+def test_a_missing_shape_file_is_a_sentence(capsys):
+    assert cli.main(["view", "toutatis", "--shape", "nowhere.obj"]) == 2
+    assert "nowhere.obj" in capsys.readouterr().err
+
+
+def test_a_table_needs_no_inertia():
+    table = AttitudeTable("2026-01-01", [0, 10], [[1, 0, 0, 0], [0, 0, 0, 1]], method="slerp")
+    data = content(view(table))
+    assert data["duration"] == 10.0
+    assert ["moments", "unknown: without them no momentum is drawn"] in data["facts"]
+
+
+@pytest.mark.parametrize(
+    "title",
+    [
+        "</script><b>&",
+        "<!--<script>",
+        "<!-- <SCRIPT",
+        "</SCRIPT x>-->",
+        "--><script>",
+        "a\u2028b\u2029c",
+        "{{script}}\\u003c",
+    ],
+)
+def test_text_of_a_title_ends_no_script(title):
+    """A parser of the HTML standard finds the same elements as with a plain title."""
+    import html5lib
+
+    made, plain = (
+        html5lib.parse(view(toutatis(), title=text).html, namespaceHTMLElements=False)
+        for text in (title, "plain")
+    )
+    assert [each.tag for each in made.iter()] == [each.tag for each in plain.iter()]
+    assert made.find("head/title").text == title
+    data, other = (each.find(".//script[@id='data']").text for each in (made, plain))
+    assert json.loads(data)["title"] == title
+    assert [each.text for each in made.iter("script") if each.text != data] == [
+        each.text for each in plain.iter("script") if each.text != other
+    ]
+    assert not set(data) & {"<", "\u2028", "\u2029"}  # as text of JavaScript too
+
+
+def test_a_page_in_a_notebook_is_a_frame():
+    assert "srcdoc" in view(toutatis())._repr_html_()
+
+
+def test_the_library_is_whole_and_named():
+    text = (_page.FOLDER / "three" / "three.min.js").read_text()
+    assert f"three.js {_page.version()}" in text[:100]
+    assert "MIT License" in (_page.FOLDER / "three" / "LICENSE").read_text()
+    import runpy
+
+    names = runpy.run_path(str(ROOT / "docs" / "make_three.py"))["NAMES"]
+    sources = "".join((_page.FOLDER / f"{name}.js").read_text() for name in _page.SCRIPTS)
+    used = set(re.findall(r"\bTHREE\.(\w+)", sources)) - {"OrbitControls"}
+    assert used == set(names)
+    assert {file.stem for file in _page.FOLDER.glob("*.js")} == set(_page.SCRIPTS)
+    for file in _page.FOLDER.glob("*.js"):
+        assert len(file.read_text().splitlines()) <= 400
+    # Joined scripts share one scope: no two files define the same name.
+    defined = re.findall(r"^(?:export )?(?:class|function|const|let) (\w+)", sources, re.M)
+    assert len(defined) == len(set(defined))
