@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Reals
     from attitude.motions._motion import HasAttitudes, Motion
 
+__all__ = ["Entry", "entry", "has", "load", "motion_of", "names"]
+
 
 # --------------------------------------------------------------------------------------------------
 # One published number with its unit, error and source.

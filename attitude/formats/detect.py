@@ -19,6 +19,18 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
 
+__all__ = [
+    "ENDINGS",
+    "OF_MOTIONS",
+    "OpenedFile",
+    "of_file",
+    "opened",
+    "read",
+    "to_write",
+    "write",
+    "write_motion",
+]
+
 
 # Ending -> format: for writing, and for reading if the content is not recognized.
 ENDINGS: dict[str, str] = {

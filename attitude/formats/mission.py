@@ -82,6 +82,8 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.shape import _mesh
 
+__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
+
 
 # --------------------------------------------------------------------------------------------------
 # Sections [shape], [scattering] and [magnitude] of mission files: shape, law and magnitudes.

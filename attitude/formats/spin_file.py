@@ -76,6 +76,8 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FilePath
 
+__all__ = ["SpinFile", "of_sections", "parse", "read", "text", "write"]
+
 
 # --------------------------------------------------------------------------------------------------
 # The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin.

@@ -45,6 +45,17 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, Records, SampledFile
     from attitude.motions._history import AttitudeHistory
 
+__all__ = [
+    "KINDS",
+    "columns_of",
+    "from_table",
+    "kind_of",
+    "qtable",
+    "read",
+    "write",
+    "write_columns",
+]
+
 
 # --------------------------------------------------------------------------------------------------
 # The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles.

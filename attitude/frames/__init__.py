@@ -35,6 +35,15 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FloatArray
 
+__all__ = [
+    "FRAMES",
+    "attitude_to_icrf",
+    "known",
+    "matrix_to_icrf",
+    "vector_to_icrf",
+    "wxyz_to_icrf",
+]
+
 
 FRAMES: tuple[str, ...] = ("icrf", "gcrf", "eme2000", "ecliptic")
 

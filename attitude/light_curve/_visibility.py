@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.light_curve._brightness import Packs
+    from attitude.light_curve._few_facets import Packs
     from attitude.light_curve._sums import Clusters
 
 
@@ -913,11 +913,11 @@ class Visibility:
 
     def arranged(self, packs: Packs) -> NDArray[np.uint64]:
         """The masks as `few_facets.arranged` has them; those of the last packs are kept."""
-        from attitude.light_curve import _brightness
+        from attitude.light_curve import _few_facets
 
         last = self._last[-1:]
         if not last or not np.array_equal(last[0][0], packs.order):
-            found = _brightness.arranged(self.masks, packs, self.clusters.order)
+            found = _few_facets.arranged(self.masks, packs, self.clusters.order)
             self._last[:] = last = [(packs.order, found)]
         words: NDArray[np.uint64] = last[0][1]
         return words
