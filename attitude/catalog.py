@@ -44,8 +44,7 @@ if TYPE_CHECKING:
     from attitude.motions._motion import HasAttitudes, Motion
 
 
-# --------------------------------------------------------------------------------------------------
-# One published number with its unit, error and source.
+# ---- One published number with its unit, error and source
 
 # SI units and radians in the units of the catalogue, as astropy converts them.
 _DEGREE = np.pi / 180.0
@@ -108,9 +107,7 @@ def _spelled(value: Any) -> str:
     return repr(value)
 
 
-# --------------------------------------------------------------------------------------------------
-# Which body a name means: the whole name, its number, or the beginning of a word of it.
-#
+# ---- Which body a name means: the whole name, its number, or the beginning of a word of it
 # A number means a body only as its whole number, and a year none: "41" is not 4179 Toutatis, and
 # "2008" not 2008 TC3, so that no body gets the numbers of another.
 #

@@ -260,8 +260,7 @@ def _unbroken(
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)
 
 
-# --------------------------------------------------------------------------------------------------
-# Figures that notebooks show without a command; imported when the first figure is made.
+# ---- Figures that notebooks show without a command; imported when the first figure is made
 
 
 class ShownFigure(Figure):

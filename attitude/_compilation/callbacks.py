@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-# --------------------------------------------------------------------------------------------------
-# Exceptions that leave a C callback: kept, and raised again after the loop that called it.
-#
+# ---- Exceptions that leave a C callback: kept, and raised again after the loop that called it
 # Python and numba give such an exception to ``sys.unraisablehook``, which prints it, and the loop
 # goes on.  That can be any exception: a KeyboardInterrupt is raised at the entry of a Python
 # callback, before a ``try`` in it.

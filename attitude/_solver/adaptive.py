@@ -36,9 +36,7 @@ from attitude._solver.torqued_step import (
     torques_of,
 )
 
-# --------------------------------------------------------------------------------------------------
-# One step of a splitting integrator of each of two motions, computed together.
-#
+# ---- One step of a splitting integrator of each of two motions, computed together
 # The free motions of both are computed in SIMD vectors (`solution.two_flights`); torques are called
 # one after the other.
 

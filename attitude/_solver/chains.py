@@ -295,8 +295,7 @@ def _cosine_and_sine(turns):
     return cosine, sine
 
 
-# --------------------------------------------------------------------------------------------------
-# Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles.
+# ---- Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles
 
 
 @sized_entry_point
@@ -433,8 +432,7 @@ def _to_body(q, v):
     return out
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes on a chain of free arcs: each epoch with the constants of its arc.
+# ---- Attitudes on a chain of free arcs: each epoch with the constants of its arc
 
 
 @sized_entry_point
@@ -521,8 +519,7 @@ def _has_started(starts, arc, t, low):
     return t > starts[arc, 0] or (t == starts[arc, 0] and low >= starts[arc, 1])
 
 
-# --------------------------------------------------------------------------------------------------
-# Chains of free arcs of many members, which change at the same epochs.
+# ---- Chains of free arcs of many members, which change at the same epochs
 
 
 @entry_point
@@ -586,9 +583,7 @@ def evaluate_members(constants, starts, t, t_low, wxyz, rates, column):
     return -1
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes at rows of epochs, each of one of many bodies: runs of rows of the same body.
-#
+# ---- Attitudes at rows of epochs, each of one of many bodies: runs of rows of the same body
 # Rows in which the members stand in any order are brought into runs by a counting sort.
 
 

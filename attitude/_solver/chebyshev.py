@@ -207,9 +207,7 @@ def _fit_equal(function, start, width, count, degree):
     return table, float(error), float(np.max(np.abs(values)))
 
 
-# --------------------------------------------------------------------------------------------------
-# Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three.
-#
+# ---- Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three
 # The records of a JPL kernel, of a compressed path and of an interpolated table have one layout: a
 # row for each piece, which holds `skip` other numbers and then the `count` coefficients of x, of y
 # and of z.

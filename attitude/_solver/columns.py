@@ -295,9 +295,7 @@ def stream_sums(block, row, spans, out):
             number += 1
 
 
-# --------------------------------------------------------------------------------------------------
-# Covariances of the attitude from columns in triangular form.
-#
+# ---- Covariances of the attitude from columns in triangular form
 # The columns are linear combinations of parameters, chosen so that column j has no part in the
 # first j rows of the weights: P = sum over j of eta_j eta_j^T is the same for columns that are
 # turned by an orthogonal matrix.  Most products are by zero then, and one loop adds all columns in

@@ -33,9 +33,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Entry points of the solution: compute the constants of B motions, evaluate them at epochs.
-#
+# ---- Entry points of the solution: compute the constants of B motions, evaluate them at epochs
 # All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
 # compiled separately and only when a state needs it: nested in one function, they would be
 # optimised again at every level, for seconds.  ``entry_point.run(...)`` saves the 0.1 us of one

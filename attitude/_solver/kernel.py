@@ -50,9 +50,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Last stage: from the internal axes of the solution to the given body axes.
-#
+# ---- Last stage: from the internal axes of the solution to the given body axes
 # q(t) = q(0) b q_int(0)* q_int(t) b*, where b rotates internal to given body axes: one constant
 # quaternion on each side of q_int(t), multiplied out to one matrix that the kernels apply.
 

@@ -174,8 +174,7 @@ def kicks(c, models, states, times, lengths, cubes, given, out):
     return layout.FINE, 0.0, 0.0
 
 
-# --------------------------------------------------------------------------------------------------
-# The loop of a splitting integrator with fixed steps over many states of one or many bodies.
+# ---- The loop of a splitting integrator with fixed steps over many states of one or many bodies
 
 
 @entry_point

@@ -300,9 +300,7 @@ def _component(kept, axis, i):
     return math.ldexp(as_double(load(kept, COLUMNS + 3 * axis + i)), -BITS)
 
 
-# --------------------------------------------------------------------------------------------------
-# The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers.
-#
+# ---- The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers
 # Jacobi's rotations of doubles bring the elements off the diagonal to 1e-16 of the moments; few
 # rotations of wide integers (`solution.diagonal`) are left.
 
@@ -408,9 +406,7 @@ def _turn_matrix(w):
             store(w, MATRIX + 3 * i + k, total)
 
 
-# --------------------------------------------------------------------------------------------------
-# Principal axes of full inertia tensors, to 115 digits.
-#
+# ---- Principal axes of full inertia tensors, to 115 digits
 # Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
 # axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
 # suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations run in

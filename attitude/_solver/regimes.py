@@ -264,9 +264,7 @@ def mean_speeds(regimes, out):
         out[b] = size * total / weights
 
 
-# --------------------------------------------------------------------------------------------------
-# The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis.
-#
+# ---- The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis
 # Symbols: A <= B <= C the moments.
 
 # y = (1 + exp(-z))^-1 measures D between the separatrix (0) and rotation about the axis (1).

@@ -88,8 +88,7 @@ from attitude._solver.uniform_tangents import (
     unit_vector,
 )
 
-# --------------------------------------------------------------------------------------------------
-# Set-up of the sensitivity: one record of solution.tangent_record for each motion.
+# ---- Set-up of the sensitivity: one record of solution.tangent_record for each motion
 
 
 @slowly_compiled

@@ -59,9 +59,7 @@ from attitude._solver.kernel import product
 from attitude._solver.series import sincos, sincos_of_eighth
 from attitude._solver.twofloat import quick_two_sum, two_prod, two_sum
 
-# --------------------------------------------------------------------------------------------------
-# The state of an integration: attitude and angular velocity as compensated sums.
-#
+# ---- The state of an integration: attitude and angular velocity as compensated sums
 # A state is a tuple of wxyz (4), the angular velocity (3), and the lower halves of both (4), (3),
 # which the rounded sums leave out.  Its numbers are doubles, or SIMD vectors of a lane for each
 # body.
@@ -430,9 +428,7 @@ def advance(moments, k, h, state):
         rate = rates(k, state[1])
 
 
-# --------------------------------------------------------------------------------------------------
-# The exact free rotation of two bodies over short times, computed together.
-#
+# ---- The exact free rotation of two bodies over short times, computed together
 # Formulas of `solution.step` in SIMD vectors of two lanes: two bodies in the time of one.
 
 # The square of an eighth of a turn, and the bits of two lanes.

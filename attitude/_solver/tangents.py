@@ -369,9 +369,7 @@ def _store_changes(axes, by_phase, w, change, block, i):
     _store(block, BY_NOME + i, _applied(axes, change))
 
 
-# --------------------------------------------------------------------------------------------------
-# Series of the changes of attitude with nutation phase, amplitude and ellipticity.
-#
+# ---- Series of the changes of attitude with nutation phase, amplitude and ellipticity
 # The pair of docs/derivation.md is A = theta4(w | Q), b = -theta1(w | Q) with exp(2 i w) = X E^2, E
 # = exp(i v) and Q = s X^2 = q^2, s = rho^4.  By the heat equation its derivatives at constant v are
 # those by w,

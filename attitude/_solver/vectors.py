@@ -132,9 +132,7 @@ def _from_each(ax, ay, az, bx, by, bz, near, far):
         far[k] = math.sqrt(x * x + y * y + z * z)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes and rates of bodies from pole and angles of labelled axes, as papers give them.
-#
+# ---- Attitudes and rates of bodies from pole and angles of labelled axes, as papers give them
 # The labels L and S of the axes, and the order of the turns, are those of
 # `attitude.motions._conventions`.
 

@@ -122,8 +122,7 @@ def _refrozen(value: Any) -> Any:
     return frozen(value) if isinstance(value, np.ndarray) else value
 
 
-# --------------------------------------------------------------------------------------------------
-# Memory for results, of large pages where that is cheaper, and views with other orders of axes.
+# ---- Memory for results, of large pages where that is cheaper, and views with other orders of axes
 
 # Bytes of a large page, and the least size of an array for which numpy requests such pages.
 _PAGE = 1 << 21

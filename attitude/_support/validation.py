@@ -307,8 +307,7 @@ def shown(value: object) -> str:
     return quoted(value)
 
 
-# --------------------------------------------------------------------------------------------------
-# Calls that fail: of arguments that do not exist, and of packages that are not installed.
+# ---- Calls that fail: of arguments that do not exist, and of packages that are not installed
 
 # What pip installs, and where: no package index has the package before its release.  From then on
 # "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.

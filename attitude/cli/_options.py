@@ -227,8 +227,7 @@ def _leading(fraction: Fraction) -> float:
     return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
 
 
-# --------------------------------------------------------------------------------------------------
-# ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit.
+# ---- ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit
 
 
 def add_orbit_arguments(parser: argparse.ArgumentParser) -> None:
@@ -300,8 +299,7 @@ def _kind(file: str) -> str:
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# The motion that a command is run for: that of a file, or a completed entry of the catalogue.
+# ---- The motion that a command is run for: that of a file, or a completed entry of the catalogue
 
 # Option of the command line, keyword of catalog.load, unit, help.
 _NUMBERS = (

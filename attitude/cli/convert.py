@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from attitude.paths._path import Path
 
 
-# --------------------------------------------------------------------------------------------------
-# The options of ``attitude convert``.
+# ---- The options of ``attitude convert``
 
 HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
 EPILOG: str = """\

@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from attitude.ensemble._ensemble import Ensemble
 
 
-# --------------------------------------------------------------------------------------------------
-# Chains of free arcs of the members of an ensemble that change alike, compiled over members.
+# ---- Chains of free arcs of the members of an ensemble that change alike, compiled over members
 
 
 class Failed(Exception):

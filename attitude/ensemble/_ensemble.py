@@ -45,8 +45,7 @@ if TYPE_CHECKING:
     from attitude.torques._schemes import Scheme
 
 
-# --------------------------------------------------------------------------------------------------
-# The states of N freely rotating bodies: construction, members, parts and joined ensembles.
+# ---- The states of N freely rotating bodies: construction, members, parts and joined ensembles
 
 _KEPT = (
     *("wxyz", "angular_velocity", "frame", "names", "on_error"),
@@ -54,8 +53,7 @@ _KEPT = (
 )
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes of the members of an ensemble: whole answers and blocks of them.
+# ---- Attitudes of the members of an ensemble: whole answers and blocks of them
 
 
 def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
@@ -63,8 +61,7 @@ def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
     return label(first + k)
 
 
-# --------------------------------------------------------------------------------------------------
-# Modes, periods, ranges and invariants of the members of an ensemble, as arrays.
+# ---- Modes, periods, ranges and invariants of the members of an ensemble, as arrays
 
 
 def _periods(rates: FloatArray) -> FloatArray:
@@ -72,12 +69,7 @@ def _periods(rates: FloatArray) -> FloatArray:
         return frozen(np.abs(1.0 / rates))
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness and magnitudes of the members of an ensemble.
-
-
-# --------------------------------------------------------------------------------------------------
-# Percentiles, histograms and coverage of quantities, without an array of members and epochs.
+# ---- Percentiles, histograms and coverage of quantities, without an array of members and epochs
 
 # Numbers held at a time: 8 MB for each thread.
 _HELD = 1 << 20
@@ -150,8 +142,7 @@ def _covered(within: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     return fraction, np.maximum(gap, final)
 
 
-# --------------------------------------------------------------------------------------------------
-# Where ensembles come from and go to: published periods, tables and files, random draws.
+# ---- Where ensembles come from and go to: published periods, tables and files, random draws
 
 
 def _listed_names(names: Any) -> list[str] | None:

@@ -250,8 +250,7 @@ def compiled() -> Any:
     return chains
 
 
-# --------------------------------------------------------------------------------------------------
-# The epochs of a call: a grid of members and epochs, or rows each of one member.
+# ---- The epochs of a call: a grid of members and epochs, or rows each of one member
 
 
 class Piece(NamedTuple):
@@ -451,8 +450,7 @@ class MemberRows:
         return np.moveaxis(memory, -1, 0).reshape(*self.shape, *width)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes of the members of an ensemble at epochs.
+# ---- Attitudes of the members of an ensemble at epochs
 
 
 class EnsembleHistory(AttitudeHistory):
@@ -562,8 +560,7 @@ class EnsembleHistory(AttitudeHistory):
         return EnsembleHistory(self.ensemble, *given, wxyz)
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of the attitudes of members of an ensemble at epochs.
+# ---- Derivatives of the attitudes of members of an ensemble at epochs
 
 # Rows in a piece of work: some milliseconds.
 _ROWS = 1 << 15

@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loop from states to the brightness of ellipsoids, without an array of attitudes.
+# ---- The compiled loop from states to the brightness of ellipsoids, without an array of attitudes
 
 # Rows that are evaluated at a time: their attitudes and directions stay in the first-level cache.
 PIECE = 248

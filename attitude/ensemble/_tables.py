@@ -157,8 +157,7 @@ def _lower(meta: Any) -> dict[str, Any]:
     return {str(key).lower(): value for key, value in dict(meta).items()}
 
 
-# --------------------------------------------------------------------------------------------------
-# Random states about a motion: draws from a covariance or from distributions, kept physical.
+# ---- Random states about a motion: draws from a covariance or from distributions, kept physical
 
 # States that are checked together.
 _BLOCK = 4096

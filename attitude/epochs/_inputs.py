@@ -49,9 +49,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, Epochs, FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# The kind of the epochs that a caller gives (text, Time, datetime, seconds ...), and their list.
-#
+# ---- The kind of the epochs that a caller gives (text, Time, datetime, seconds ...), and their
+# list
 # `attitude.epochs._inputs` has a reader for each kind.
 
 # Kinds that are lengths of time; the others are epochs.
@@ -156,8 +155,7 @@ def _kind(value: Any) -> str | None:
     return "astropy Time" if module is not None and isinstance(value, module.Time) else None
 
 
-# --------------------------------------------------------------------------------------------------
-# A reader for each kind of epoch: a flat list of entries to TDB in two doubles.
+# ---- A reader for each kind of epoch: a flat list of entries to TDB in two doubles
 
 # Modified Julian date of 1970-01-01.
 _MJD_OF_1970 = 40587

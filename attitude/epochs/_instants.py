@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 
-# --------------------------------------------------------------------------------------------------
-# Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601.
+# ---- Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601
 
 # Time scales that may follow a date.
 SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")

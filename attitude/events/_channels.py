@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     AnyDirection: TypeAlias = Reals | Direction | SearchDirection | VectorFunction
 
 
-# --------------------------------------------------------------------------------------------------
-# The directions that a search compares with body axes: fixed, moving, or those of a scene.
+# ---- The directions that a search compares with body axes: fixed, moving, or those of a scene
 
 
 class Fixed(SearchDirection):
@@ -386,8 +385,7 @@ def chord_squared(u: FloatArray, a: FloatArray) -> FloatArray:
     return x * x + y * y + z * z
 
 
-# --------------------------------------------------------------------------------------------------
-# The conditions of body axes, facets and mirrors, searched by `find_discrete`.
+# ---- The conditions of body axes, facets and mirrors, searched by `find_discrete`
 
 
 def in_cone(motion: AnyMotion, axis: Reals, direction: AnyDirection, half_angle: Real) -> Condition:

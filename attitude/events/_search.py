@@ -170,9 +170,7 @@ def _sectioned(
     return b, rising
 
 
-# --------------------------------------------------------------------------------------------------
-# Sign changes of the channels of conditions, each searched only where it can decide one.
-#
+# ---- Sign changes of the channels of conditions, each searched only where it can decide one
 # First the thresholds of observables (`levels`) are found over the whole span.  Between their
 # changes the conditions are open or decided whatever the other channels are; those are searched
 # (`search`) in the open parts only: glints above the horizon at night cost the time of the nights.
@@ -327,8 +325,7 @@ def changed(
     return kept, states
 
 
-# --------------------------------------------------------------------------------------------------
-# The source of a search that a caller gives: a motion, an object with ``.at(t)``, or a Scene.
+# ---- The source of a search that a caller gives: a motion, an object with ``.at(t)``, or a Scene
 
 
 def source_of(given: AnyMotion) -> Source:
@@ -343,8 +340,7 @@ def source_of(given: AnyMotion) -> Source:
     return OfReception(given)
 
 
-# --------------------------------------------------------------------------------------------------
-# The result of a search: epochs in two doubles, and what happens at each.
+# ---- The result of a search: epochs in two doubles, and what happens at each
 
 
 class Events(Immutable):
@@ -494,8 +490,7 @@ class Events(Immutable):
         return f"<{len(self)} Events, seconds{start}>"
 
 
-# --------------------------------------------------------------------------------------------------
-# The epochs at which conditions begin and cease.
+# ---- The epochs at which conditions begin and cease
 
 # Samples of a plain function in a block.
 _BLOCK = 8192

@@ -77,8 +77,7 @@ def of_mms(tokens: Sequence[bytes]) -> list[bytes]:
     return [tokens[k] for k in _READ]
 
 
-# --------------------------------------------------------------------------------------------------
-# The segments of a message that belong to one object, as one table.
+# ---- The segments of a message that belong to one object, as one table
 
 # Attitudes of two segments at one epoch contradict each other beyond this many times the tolerance
 # of the length of quaternions: interpolation and few digits explain less.
@@ -161,9 +160,7 @@ def _refuse_contradictions(tables, path, most):
             )
 
 
-# --------------------------------------------------------------------------------------------------
-# Header and segments of an Attitude Ephemeris Message, in either notation and version.
-#
+# ---- Header and segments of an Attitude Ephemeris Message, in either notation and version
 # The readers of KVN and XML collect keywords and rows; this module checks them and makes them an
 # AttitudeTable.  For the conventions see `attitude_types`.
 
@@ -534,8 +531,7 @@ class MessageSegment:
         return method, degree
 
 
-# --------------------------------------------------------------------------------------------------
-# A segment of an Attitude Ephemeris Message to be written: its keywords and its rows.
+# ---- A segment of an Attitude Ephemeris Message to be written: its keywords and its rows
 
 
 def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:

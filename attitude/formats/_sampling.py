@@ -37,9 +37,7 @@ if TYPE_CHECKING:
     _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
 
 
-# --------------------------------------------------------------------------------------------------
-# The arguments of writers as segments: histories, tables, or a motion with epochs.
-#
+# ---- The arguments of writers as segments: histories, tables, or a motion with epochs
 # Motions are evaluated piece by piece, so that long files need little memory.  Where the angular
 # velocity of a motion jumps, a segment ends with the state before and the next begins with the
 # state after: readers interpolate within segments.

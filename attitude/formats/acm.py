@@ -61,9 +61,7 @@ if TYPE_CHECKING:
     from attitude.paths._path import Path
 
 
-# --------------------------------------------------------------------------------------------------
-# Keywords, units and elements of XML of Attitude Comprehensive Messages.
-#
+# ---- Keywords, units and elements of XML of Attitude Comprehensive Messages
 # Source: CCSDS 504.0-B-2, section 5; names of elements as in Orekit and ccsds-ndm.  The columns of
 # covariances are variances: the message holds no correlations.
 
@@ -130,8 +128,7 @@ UNITS: dict[str, tuple[str, ...]] = {
 }
 
 
-# --------------------------------------------------------------------------------------------------
-# Maneuvers of an Attitude Comprehensive Message, as impulses and torques.
+# ---- Maneuvers of an Attitude Comprehensive Message, as impulses and torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,8 +229,7 @@ class Maneuver:
         return torque
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Comprehensive Messages in KVN and XML, read into blocks of keywords and rows.
+# ---- Attitude Comprehensive Messages in KVN and XML, read into blocks of keywords and rows
 
 _USER = "USER_DEFINED_"
 
@@ -495,8 +491,7 @@ class _AcmReader(ElementReader):
         return text if unit is None else f"{text} [{unit}]"
 
 
-# --------------------------------------------------------------------------------------------------
-# The content of an Attitude Comprehensive Message.
+# ---- The content of an Attitude Comprehensive Message
 
 
 @dataclass(frozen=True, eq=False)
@@ -634,9 +629,7 @@ class Comprehensive:
         return Arcs(self.body, spin, [each.impulse() for each in later])
 
 
-# --------------------------------------------------------------------------------------------------
-# Rows of attitudes and covariances of an Attitude Comprehensive Message.
-#
+# ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
 # Conventions are those of `attitude_types` for version 2.  A direction cosine matrix is that from A
 # to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
 
@@ -900,8 +893,7 @@ def covariance(message: CollectedAcm, block: AcmBlock, tags: TimeTags) -> Attitu
     return AttitudeCovariance(epoch, seconds, low, kind, variances, frame, meta)
 
 
-# --------------------------------------------------------------------------------------------------
-# The meaning of the blocks of an Attitude Comprehensive Message.
+# ---- The meaning of the blocks of an Attitude Comprehensive Message
 
 _INERTIA = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
 _DATES = ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH")
@@ -1108,8 +1100,7 @@ def _after(tags, seconds):
     return Instant(float(hi[0]), float(lo[0]))
 
 
-# --------------------------------------------------------------------------------------------------
-# Blocks of an Attitude Comprehensive Message to be written, in KVN and XML.
+# ---- Blocks of an Attitude Comprehensive Message to be written, in KVN and XML
 
 # Texts of epochs, and columns, of some rows.
 RowPieces: TypeAlias = Iterator[tuple[list[str], Any]]
@@ -1436,7 +1427,6 @@ def _text_of(tags, instant, digits):
     return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
 
 
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Comprehensive Messages.
+# ---- CCSDS Attitude Comprehensive Messages
 
 __all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]

@@ -251,7 +251,6 @@ def write(
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Ephemeris Messages.
+# ---- CCSDS Attitude Ephemeris Messages
 
 __all__ = ["read", "write"]

@@ -44,9 +44,7 @@ if TYPE_CHECKING:
     from attitude.paths._path import Path
 
 
-# --------------------------------------------------------------------------------------------------
-# Keywords, units and elements of XML of the blocks of Attitude Parameter Messages.
-#
+# ---- Keywords, units and elements of XML of the blocks of Attitude Parameter Messages
 # Version 1 has other names for the keywords of version 2.
 
 # Keywords of the meta data.
@@ -121,9 +119,7 @@ XML_NAMES: dict[str, dict[str, str]] = {
 }
 
 
-# --------------------------------------------------------------------------------------------------
-# The sign of the products of inertia in an Attitude Parameter Message.
-#
+# ---- The sign of the products of inertia in an Attitude Parameter Message
 # "tensor"    IXY (I12) is the entry of the inertia tensor, -integral of x y dm.  Version 1: "the
 #             inertia cross products used for this message assume a negative double integral", CCSDS
 #             504.0-B-1, 3.2.5.2.5.  Orekit reads both versions with this sign.
@@ -167,8 +163,7 @@ def _signed(value, products):
     return _SIGNS[products] * value + 0.0  # -0.0 becomes 0.0
 
 
-# --------------------------------------------------------------------------------------------------
-# An Attitude Parameter Message while it is read: its blocks, with the keywords of version 2.
+# ---- An Attitude Parameter Message while it is read: its blocks, with the keywords of version 2
 
 _Choice = TypeVar("_Choice")
 
@@ -296,9 +291,7 @@ def one_of(
     return choices[value.upper()]
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Parameter Messages in KVN and XML, read into blocks with the keywords of version 2.
-#
+# ---- Attitude Parameter Messages in KVN and XML, read into blocks with the keywords of version 2
 # Version 1 has other keywords, and no marks around its blocks in KVN.
 
 
@@ -431,8 +424,7 @@ class _ApmReader(ElementReader):
         self.message.put(self._block, tag, value, self.line)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude, rates and inertia from the blocks of an Attitude Parameter Message.
+# ---- Attitude, rates and inertia from the blocks of an Attitude Parameter Message
 
 _DIRECTIONS = {"A2B": True, "B2A": False}
 
@@ -737,8 +729,7 @@ class Interpreted:
         return None
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Parameter Messages to be written: their blocks, in either notation and version.
+# ---- Attitude Parameter Messages to be written: their blocks, in either notation and version
 
 # Name of a block, and its entries: keyword, value and unit ("" for none).
 WrittenBlock: TypeAlias = tuple[str, list[tuple[str, str | float, str]]]
@@ -1110,7 +1101,6 @@ def write(
         (write_xml if xml else write_kvn)(file, message)
 
 
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Parameter Messages.
+# ---- CCSDS Attitude Parameter Messages
 
 __all__ = ["Parameters", "read", "write"]

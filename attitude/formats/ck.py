@@ -45,8 +45,7 @@ if TYPE_CHECKING:
     from attitude.motions._motion import HasAttitudes
 
 
-# --------------------------------------------------------------------------------------------------
-# The attitude of a frame from any C-kernel, through SPICE.
+# ---- The attitude of a frame from any C-kernel, through SPICE
 
 _REFERENCE = "J2000"
 
@@ -369,7 +368,6 @@ def _check_names(path, name, instrument, clock, center):
         raise AttitudeError(f"center is {center!r}; give the NAIF number of a body, 399 for Earth.")
 
 
-# --------------------------------------------------------------------------------------------------
-# SPICE C-kernels.
+# ---- SPICE C-kernels
 
 __all__ = ["KernelAttitude", "Written", "write"]

@@ -191,7 +191,6 @@ def _jd(epoch):
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# Files of DAMIT, the database of asteroid models.
+# ---- Files of DAMIT, the database of asteroid models
 
 __all__ = ["RelaxedRotator", "read", "write"]

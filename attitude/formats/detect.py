@@ -313,8 +313,7 @@ def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
-# A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file.
+# ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file
 
 
 class State(NamedTuple):

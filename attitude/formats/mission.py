@@ -83,9 +83,7 @@ if TYPE_CHECKING:
     from attitude.shape import _mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Sections [shape], [scattering] and [magnitude] of mission files: shape, law and magnitudes.
-#
+# ---- Sections [shape], [scattering] and [magnitude] of mission files: shape, law and magnitudes
 # ==============
 # ====================================================================================
 # [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of

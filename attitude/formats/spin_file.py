@@ -77,9 +77,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
 
 
-# --------------------------------------------------------------------------------------------------
-# The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin.
-#
+# ---- The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin
 # See `spin_file` for the keys.
 
 # Alternatives for a body and an attitude: leading key -> further keys needed, keys allowed.

@@ -49,9 +49,7 @@ if TYPE_CHECKING:
     from attitude.paths._path import Path
 
 
-# --------------------------------------------------------------------------------------------------
-# Dates as STK writes them, and the times of records.
-#
+# ---- Dates as STK writes them, and the times of records
 # ScenarioEpoch and TimeFormat UTCG: ``1 Jul 1999 00:00:00.00``, the month by three letters or its
 # whole name, with or without quotation marks; also ISO 8601.  TimeFormat says what stands before
 # the numbers of a record: EpSec (the default), EpMin, EpHr and EpDay count from ScenarioEpoch in
@@ -131,9 +129,7 @@ def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# The sections of an STK attitude file: the columns of each, as attitudes.
-#
+# ---- The sections of an STK attitude file: the columns of each, as attitudes
 # Yaw, pitch and roll (YPR) stand in this order; they turn the body about the axes z, y and x of the
 # reference in the order of Sequence, so that the rotation is that of Euler angles in the inverse
 # order.  Sections of rates alone give the angles at the first record (InitialEulerAngle,
@@ -287,8 +283,7 @@ def _unit(v):
         return v / np.linalg.norm(v, axis=1, keepdims=True)
 
 
-# --------------------------------------------------------------------------------------------------
-# The head of an STK attitude file: version, keywords, axes, interpolation, times.
+# ---- The head of an STK attitude file: version, keywords, axes, interpolation, times
 
 _KEYWORDS = (
     *("MessageLevel", "NumberOfAttitudePoints", "BlockingFactor", "InterpolationOrder"),
@@ -831,7 +826,6 @@ def _whole_second(part):
     return shown, shift
 
 
-# --------------------------------------------------------------------------------------------------
-# STK attitude files (.a).
+# ---- STK attitude files (.a)
 
 __all__ = ["read", "write"]

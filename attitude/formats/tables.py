@@ -46,8 +46,7 @@ if TYPE_CHECKING:
     from attitude.motions._history import AttitudeHistory
 
 
-# --------------------------------------------------------------------------------------------------
-# The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles.
+# ---- The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles
 
 # Columns of the attitude (body to ICRF, scalar first) and of the angular velocity (rad/s, body).
 ATTITUDE: tuple[str, ...] = ("w", "x", "y", "z")
@@ -107,9 +106,7 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
     return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
 
 
-# --------------------------------------------------------------------------------------------------
-# CSV files of attitudes; `csv_rows` has their columns.
-#
+# ---- CSV files of attitudes; `csv_rows` has their columns
 # The first line names the columns, in any order; readers skip unknown ones.
 
 _BATCH = 16384
@@ -191,9 +188,7 @@ def _take(rows, batch, at, where, places, columns, lines):
     rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
 
 
-# --------------------------------------------------------------------------------------------------
-# Parquet files of attitudes, by pyarrow.
-#
+# ---- Parquet files of attitudes, by pyarrow
 # Columns are ``tdb_jd1, tdb_jd2, w, x, y, z``, ``omega_x, omega_y, omega_z`` and standard
 # deviations, as in CSV; the meta data of `tables.qtable` stand as JSON under the key "attitude" of
 # the schema.

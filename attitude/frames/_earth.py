@@ -160,9 +160,7 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
     return pole_at(teme_series, hi, lo)
 
 
-# --------------------------------------------------------------------------------------------------
-# Axes of the Earth: of date, Earth-fixed, and of B1950, as quaternions to ICRF.
-#
+# ---- Axes of the Earth: of date, Earth-fixed, and of B1950, as quaternions to ICRF
 # ========
 # =========================================================================================
 # itrf      Earth-fixed: IAU 2006/2000A with the Earth orientation of astropy-iers-data

@@ -390,8 +390,7 @@ def _known_zero_points(given, sessions):
     return validation.positive(given, "zero_points", unit="mag")
 
 
-# --------------------------------------------------------------------------------------------------
-# Light curves with geometry, for the inversion, from any file that `photometry.read` reads.
+# ---- Light curves with geometry, for the inversion, from any file that `photometry.read` reads
 
 _PLACES = ("sun", "observer", "frame")
 

@@ -265,9 +265,7 @@ def _products(rows, found, size):
                         found[each, column + k, row + 1] = made[4 + k]
 
 
-# --------------------------------------------------------------------------------------------------
-# Levenberg and Marquardt's iteration from many starts, for the ellipsoid.
-#
+# ---- Levenberg and Marquardt's iteration from many starts, for the ellipsoid
 # A start is a row of 16 numbers: five elements, the orientation (9) of the axes along the momentum,
 # and two logarithms of squared ratios of axes, ln (c/a)^2 and ln (c/b)^2.  Terms in which the
 # magnitude is linear are projected out of each residual and derivative.
@@ -461,8 +459,7 @@ def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
     return EllipsoidCurve(problem).costs(starts)
 
 
-# --------------------------------------------------------------------------------------------------
-# Ellipsoids from many starts: for given rates, random orientations, phases and shapes.
+# ---- Ellipsoids from many starts: for given rates, random orientations, phases and shapes
 
 # ln rho of rotation about an axis, which is then fixed with f, the phase and X.
 AXIAL = -20.0

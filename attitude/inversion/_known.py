@@ -327,8 +327,7 @@ def _joined(*given: States) -> States:
     return States(*(np.concatenate(each) for each in zip(*given, strict=True)))
 
 
-# --------------------------------------------------------------------------------------------------
-# Ranked spin states of a body of known shape: a search, and least squares from its best states.
+# ---- Ranked spin states of a body of known shape: a search, and least squares from its best states
 
 # States of the search that are fitted, and the cost behind the best beyond which none is.
 _FITTED, _BEHIND = 12, 150.0

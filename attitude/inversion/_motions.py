@@ -188,9 +188,7 @@ def attitudes(elements, k, t, r, g):
             put_three(g, here + 6 * n, n, *turned)
 
 
-# --------------------------------------------------------------------------------------------------
-# Ratios of the moments of inertia of a body from the elements of its motion, in closed form.
-#
+# ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form
 # With the tilts of the third axis from rho and X (`sensitivities.elements`) follow l, m, n of the
 # solution, and nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
 #

@@ -271,8 +271,7 @@ def _with_numbers(torque: Torque, values: FloatArray) -> Torque:
     return torque
 
 
-# --------------------------------------------------------------------------------------------------
-# Least squares of a motion with parameters and a shape, convex or known, to a light curve.
+# ---- Least squares of a motion with parameters and a shape, convex or known, to a light curve
 
 # Shares of the points, those nearest in time to the epoch of the start, that are fitted first.
 _STAGES = (0.25, 0.4, 0.6, 0.8)

@@ -36,8 +36,7 @@ if TYPE_CHECKING:
         def gradient(self) -> FloatArray: ...
 
 
-# --------------------------------------------------------------------------------------------------
-# The threads of BLAS: matrices here are so small that several threads only wait for each other.
+# ---- The threads of BLAS: matrices here are so small that several threads only wait for each other
 
 
 def limited(threads: int = 1) -> AbstractContextManager[object]:
@@ -50,8 +49,7 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
     return limits
 
 
-# --------------------------------------------------------------------------------------------------
-# Levenberg and Marquardt's iteration for any model with derivatives.
+# ---- Levenberg and Marquardt's iteration for any model with derivatives
 
 State = TypeVar("State")
 AnyNear = TypeVar("AnyNear", bound="Near")
@@ -286,9 +284,7 @@ def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | 
     return trial if _ellipsoid.are_allowed(trial, is_axial) else None
 
 
-# --------------------------------------------------------------------------------------------------
-# Refinement with Student's distribution of errors, and the error of the model from residuals.
-#
+# ---- Refinement with Student's distribution of errors, and the error of the model from residuals
 # Photometry of many nights and observers has outliers, and a convex body with one scattering law
 # leaves errors of its own.  Weights follow Student's distribution with five degrees of freedom
 # about sigma and a model error in quadrature; the model error is what makes the residuals of the

@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Magnitudes that a solution predicts, with the errors of motion, shape and zero points.
+# ---- Magnitudes that a solution predicts, with the errors of motion, shape and zero points
 
 
 def predicted(
@@ -109,8 +108,7 @@ def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# What every fit to a light curve has: residuals, shape, law, predictions, a spin file.
+# ---- What every fit to a light curve has: residuals, shape, law, predictions, a spin file
 
 
 class CurveFit(ABC):

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from attitude.inversion._refinement import Weighted
 
 
-# --------------------------------------------------------------------------------------------------
-# What `moments=` says: the moments of the motion are free, those of the shape, or given.
+# ---- What `moments=` says: the moments of the motion are free, those of the shape, or given
 
 
 def of(moments: str | float | Body | Sequence[float]) -> Tie:

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from attitude.inversion._refinement import Weighted
 
 
-# --------------------------------------------------------------------------------------------------
-# How one spin state relates to another that fits the same light curve, in words.
+# ---- How one spin state relates to another that fits the same light curve, in words
 
 # Angles within which poles are related, and frequencies, turns per span.
 _NEAR, _RATE = math.radians(25.0), 0.5

@@ -83,8 +83,7 @@ def amplitude(u, mc, out):
         out[k] = phi
 
 
-# --------------------------------------------------------------------------------------------------
-# Elliptic integrals of the parameter m, vectorised: K, E, Pi, F, and the incomplete E.
+# ---- Elliptic integrals of the parameter m, vectorised: K, E, Pi, F, and the incomplete E
 
 
 def K(m: Reals, *, mc: Reals | None = None) -> FloatArray:
@@ -247,8 +246,7 @@ def _incomplete(phi: Reals, m: Reals, mc: Reals | None) -> tuple[Any, Any]:
     return found[0][()], found[1][()]
 
 
-# --------------------------------------------------------------------------------------------------
-# Jacobi's elliptic functions am, sn, cn, dn and theta functions, vectorised.
+# ---- Jacobi's elliptic functions am, sn, cn, dn and theta functions, vectorised
 
 # Most terms of a theta function: enough for q up to 0.9999.
 _MOST_TERMS = 800

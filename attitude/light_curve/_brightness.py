@@ -41,8 +41,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# Directions of Sun and observer, checked, as one array per component for the compiled loops.
+# ---- Directions of Sun and observer, checked, as one array per component for the compiled loops
 
 # Tolerance of the squared length of a unit vector.
 _UNIT = 1e-6
@@ -444,9 +443,7 @@ def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
     return kernel
 
 
-# --------------------------------------------------------------------------------------------------
-# The sum over a mesh of few facets under a law that is evaluated facet by facet.
-#
+# ---- The sum over a mesh of few facets under a law that is evaluated facet by facet
 # All facets of an epoch are evaluated, eight at a time, the dark ones too.  Up to some tens of
 # facets that takes less time than to gather those that are both lit and seen, as `sums` does for
 # more: their number changes from epoch to epoch, and the processor guesses branches wrong.

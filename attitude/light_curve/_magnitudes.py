@@ -127,9 +127,7 @@ def dimming(lit: Reals) -> FloatArray:
         return -2.5 * np.log10(validation.real(lit, "lit", finite=False))
 
 
-# --------------------------------------------------------------------------------------------------
-# The mean brightness over all orientations, which relates phase functions to shapes.
-#
+# ---- The mean brightness over all orientations, which relates phase functions to shapes
 # H, G and H, G1, G2 give one magnitude for each phase angle; shape and law give the variation about
 # it.  In the mean over all orientations every facet of a convex body contributes alike, so that the
 # body is as bright as a sphere of the same surface area.

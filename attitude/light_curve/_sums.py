@@ -50,9 +50,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Facets in clusters of similar normals, so that clusters turned away are skipped together.
-#
+# ---- Facets in clusters of similar normals, so that clusters turned away are skipped together
 # A branch for each facet costs three times what it saves, since it breaks the vector instructions;
 # one bit for eight facets does not.  A table of small cells around the sphere gives the clusters
 # that face a direction, as words of bits; the sum runs over the clusters that face both Sun and
@@ -261,9 +259,7 @@ def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]
     return cells, sky
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness of a Lommel-Seeliger ellipsoid in closed form, compiled.
-#
+# ---- Brightness of a Lommel-Seeliger ellipsoid in closed form, compiled
 # Muinonen & Lumme, A&A 584, A23, 2015, eq. 12, rewritten without cancellation.  With p = s/a and
 # q = o/a by components, P = |p|, Q = |q|, S = P + Q, x = |p + q|/S and y = 1 - x^2,
 #

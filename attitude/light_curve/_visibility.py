@@ -60,9 +60,8 @@ if TYPE_CHECKING:
     from attitude.light_curve._sums import Clusters
 
 
-# --------------------------------------------------------------------------------------------------
-# Boxes around facets that lie together: whole groups that cannot hide the sky are skipped at once.
-#
+# ---- Boxes around facets that lie together: whole groups that cannot hide the sky are skipped at
+# once
 # The tree is complete: node k has the children 2 k and 2 k + 1, the root is 1, and the leaves hold
 # LEAF facets each.  Each group is cut across its longest extent, in space or in the directions of
 # its normals: groups that face one way hide the sky by their outlines.
@@ -129,9 +128,7 @@ def _cut(places: FloatArray, leaves: int) -> IntArray:
     return order
 
 
-# --------------------------------------------------------------------------------------------------
-# Outlines of groups of facets: a group that shows its front hides the sky within its outline.
-#
+# ---- Outlines of groups of facets: a group that shows its front hides the sky within its outline
 # An edge between two facets of a group is passed once each way and cancels, so that the outline of
 # some hundred facets has a few dozen edges.
 
@@ -209,9 +206,7 @@ def _fronts(tree: Hierarchy, corners: FloatArray, normals: FloatArray) -> FloatA
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops by which facets, and groups of them, hide the sky within their outlines.
-#
+# ---- The compiled loops by which facets, and groups of them, hide the sky within their outlines
 # A row of cells is crossed by the outline of a group: where it enters the group a count rises by
 # one, where it leaves it falls.  The changes are added up for all groups, and each row is summed
 # once: a cell whose count is not zero is hidden.  The eight points of a facet are the lanes of a
@@ -570,9 +565,8 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
         drawn[2 * face], drawn[2 * face + 1] = resolution, 0
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loop of `visibility` over the facets of a mesh and the groups that may hide its sky.
-#
+# ---- The compiled loop of `visibility` over the facets of a mesh and the groups that may hide its
+# sky
 # Groups that show their fronts are drawn by their outlines, others are divided, down to facets that
 # are drawn by their edges (`outline_painting`).
 
@@ -728,9 +722,7 @@ def _highest(boxes, node, normal):
     return height
 
 
-# --------------------------------------------------------------------------------------------------
-# Tables of shadows on disk, named by a hash of the mesh: a second process computes none anew.
-#
+# ---- Tables of shadows on disk, named by a hash of the mesh: a second process computes none anew
 # They lie in the folder ``attitude`` of the user's cache folder (``XDG_CACHE_HOME``, by default
 # ~/.cache), or in the folder that the environment variable ``ATTITUDE_CACHE`` names; ``off`` keeps
 # none.  When they exceed LARGEST bytes together, those used longest ago are deleted.

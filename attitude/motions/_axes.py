@@ -49,9 +49,7 @@ if TYPE_CHECKING:
     from attitude._support.tables import FlatTable
 
 
-# --------------------------------------------------------------------------------------------------
-# Names of reference axes in files, and what each of them means.
-#
+# ---- Names of reference axes in files, and what each of them means
 # Three sorts: axes that this package computes (`meaning`), axes that standards name but this
 # package does not compute (`named_elsewhere`), and names that look like one of both but are none
 # (`looks_like`).  None of the three can be the name of a body's own axes.
@@ -149,9 +147,7 @@ def looks_like(name: str) -> str | None:
     return near[0] if near else None
 
 
-# --------------------------------------------------------------------------------------------------
-# Axes of an orbit, from the position and velocity of the body about its center.
-#
+# ---- Axes of an orbit, from the position and velocity of the body about its center
 # ====  ============================================================================================
 # rtn   x away from the center, z along the orbit's momentum
 # lvlh  z to the center, y against the orbit's momentum
@@ -401,8 +397,7 @@ def _one_sided(turned, side):
     return (4.0 * one - two) / (2.0 * step)
 
 
-# --------------------------------------------------------------------------------------------------
-# A history relative to other axes than ICRF: of an orbit, of the Earth, or inertial ones.
+# ---- A history relative to other axes than ICRF: of an orbit, of the Earth, or inertial ones
 
 # Epochs at a time, so that temporary arrays stay in the caches.
 _BLOCK = 1 << 13

@@ -36,12 +36,7 @@ if TYPE_CHECKING:
     from attitude.motions._uncertainty import Uncertain
 
 
-# --------------------------------------------------------------------------------------------------
-# The normal form of a free rotation: its elements, and the motion that has given ones.
-
-
-# --------------------------------------------------------------------------------------------------
-# The state of a motion at another epoch, as a Spin with its covariance.
+# ---- The state of a motion at another epoch, as a Spin with its covariance
 
 
 def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
@@ -69,9 +64,8 @@ def _covariance(motion: Any, hi: FloatArray, lo: FloatArray | None, frame: str) 
     return 0.5 * (found + found.T)
 
 
-# --------------------------------------------------------------------------------------------------
-# Upper bounds of the derivatives of a body-fixed direction, used to prove intervals free of zeros.
-#
+# ---- Upper bounds of the derivatives of a body-fixed direction, used to prove intervals free of
+# zeros
 # A body axis a, seen from inertial axes, moves by R a with
 #
 #     |(R a)'| <= |w|,   |(R a)''| <= |w'| + |w|^2,   |(R a)'''| <= |w''| + 3 |w'| |w| + |w|^3.

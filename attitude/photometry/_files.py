@@ -27,9 +27,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT.
-#
+# ---- Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT
 # Sources: ALCDEF standard 2.2 (minorplanetcenter.net/light_curve2); ADES, IAU standard of 2022
 # (github.com/IAU-ADES/ADES-Master); MPC, "Format for optical astrometric observations"; DAMIT as
 # `attitude.formats.damit_light_curve`.
@@ -228,9 +226,7 @@ def _damit_times(curves: Any) -> Any:
     return Time(jd, low, format="jd", scale="tdb")
 
 
-# --------------------------------------------------------------------------------------------------
-# Tables of photometry whose columns have names: CSV and other separated text, and ECSV.
-#
+# ---- Tables of photometry whose columns have names: CSV and other separated text, and ECSV
 # Names are read in any case, without units in brackets, blanks as underscores:
 #
 # ==================================  ==============================================================

@@ -98,8 +98,7 @@ def _spelled(shift: float, near: float) -> str:
     return f"{sign}{abs(shift) * 86400.0:.4g} /d"
 
 
-# --------------------------------------------------------------------------------------------------
-# Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies.
+# ---- Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies
 
 
 @entry_point
@@ -147,8 +146,7 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
         out[k] = within / freedom / whole if freedom > 0.0 else 1.0
 
 
-# --------------------------------------------------------------------------------------------------
-# `periodogram`: one period, by Fourier series of any order or by phase dispersion.
+# ---- `periodogram`: one period, by Fourier series of any order or by phase dispersion
 
 _DAY = 86400.0
 # Grid frequencies per 1/(order span), and frequencies at most.

@@ -68,9 +68,7 @@ def _spread(place, weights, grid):
                 grid[row, at] += value * weights[row, i]
 
 
-# --------------------------------------------------------------------------------------------------
-# Fourier series in pairs of frequencies: closed normal equations from two tables, compiled.
-#
+# ---- Fourier series in pairs of frequencies: closed normal equations from two tables, compiled
 # With W(nu) = sum w e^(2 pi i nu t) and Y(nu) = sum w y e^(2 pi i nu t) on an equally spaced grid,
 # every entry of the normal equations of every pair of grid frequencies is one of W or one of Y, so
 # that the cost of a pair does not depend on the number of points.  Sixteen pairs are solved side by
@@ -190,9 +188,7 @@ def _solve(g, b):
             b[i, lane] = row[lane] * g[i, i, lane]
 
 
-# --------------------------------------------------------------------------------------------------
-# All pairs of frequencies of two grids, fitted by closed normal equations; the best of them.
-#
+# ---- All pairs of frequencies of two grids, fitted by closed normal equations; the best of them
 # The cost of a pair does not depend on the number of samples (`pair_scan`).  Where there are more
 # pairs than `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left
 # out, and the best `MOST` are fitted.
@@ -358,9 +354,8 @@ def _peaks(first, second, gain, keep):
     return np.array(chosen)
 
 
-# --------------------------------------------------------------------------------------------------
-# Fourier series in one or more frequencies, refined in all parameters: Gauss and Newton's steps.
-#
+# ---- Fourier series in one or more frequencies, refined in all parameters: Gauss and Newton's
+# steps
 # With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  The joint
 # matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
 # covariance of f.
@@ -563,8 +558,7 @@ def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
     return np.concatenate([matrix, by_f], axis=1)
 
 
-# --------------------------------------------------------------------------------------------------
-# What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day.
+# ---- What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day
 
 # Pairs that a permutation of the values is fitted with, and permutations.
 _PERMUTED, _TIMES = 20_000, 10

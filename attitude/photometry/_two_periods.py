@@ -202,9 +202,7 @@ def _words(numbers: FloatArray) -> str:
     return " ".join(parts).removeprefix("+ ")
 
 
-# --------------------------------------------------------------------------------------------------
-# `two_periods`: pairs of periods of a tumbler, blind, by Fourier series in two frequencies.
-#
+# ---- `two_periods`: pairs of periods of a tumbler, blind, by Fourier series in two frequencies
 # Sources: Pravec et al., Icarus 173, 108 (2005); Kaasalainen, A&A 376, 302 (2001).
 
 _DAY, _HOUR = 86400.0, 3600.0

@@ -43,8 +43,7 @@ if TYPE_CHECKING:
     Step = Callable[[FloatArray, FloatArray, FloatArray, float], tuple[ArrayLike, ArrayLike]]
 
 
-# --------------------------------------------------------------------------------------------------
-# Results of `compare`: errors and cost of each run, measured orders, a table.
+# ---- Results of `compare`: errors and cost of each run, measured orders, a table
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +130,7 @@ class Comparison(Immutable):
         return "\n".join(lines)
 
 
-# --------------------------------------------------------------------------------------------------
-# One step of the free rotation by integrators of the literature; see `attitude.referee`.
-#
+# ---- One step of the free rotation by integrators of the literature; see `attitude.referee`
 # Each takes three moments, four components of the attitude (body to inertial), three of the angular
 # velocity over the principal axes, and a step, as tuples, and returns attitude and angular
 # velocity.

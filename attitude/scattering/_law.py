@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from attitude.scattering._materials import Material
 
 
-# --------------------------------------------------------------------------------------------------
-# Ranges, units and words that the parameters of a law accept.
+# ---- Ranges, units and words that the parameters of a law accept
 
 
 class NumberField:
@@ -143,8 +142,7 @@ def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:
         ) from err
 
 
-# --------------------------------------------------------------------------------------------------
-# Arrays of reflectances of laws that are evaluated facet by facet, compiled for each law.
+# ---- Arrays of reflectances of laws that are evaluated facet by facet, compiled for each law
 
 # Upper bound of the number of terms that a law computes from a phase angle.
 TERMS = 8

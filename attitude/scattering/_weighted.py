@@ -109,8 +109,7 @@ class LommelSeeligerLambert(Law):
         return np.maximum(self.a * np.exp(-alpha / self.d) + self.k * alpha + 1.0, 0.0)
 
 
-# --------------------------------------------------------------------------------------------------
-# Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H.
+# ---- Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H
 
 # Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
 _NODES = np.array([7.5, 30.0, 60.0, 90.0, 120.0, 150.0])

@@ -123,8 +123,7 @@ def air_mass(elevation: FloatArray) -> FloatArray:
         return np.where(z >= 0.0, above, np.nan)
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops of a scene: lengths and directions of vectors, light times, emission.
+# ---- The compiled loops of a scene: lengths and directions of vectors, light times, emission
 
 
 @quickly_compiled

@@ -221,8 +221,7 @@ def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-# --------------------------------------------------------------------------------------------------
-# Lines of sight at many epochs: directions and distances, compressed where that is cheaper.
+# ---- Lines of sight at many epochs: directions and distances, compressed where that is cheaper
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16

@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# The share of a disc that is seen past a spheroid, by the outlines of both on the sky.
-#
+# ---- The share of a disc that is seen past a spheroid, by the outlines of both on the sky
 # A stretch of space along the axis of the spheroid makes it a sphere, whose limb is a circle on the
 # sky: the limb of the spheroid is that circle, stretched back.  The covered part of the disc is
 # bounded by arcs of both outlines between their crossings.  Its area follows from the integral of

@@ -47,8 +47,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Properties of a view that are computed at their first use, kept, and listed as evaluated.
+# ---- Properties of a view that are computed at their first use, kept, and listed as evaluated
 
 Value = TypeVar("Value")
 
@@ -123,8 +122,7 @@ def kept(function: Callable[[Any], Value]) -> LazyProperty[Value]:
     return LazyProperty(function, "", (), False)
 
 
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need no attitude: lines of sight, distances, angles, shadows.
+# ---- The quantities of a view that need no attitude: lines of sight, distances, angles, shadows
 
 _XYZ = ("x", "y", "z")
 _NO_LOW = frozen(np.zeros(1))
@@ -141,28 +139,20 @@ def _radius(shape: Ellipsoid | Mesh | None) -> float:
     return float(np.max(np.linalg.norm(shape.vertices, axis=-1)))
 
 
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need the attitude: Sun and observer in body axes.
+# ---- The quantities of a view that need the attitude: Sun and observer in body axes
 
 _INVERSE = np.array([[-1.0], [1.0], [1.0], [1.0]])
 _AXES = ("least", "middle", "greatest")
 _PLACE = ("longitude", "latitude")
 
 
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that the observer measures on the sky.
+# ---- The quantities of a view that the observer measures on the sky
 
 # Largest error of a fitted zenith, rad: of the sum of some hundred roundings.
 _LEAST_TURN = 1e-13
 
 
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need a shape: brightness and magnitudes.
-
-
-# --------------------------------------------------------------------------------------------------
-# Standard deviations of the quantities of a view, from the covariance of the motion's spin.
-#
+# ---- Standard deviations of the quantities of a view, from the covariance of the motion's spin
 # A quantity changes with a small turn of the body by its gradient times the rotation vector, to
 # first order.  The gradient is in closed form but for brightness, which is differenced.  Paths are
 # exact.

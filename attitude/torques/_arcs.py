@@ -54,8 +54,7 @@ if TYPE_CHECKING:
     # seconds since the epoch of the spin, high and low part
 
 
-# --------------------------------------------------------------------------------------------------
-# Instantaneous changes between free arcs: angular momentum added, inertia replaced.
+# ---- Instantaneous changes between free arcs: angular momentum added, inertia replaced
 
 
 class Change(Valued):
@@ -201,8 +200,7 @@ class InertiaChange(Change):
         self._set_change(at, angular_momentum, frame)
 
 
-# --------------------------------------------------------------------------------------------------
-# The times of changes, as far as they are given, in two doubles and in order.
+# ---- The times of changes, as far as they are given, in two doubles and in order
 
 
 def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
@@ -240,9 +238,7 @@ def _check_order(times: list[Pair | None]) -> None:
         before, whose = time, f"changes[{k}]"
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch.
-#
+# ---- Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch
 # Each arc has the derivatives of a free rotation by its own first state; at a joint the change of
 # that state follows from the change of the momentum, L' = L + dL and w' = I'^-1 L'.  The product of
 # these maps is the derivative by the state at the epoch of the chain.

@@ -356,9 +356,7 @@ class System:
         return out
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of a torqued motion by its state and its moments: the chain of those of its steps.
-#
+# ---- Derivatives of a torqued motion by its state and its moments: the chain of those of its steps
 # A step is a product of kicks and free motions.  The derivative of a free motion is in closed form
 # (`attitude._solver.sensitivities`); that of a kick, whose torque may be any function, is taken by
 # differences of fourth order of the change that the compiled kick makes.  Their product is the

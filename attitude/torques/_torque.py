@@ -154,8 +154,7 @@ def path_of(given: Path | PositionFunction, name: str) -> Path:
     return FunctionPath(given)
 
 
-# --------------------------------------------------------------------------------------------------
-# A torque that is fixed in the body: a thruster, a leak.
+# ---- A torque that is fixed in the body: a thruster, a leak
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -195,8 +194,7 @@ class ConstantTorque(Torque):
         return np.array(self.torque)
 
 
-# --------------------------------------------------------------------------------------------------
-# Losses: drag from outside, and friction within the body.
+# ---- Losses: drag from outside, and friction within the body
 
 
 @dataclass(frozen=True, eq=False, init=False)
