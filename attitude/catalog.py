@@ -110,11 +110,6 @@ def _spelled(value: Any) -> str:
 # ---- Which body a name means: the whole name, its number, or the beginning of a word of it
 # A number means a body only as its whole number, and a year none: "41" is not 4179 Toutatis, and
 # "2008" not 2008 TC3, so that no body gets the numbers of another.
-#
-# >>> matching("touta", {"4179 Toutatis": 1, "2008 TC3": 2})
-# [1]
-# >>> matching("41", {"4179 Toutatis": 1, "2008 TC3": 2})
-# []
 
 Item = TypeVar("Item")
 
@@ -123,7 +118,13 @@ _BEGUN = 3
 
 
 def matching(name: str, items: Mapping[str, Item]) -> list[Item]:
-    """The items that a name means."""
+    """The items that a name means.
+
+    >>> matching("touta", {"4179 Toutatis": 1, "2008 TC3": 2})
+    [1]
+    >>> matching("41", {"4179 Toutatis": 1, "2008 TC3": 2})
+    []
+    """
     key = _words(name)
     exact = [item for each, item in items.items() if _words(each) == key]
     if exact or not key:

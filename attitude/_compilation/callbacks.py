@@ -1,7 +1,7 @@
-"""C functions that compiled loops call by address: torques of the package and of users.
+"""C functions that compiled loops call by address, and the exceptions that leave them.
 
 Each is void f(double t, double *wxyz, double *omega, double *given, double *parameters,
-double *out); see `solution.torqued_step`.
+double *out); see `attitude._solver.torqued_step`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The vector instructions of `simd` for numba; imported when the first function is compiled."""
+"""The vector instructions of `simd` and `streaming` for numba.
+
+It is imported when the first function is compiled.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Second stage: from the ordered state to rates and phases.
+"""The stages that fill the record of a motion: kind of motion, rates and phases, coefficients.
 
 Nothing here cancels: differences of moments are computed from the inputs, and the invariants are
 sums of terms of one sign.  Symbols and equation numbers are those of van Zon & Schofield (2006),
@@ -103,7 +103,7 @@ def classify_all(moments, wxyz, omega, constants):
 
 
 def refine_all(constants: NDArray[Any]) -> None:
-    """Fill D2 of those of B states (solution.record) whose terms cancel, rounded once."""
+    """Fill D2 of those of B states (records.CONSTANTS) whose terms cancel, rounded once."""
     # An array allocated in compiled code would cost another tenth of a second of compilation.
     _refine_all(constants, np.empty(_MOST_PARTS))
 

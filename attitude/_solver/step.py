@@ -1,6 +1,6 @@
 """The exact free rotation over a short time, for integrators that split torques off.
 
-The constants of `solution.constants` take a microsecond, and differ between regimes.  A splitting
+The constants of `constants` take a microsecond, and differ between regimes.  A splitting
 scheme needs one epoch from every state: this form of the exact solution has no constants, no
 regimes and no elliptic integrals, and is the same arithmetic from a sphere to a needle and across
 the separatrix.
@@ -429,7 +429,7 @@ def advance(moments, k, h, state):
 
 
 # ---- The exact free rotation of two bodies over short times, computed together
-# Formulas of `solution.step` in SIMD vectors of two lanes: two bodies in the time of one.
+# Formulas of `step` in SIMD vectors of two lanes: two bodies in the time of one.
 
 # The square of an eighth of a turn, and the bits of two lanes.
 _EIGHTH: Final = 0.015625
@@ -443,7 +443,7 @@ def advance_two(moments, k, h, state, squares):
     """Free motions of two bodies of the same moments.
 
     Given
-        h, state   as in `step.advance`; SIMD vectors, of a lane for each body
+        h, state   as in `advance`; SIMD vectors, of a lane for each body
         squares    of the longest pieces of both (see `step.LONGEST_PIECE`)
     Returned
         the state, and whether it is right: not for bodies at rest, and turns by more than a right

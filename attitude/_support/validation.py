@@ -1,4 +1,4 @@
-"""Check the numbers that callers give, once: shape, unit, finiteness.
+"""Check the numbers and arguments that callers give, once: shape, unit, finiteness, names.
 
 All other code works on float64 arrays in SI units and radians.  No function here changes a value
 except by converting it to the unit of the result.

@@ -1,4 +1,4 @@
-"""TOML files: reading, and errors for broken syntax, unknown keys and wrong values."""
+"""TOML files, JSON values and rows of CSV; errors for broken syntax, unknown keys, wrong values."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Equally spaced epochs of any number, computed block by block.
+"""Arguments that several commands have: the motion, equally spaced epochs, ``--orbit``.
 
-If start or stop is a date, the steps are seconds of UTC (leap seconds count), so that 00:00 is
-followed by 01:00; if both count from the epoch, they are seconds of TDB, as in
-``motion.at(seconds)``.  The two differ by microseconds.
+Epochs are computed block by block.  If start or stop is a date, the steps are seconds of UTC (leap
+seconds count), so that 00:00 is followed by 01:00; if both count from the epoch, they are seconds
+of TDB, as in ``motion.at(seconds)``.  The two differ by microseconds.
 """
 
 from __future__ import annotations

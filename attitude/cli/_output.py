@@ -1,4 +1,4 @@
-"""The output of a command: a file, its format by its ending, or standard output."""
+"""The output of a command: a file, its format by its ending, or standard output; rows of CSV."""
 
 from __future__ import annotations
 

@@ -347,7 +347,7 @@ class _Curve:
             self._keep(view, self._magnitude.of(view))
 
     def draw(self, file: IO[bytes], kind: str) -> None:
-        """Save the figure to a binary file in one of the formats of `output.PICTURES`."""
+        """Save the figure to a binary file in one of the formats of `PICTURES`."""
 
         names = [name for name in self._parts[0] if name not in _DAMIT]
         kept = {name: self._joined(name) for name in names}

@@ -1,4 +1,4 @@
-"""Channels: functions of time whose sign changes a search finds."""
+"""Channels, conditions (trees of and, or, not over the signs of channels) and observables."""
 
 from __future__ import annotations
 

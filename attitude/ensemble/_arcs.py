@@ -1,4 +1,4 @@
-"""Many states under the same instantaneous changes: impulses and changes of inertia."""
+"""`ArcsEnsemble`: many states under the same impulses and changes of inertia."""
 
 from __future__ import annotations
 

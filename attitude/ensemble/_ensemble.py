@@ -1,4 +1,4 @@
-"""Many freely rotating bodies, each evaluated at epochs of its own or at shared ones."""
+"""`Ensemble`: many freely rotating bodies, each evaluated at its own or at shared epochs."""
 
 from __future__ import annotations
 

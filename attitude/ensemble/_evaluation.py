@@ -1,4 +1,4 @@
-"""Attitudes of members at epochs: grids of members and epochs, and ragged rows."""
+"""Epochs of a call (grid or rows), and attitudes and derivatives of members at them."""
 
 from __future__ import annotations
 
@@ -374,7 +374,7 @@ class MemberRows:
     seconds, low : (S) arrays
         Seconds + low since the epoch of the member; low may be None.
     in_runs : bool, optional
-        Whether rows of one member stand together, in long runs (`evaluate.survey`), if known.
+        Whether rows of one member stand together, in long runs (`survey`), if known.
     """
 
     def __init__(
@@ -638,7 +638,7 @@ class MemberDerivatives:
         omega: FloatArray | None,
         edges: IntArray | None,
     ) -> None:
-        """Fill the derivatives of a few members `who`; `edges` as of `columns.evaluate`."""
+        """Fill the derivatives of a few members `who`; `edges` as of `sensitivities.evaluate`."""
         which = consecutive(who)
         constants, bad = self._members.prepared(which)
         moments, wxyz, _ = self._members.states(which)

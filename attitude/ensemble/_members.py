@@ -1,4 +1,4 @@
-"""The states of N members, as the compiled solution takes them, in ICRF."""
+"""States of N members as the compiled solution takes them: epochs, inertia, attitudes in ICRF."""
 
 from __future__ import annotations
 

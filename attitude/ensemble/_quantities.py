@@ -1,4 +1,4 @@
-"""Numbers that follow from the attitudes of members at epochs, for percentiles and conditions."""
+"""Numbers that follow from attitudes of members, for percentiles and conditions."""
 
 from __future__ import annotations
 

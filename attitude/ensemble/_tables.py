@@ -1,4 +1,4 @@
-"""Ensembles in tables: astropy, pandas, arrow, and files.
+"""Ensembles in tables (astropy, pandas, arrow, files), and random draws about a motion.
 
 One row is one member.  Columns, of which either form of each may be given:
 

@@ -1,4 +1,4 @@
-"""Many states under the same torques, integrated with one scheme and one step."""
+"""`TorquedEnsemble`: many states under the same torques, with one scheme and one step."""
 
 from __future__ import annotations
 

@@ -171,7 +171,7 @@ def read(
     Returns
     -------
     hi, lo : arrays
-        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `kinds.LENGTHS`,
+        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `LENGTHS`,
         seconds from `start`, and lo may be None.
     """
     reader = _READERS[kind]

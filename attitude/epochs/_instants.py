@@ -1,4 +1,4 @@
-"""One epoch: TDB seconds past J2000 in two doubles."""
+"""`Instant`, one epoch: TDB seconds past J2000 in two doubles; dates as text."""
 
 from __future__ import annotations
 

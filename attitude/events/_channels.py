@@ -1,7 +1,7 @@
-"""The channels of body axes and directions: smooth functions of time.
+"""Channels of body axes and directions, and the conditions that are made of them.
 
-Each channel knows upper bounds of its first two derivatives, from the rates of the motion and the
-drift of its directions.
+A channel is a smooth function of time that knows upper bounds of its first two derivatives, from
+the rates of the motion and the drift of its directions.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The intervals in which conditions hold, with their totals and gaps."""
+"""The intervals in which conditions hold: windows, passes, glints, as timetables."""
 
 from __future__ import annotations
 

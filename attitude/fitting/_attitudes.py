@@ -1,4 +1,4 @@
-"""The free rotation through measured attitudes, by least squares."""
+"""`fit`, `fit_rates`, `fit_directions`: the free rotation through measurements."""
 
 from __future__ import annotations
 

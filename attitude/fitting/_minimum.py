@@ -1,6 +1,7 @@
-"""The point of least loss: Levenberg and Marquardt's iteration, on growing spans.
+"""The least squares of a fit, by Levenberg and Marquardt's iteration, and its result.
 
-Derivatives are in closed form, and each trial point is evaluated with them: most are accepted.
+Spans grow from the first records to all.  Derivatives are in closed form, and each trial point is
+evaluated with them: most are accepted.
 """
 
 from __future__ import annotations

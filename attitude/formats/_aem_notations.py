@@ -1,4 +1,4 @@
-"""The elements of an AEM in XML: their names and units."""
+"""Attitude Ephemeris Messages in KVN and XML, read and written."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
-"""The head of a SPICE binary kernel, checked: SPICE does not check it and ends the process.
+"""Files of C-kernels through SPICE: loaded kernels, steps, segments, the clock, records.
 
-Source: the DAF Required Reading of SPICE: the file record is the first 1024 bytes; ND and NI
-stand at byte 8, the addresses of the first and last summary records and of the first free double
-word (counted from 1) at byte 76, the byte order at byte 88.
+SPICE does not check the head of a binary kernel and ends the process: `fault` checks it.  Source:
+the DAF Required Reading of SPICE: the file record is the first 1024 bytes; ND and NI stand at byte
+8, the addresses of the first and last summary records and of the first free double word (counted
+from 1) at byte 76, the byte order at byte 88.
 """
 
 from __future__ import annotations

@@ -544,7 +544,7 @@ def _apart(p: FloatArray, q: FloatArray) -> float:
 def stated(
     method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
 ) -> tuple[str, int]:
-    """Method and degree of the interpolation that a file will state; see `interpolation.settled`.
+    """Method and degree of the interpolation that a file will state; see `_table.settled`.
 
     By default those of a table, else Hermite with angular velocities and Lagrange without.
     """

@@ -630,8 +630,8 @@ class Comprehensive:
 
 
 # ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
-# Conventions are those of `attitude_types` for version 2.  A direction cosine matrix is that from A
-# to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
+# Conventions are those of `_attitude_types` for version 2.  A direction cosine matrix is that from
+# A to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
 
 
 class TimeTags:

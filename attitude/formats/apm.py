@@ -1,9 +1,9 @@
 """CCSDS Attitude Parameter Messages, versions 1.0 and 2.0, KVN and XML: one state and the inertia.
 
 An APM with inertia and angular velocity determines a Body and a Spin; a FreeRotation is written as
-one APM.  Conventions of quaternions, angles, rates and spin are those of `attitude_types`; the sign
-of the products of inertia is that of each version's book unless `products` is given (see
-`inertia`).  Maneuvers are kept among the keywords only.
+one APM.  Conventions of quaternions, angles, rates and spin are those of `_attitude_types`; the
+sign of the products of inertia is that of each version's book unless `products` is given (see
+`known_products`).  Maneuvers are kept among the keywords only.
 
 If a message has the attitude in several forms, the first of quaternion, Euler angles and spin is
 used, and for the rates the first of ANGVEL, derivatives of the quaternion, of the angles, spin.
@@ -125,11 +125,6 @@ XML_NAMES: dict[str, dict[str, str]] = {
 #             504.0-B-1, 3.2.5.2.5.  Orekit reads both versions with this sign.
 # "integral"  IXY is the integral of x y dm, and the entry of the tensor is -IXY: the matrix of
 #             version 2, CCSDS 504.0-B-2, annex F6.  brahe reads version 2 with this sign.
-#
-# >>> tensor((10.0, 20.0, 26.0, 0.5, 0.0, 0.0), "integral")
-# array([[10. , -0.5,  0. ],
-#        [-0.5, 20. ,  0. ],
-#        [ 0. ,  0. , 26. ]])
 
 _SIGNS = {"tensor": 1.0, "integral": -1.0}
 _OF_VERSION = {"1.0": "tensor", "2.0": "integral"}
@@ -146,7 +141,13 @@ def known_products(products: str | None, version: str) -> str:
 
 
 def tensor(values: Sequence[float], products: str) -> FloatArray:
-    """The inertia tensor (3, 3), kg m2, from IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2."""
+    """The inertia tensor (3, 3), kg m2, from IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2.
+
+    >>> tensor((10.0, 20.0, 26.0, 0.5, 0.0, 0.0), "integral")
+    array([[10. , -0.5,  0. ],
+           [-0.5, 20. ,  0. ],
+           [ 0. ,  0. , 26. ]])
+    """
     found = np.zeros((3, 3))
     for (i, j), value in zip(_PLACES, values, strict=True):
         found[i, j] = found[j, i] = value if i == j else _signed(value, products)
@@ -985,7 +986,7 @@ def read(
         As of `aem.read`.
     products : str, optional
         "tensor" if IXY is the entry of the inertia tensor, "integral" if the entry is -IXY; by
-        default as in the book of the message's version (see `inertia`).
+        default as in the book of the message's version (see `tensor`).
     rates : str, optional
         What X_RATE, Y_RATE, Z_RATE of version 1 are, as of `aem.read`.
 

@@ -227,7 +227,7 @@ def write(
     motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
     start, stop : epochs, or TDB seconds since the epoch of the motion
         Both are required, but for a table: without both its records are written as they are, a
-        segment for each stretch without gaps (see `table_segments`).
+        segment for each stretch without gaps (see `_ck_files.TableSegments`).
     t : None
         Refused: the tolerance determines the epochs of the records.
     kind : int

@@ -1,4 +1,4 @@
-"""One light curve of an asteroid with its geometry, in the units of DAMIT."""
+"""Light curves of asteroids with their geometry, in files of DAMIT (lc.txt)."""
 
 from __future__ import annotations
 

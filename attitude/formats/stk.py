@@ -10,7 +10,7 @@ for spans of a day.
 "J2000" is the mean equator and equinox of J2000, "ICRF" and "Inertial" of the Earth the ICRF,
 "Fixed" ITRF, "VVLH" axes of an orbit; "TrueOfDate", "MeanOfDate" and "TEMEOfDate" also as
 "...OfEpoch" with CoordinateAxesEpoch.  A file without InterpolationOrder is interpolated with order
-1, as STK does, and so is one of order 0.  What else STK writes (`header`, `dates`, `sections`) is
+1, as STK does, and so is one of order 0.  What else STK writes is
 read as well; what is refused is refused by name.
 """
 

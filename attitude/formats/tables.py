@@ -106,7 +106,7 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
     return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
 
 
-# ---- CSV files of attitudes; `csv_rows` has their columns
+# ---- CSV files of attitudes
 # The first line names the columns, in any order; readers skip unknown ones.
 
 _BATCH = 16384

@@ -1,4 +1,4 @@
-"""A light curve: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
+"""`LightCurve`: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
 
 from __future__ import annotations
 

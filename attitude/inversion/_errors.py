@@ -1,11 +1,12 @@
-"""Covariances that contain the error of the model: the delete-group jackknife.
+"""Covariances that contain the error of the model: the jackknife, and posterior densities.
 
-Residuals of one night, one observer or one part of the span are correlated where the model errs, so
-that the curvature alone gives errors that are too small.  Each group of points is left out in turn.
-What the parameters then change by follows from one step of Newton's, or, where that is more than
-one standard error, from another fit.  Directions in which the jackknife's variance exceeds that of
-the curvature, by more than the largest eigenvalue of a sample covariance does by chance (Marchenko
-& Pastur: (1 + sqrt(P/G))^2 for P parameters and G groups), take the jackknife's.
+The delete-group jackknife: residuals of one night, one observer or one part of the span are
+correlated where the model errs, so that the curvature alone gives errors that are too small.  Each
+group of points is left out in turn.  What the parameters then change by follows from one step of
+Newton's, or, where that is more than one standard error, from another fit.  Directions in which the
+jackknife's variance exceeds that of the curvature, by more than the largest eigenvalue of a sample
+covariance does by chance (Marchenko & Pastur: (1 + sqrt(P/G))^2 for P parameters and G groups),
+take the jackknife's.
 
 Source: Cameron & Miller, Journal of Human Resources 50, 317 (2015), section VI; Shaby, J. Comput.
 Graph. Stat. 23, 801 (2014) for the adjustment of samples.

@@ -1,4 +1,4 @@
-"""The states of a body of known shape and moments from brightness alone: spans that grow.
+"""The states of a body of known shape and moments from brightness alone, searched and ranked.
 
 Random attitudes and rates are screened on the points of a short span; the best are refined on it
 and on spans that grow to the whole curve, each time with the best of them and samples of their

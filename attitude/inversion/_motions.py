@@ -1,4 +1,4 @@
-"""Attitudes of a free rotation from its five elements, and their derivatives, for many epochs.
+"""Attitudes and moments of inertia from the five elements of a free rotation, compiled.
 
 The series of docs/derivation.md (section 15) with four terms, eight epochs at a time.  Elements
 here are per unit of time of the epochs: precession and nutation in turns (lambda / 2 pi, f), the
@@ -189,8 +189,8 @@ def attitudes(elements, k, t, r, g):
 
 
 # ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form
-# With the tilts of the third axis from rho and X (`sensitivities.elements`) follow l, m, n of the
-# solution, and nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
+# With the tilts of the third axis from rho and X (`elements`) follow l, m, n of the solution, and
+# nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
 #
 #     I2 = r (1 + nu)/(r + nu),        L = w r sqrt(1 + nu)/(|1 - r| l),
 #     lambda = L/(2 r) (1 - (1 - r) c),        c = Pi(n|m)/K - l (pi/2)/(K sqrt(1 + nu)),

@@ -1,7 +1,8 @@
-"""Motions with parameters: a free rotation, one that impulses divide, or one under torques.
+"""Motions with parameters, and their least squares with a shape to a light curve.
 
-A point has a body whose principal axes are its axes, a spin, and changes with numbers to find: the
-momentum of each impulse (3), a torque that is fixed in the body (3), the strength of sunlight (1).
+A motion is a free rotation, one that impulses divide, or one under torques.  A point has a body
+whose principal axes are its axes, a spin, and changes with numbers to find: the momentum of each
+impulse (3), a torque that is fixed in the body (3), the strength of sunlight (1).
 """
 
 from __future__ import annotations
@@ -300,7 +301,7 @@ class MovingModel:
 
 @dataclass(frozen=True, eq=False)
 class MovingFound:
-    """A state near its least cost; attributes as of `refinement.Refined`."""
+    """A state near its least cost; attributes as of `Refined`."""
 
     state: MovingState
     cost: float

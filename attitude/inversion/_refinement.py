@@ -1,8 +1,8 @@
-"""Orientation, elements and convex areas together: Levenberg and Marquardt with exact derivatives.
+"""Least squares of orientation, elements and areas, robust errors, and the evidence.
 
-A state is a start of `many_starts` with the coefficients of the modes of `facets` behind it.  The
-moments of the motion are tied to those of the homogeneous shape; terms in which the magnitude is
-linear are projected out.
+Levenberg and Marquardt's iteration with exact derivatives.  A state is a start of `_ellipsoid` with
+the coefficients of the modes of `_shapes` behind it.  The moments of the motion are tied to those
+of the homogeneous shape; terms in which the magnitude is linear are projected out.
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ def refine(
     ----------
     problem : CurveProblem
     start : (WIDTH,) array
-        Or a start of `many_starts`, whose shape is the ellipsoid.
+        Or a start of `_ellipsoid`, whose shape is the ellipsoid.
     iterations : int
     tie : Tie
         Of the moments of motion and shape.

@@ -1,5 +1,6 @@
-"""A convex body as areas of facets of given normals: an ellipsoid times a smooth random factor.
+"""Shapes for the inversion: convex bodies by areas of facets, and given meshes.
 
+A convex body is an ellipsoid times a smooth random factor of the areas of facets of given normals.
 The logarithm of the factor is a Gaussian process on the sphere of normals, of which the largest
 modes are kept: areas are positive, smooth where the data say nothing, and a prior follows.  The
 moments of inertia of the homogeneous body are those of the ellipsoid with the same surface tensor,
@@ -194,7 +195,7 @@ def shares(sun, observer, normals, areas, lambert, parts, by_directions):
         by_directions[i, 3], by_directions[i, 4], by_directions[i, 5] = b0, b1, b2
 
 
-# ---- Magnitudes of a convex body of `facets`, with derivatives, and what its shape has to satisfy
+# ---- Magnitudes of a convex body, with derivatives, and what its shape has to satisfy
 # The parameters of a shape are two of an ellipsoid and the coefficients of the modes of the areas.
 
 # Share of Lambert's law in the scattering, to that of Lommel and Seeliger.

@@ -1,4 +1,4 @@
-"""What an inversion returns: solutions, each with motion, errors, shape and residuals."""
+"""What an inversion returns: solutions, each with motion, errors, shape and predictions."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""Whether a light curve decides the spin state: solved, periods only, or not solved.
+"""Whether a light curve decides the spin state, and how solutions relate to each other.
 
-A solution is accepted if its residuals are as small as the errors (the floor), or, where errors are
-those of a telescope only, if it explains all but a small part of the variance and no other periods
-come near.  Other solutions compete within a difference of evidence.  A rotation about one axis is
-claimed only where a nutation improves the fit by no more than chance.
+The verdicts are: solved, periods only, not solved.  A solution is accepted if its residuals are as
+small as the errors (the floor), or, where errors are those of a telescope only, if it explains all
+but a small part of the variance and no other periods come near.  Other solutions compete within a
+difference of evidence.  A rotation about one axis is claimed only where a nutation improves the fit
+by no more than chance.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The compiled loops of elliptic integrals and functions over arrays."""
+"""Elliptic integrals, Jacobi's elliptic functions and theta functions, over arrays."""
 
 from __future__ import annotations
 

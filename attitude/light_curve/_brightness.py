@@ -1,4 +1,4 @@
-"""Brightness of a shape under a law, for arrays of directions: input checks, choice of the loop."""
+"""Brightness of a shape under a law: checks of directions, the choice of the loop, blocks."""
 
 from __future__ import annotations
 
@@ -339,7 +339,7 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
 
 def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
-    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
     from attitude.light_curve import _sums
 
     if resolution == 0:
@@ -416,7 +416,7 @@ def _few_kernel(
 
 
 def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
-    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    """The `segments` of `_sums.gather`, for the row (places,) of each place, -1 if it is empty."""
     found = []
     of_clusters = which.reshape(-1, SIZE)
     for row in range(rows):
@@ -445,7 +445,7 @@ def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
 
 # ---- The sum over a mesh of few facets under a law that is evaluated facet by facet
 # All facets of an epoch are evaluated, eight at a time, the dark ones too.  Up to some tens of
-# facets that takes less time than to gather those that are both lit and seen, as `sums` does for
+# facets that takes less time than to gather those that are both lit and seen, as `_sums` does for
 # more: their number changes from epoch to epoch, and the processor guesses branches wrong.
 
 # Packs of eight facets up to which evaluating all of them is faster (benchmarks/light_curve.py).

@@ -1,4 +1,4 @@
-"""Magnitudes from brightness in m2/sr."""
+"""Magnitudes from brightness in m2/sr, and the mean brightness over all orientations."""
 
 from __future__ import annotations
 

@@ -244,7 +244,7 @@ def axes_of(face):
 def side_shown(boxes, fronts, node, middle):
     """1 if all facets of a group show their fronts to all points about a facet, -1 their backs.
 
-    0 where some may do one, some the other.  `middle` is a row of `painting.surroundings`.
+    0 where some may do one, some the other.  `middle` is a row of `surroundings`.
     """
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
@@ -303,7 +303,7 @@ def draw_groups(
 ):  # fmt: skip
     """Add the changes along the outlines of the nodes found[:groups] to `counts`.
 
-    The points are flat[first : first + 24], as in `painting`.  An edge between two groups that show
+    The points are flat[first : first + 24], as in `paint`.  An edge between two groups that show
     the same side changes nothing, and one between others is drawn once.  `drawn` keeps the first
     row of each face with changes and the one after the last.
     """
@@ -565,10 +565,10 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
         drawn[2 * face], drawn[2 * face + 1] = resolution, 0
 
 
-# ---- The compiled loop of `visibility` over the facets of a mesh and the groups that may hide its
+# ---- The compiled loop over the facets of a mesh and the groups that may hide its
 # sky
 # Groups that show their fronts are drawn by their outlines, others are divided, down to facets that
-# are drawn by their edges (`outline_painting`).
+# are drawn by their edges.
 
 # Heights above the plane of a facet up to this share of the size of the body are rounding: those
 # of neighbours in the same plane.
@@ -585,7 +585,7 @@ def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray
     shift (8, 2) is in cells.
     """
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
-    # the inverse of `sums.evened`
+    # the inverse of `_sums.evened`
     found = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
     return np.ascontiguousarray(found[..., 0]).reshape(-1), found[..., 1].flatten()
 
@@ -810,7 +810,7 @@ class Visibility:
     Attributes
     ----------
     masks : (6 n^2, places) uint8 array
-        For each cell of the sky and each place of `clusters`, a bit for each point of the facet:
+        For each cell of the sky and each place of `Clusters`, a bit for each point of the facet:
         1 if the sky is free.
     resolution : int
         n, the number of cells along an edge of the sky.
@@ -865,7 +865,7 @@ class Visibility:
             bar is drawn on standard error, if that is a terminal, after a second.
         keep : bool
             Whether the table is read from and, if it took more than a second, kept in the user's
-            cache folder (`table_files`).
+            cache folder (`file_of`).
 
         Raises
         ------
@@ -904,7 +904,7 @@ class Visibility:
         return cls(masks, resolution, clusters, mesh.corners)
 
     def arranged(self, packs: Packs) -> NDArray[np.uint64]:
-        """The masks as `few_facets.arranged` has them; those of the last packs are kept."""
+        """The masks as `_brightness.arranged` has them; those of the last packs are kept."""
         from attitude.light_curve import _brightness
 
         last = self._last[-1:]

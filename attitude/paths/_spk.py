@@ -1,8 +1,8 @@
 """JPL kernels (SPK files): one path for each pair of bodies that a file holds.
 
 jplephem reads the directory of a file; the coefficients of types 2 and 3 (Chebyshev polynomials)
-are mapped into memory and evaluated by `chebyshev_loops`, at some 20 ns an epoch and pair of
-bodies.  spiceypy evaluates all other types; see `spk_spice`.
+are mapped into memory and evaluated by `attitude._solver.chebyshev`, at some 20 ns an epoch and
+pair of bodies.  spiceypy evaluates all other types (`SpiceSegment`).
 
 Source: NAIF, SPK Required Reading; jplephem.
 """

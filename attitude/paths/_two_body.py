@@ -1,4 +1,4 @@
-"""Two-body motion from orbital elements, on any conic."""
+"""Two-body motion from orbital elements, on any conic, compiled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file of photometry holds: good rows as arrays, bad rows with the reason of each."""
+"""`Photometry` of one body, its reduction to 1 au, and its rows in files."""
 
 from __future__ import annotations
 

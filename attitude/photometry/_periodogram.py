@@ -1,4 +1,4 @@
-"""The spectral window of epochs, and what it does to periods: aliases and harmonics, in words."""
+"""`periodogram`: one period; the spectral window of the epochs, aliases and harmonics in words."""
 
 from __future__ import annotations
 
@@ -306,7 +306,7 @@ def periodogram(
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`_samples.settled`).
 
     Returns
     -------
@@ -320,7 +320,7 @@ def periodogram(
     Notes
     -----
     The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
-    (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
+    (`_spectrum.refined`), to the least squares of period, harmonics and zero points.  Before the
     scan the mean of each curve with a zero point of its own is taken off, which hides most of a
     period longer than a session: so one zero point for all sessions is tried first.
 

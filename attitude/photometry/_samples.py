@@ -1,4 +1,4 @@
-"""Samples of a light curve as numbers: seconds, values, errors and zero points, from any input."""
+"""Light curves as numbers, from any input; the lines in the spectrum of a tumbler's."""
 
 from __future__ import annotations
 

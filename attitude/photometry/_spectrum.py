@@ -1,5 +1,6 @@
-"""Sums of exp(2 pi i nu t) over uneven epochs at equally spaced frequencies: a gridded transform.
+"""Sums of exponentials over uneven epochs, and Fourier series in pairs of frequencies.
 
+`sums` gives those of exp(2 pi i nu t) at equally spaced frequencies nu by a gridded transform.
 Each epoch is spread over twelve points of an oversampled grid by the kernel exp(b sqrt(1 - z^2)) of
 Barnett, Magland & af Klinteberg (SIAM J. Sci. Comput. 41, C479, 2019), the grid transformed by an
 FFT, and the transform divided by that of the kernel: 1e-10 of the sum of the weights.
@@ -189,7 +190,7 @@ def _solve(g, b):
 
 
 # ---- All pairs of frequencies of two grids, fitted by closed normal equations; the best of them
-# The cost of a pair does not depend on the number of samples (`pair_scan`).  Where there are more
+# The cost of a pair does not depend on the number of samples.  Where there are more
 # pairs than `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left
 # out, and the best `MOST` are fitted.
 
@@ -233,7 +234,7 @@ class BestPairs(NamedTuple):
 
 
 def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, count: int) -> Tables:
-    """The tables of `pair_scan` at `count` multiples of a spacing.
+    """The tables of `_decreases` at `count` multiples of a spacing.
 
     Shapes: t, weights, y (N,).
     """

@@ -1,4 +1,4 @@
-"""Error and cost of integrators of the free rotation, measured against the exact solution.
+"""`compare`: error and cost of integrators of the free rotation against the exact solution.
 
 The first use that van Zon & Schofield (2006) name for the exact solution.
 
@@ -175,7 +175,7 @@ def run(kind, moments, start, h, every, out):
 
 @subroutine
 def exact(moments, q, w, h):
-    """The increments of `solution.step`, without compensated summation."""
+    """The increments of `attitude._solver.step`, without compensated summation."""
     k = gains(moments)
     count = pieces(k, w, h)
     part = h / count
@@ -337,7 +337,7 @@ def _exponential(v, h):
     return math.cos(0.5 * h * size), sine * v[0], sine * v[1], sine * v[2]
 
 
-# Names, in the order of the numbers of `referee.integrators`, and sources.
+# Names, in the order of the numbers of `one_step`, and sources.
 _SHIPPED = {
     "dlm": "Dullweber, Leimkuhler & McLachlan 1997: kinetic energy split by axes",
     "reich": "Reich 1994: a symmetric top and the rest",

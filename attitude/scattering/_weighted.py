@@ -1,4 +1,7 @@
-"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets."""
+"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets.
+
+The file also has the phase functions of whole asteroids.
+"""
 
 from __future__ import annotations
 

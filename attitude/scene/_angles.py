@@ -1,4 +1,4 @@
-"""Angles between directions, and their longitudes and latitudes; arrays (3, N), component first."""
+"""Angles between directions, their longitudes and latitudes, on arrays (3, N); compiled loops."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Light-time corrected positions: at epoch t, the target where it emitted the light seen at t.
+"""Light-time corrected lines of sight: the target where it emitted the light seen at t.
 
 The epoch of emission is t minus the light time, which depends on the position of the target at
 emission: a fixed point, iterated until the target moves by less than rounding in the remaining

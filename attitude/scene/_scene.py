@@ -1,4 +1,4 @@
-"""The setting of an observation: a motion, the path of its body, an observer and the Sun."""
+"""`Scene`: a motion, the path of its body, an observer and the Sun; quantities as observables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene at some epochs; each quantity is computed once, at its first use."""
+"""`View`: a scene at some epochs; each quantity is computed once, at its first use."""
 
 from __future__ import annotations
 
@@ -343,12 +343,12 @@ class View(Immutable):
 
     @cached_property
     def _reception_sample(self) -> _light_time.Sample:
-        """The `lines_of_sight.sample` of the epochs of reception."""
+        """The `_light_time.sample` of the epochs of reception."""
         return _light_time.sample(self.epoch, *self._reception())
 
     @cached_property
     def _emission_sample(self) -> _light_time.Sample:
-        """The `lines_of_sight.sample` of the epochs of emission."""
+        """The `_light_time.sample` of the epochs of emission."""
         return _light_time.sample(self.epoch, *self._emission())
 
     def _emission(self) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,4 @@
-"""Triangles with normals that point outward: the surface of a body."""
+"""Triangles with normals that point outward: the surface of a body, checked; its integrals."""
 
 from __future__ import annotations
 
@@ -596,7 +596,7 @@ class Mesh(Immutable):
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
         Heights within the rounding of the coordinates, `rounding` and that of doubles, count as
-        zero.  The time grows with the number of facets (`convexity`).
+        zero.  The time grows with the number of facets (`is_convex`).
         """
         if not self.is_closed or len(self.inward_facets):
             return False

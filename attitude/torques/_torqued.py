@@ -1,4 +1,15 @@
-"""The lengths of the steps of a torqued motion."""
+"""`TorquedRotation`: kicks of torques between exact free motions, in fixed or adaptive steps.
+
+>>> import numpy as np
+>>> from attitude import Body, Spin
+>>> from attitude.splitting import TorquedRotation
+>>> from attitude.torques import ConstantTorque
+>>> body = Body(moments=(10, 20, 26))
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+>>> motion = TorquedRotation(body, spin, ConstantTorque((0, 0, 0.26)), step=0.1)
+>>> motion.at(10.0).angular_velocity.round(12)          # 0.01 rad/s2 for 10 s
+array([0. , 0. , 0.1])
+"""
 
 from __future__ import annotations
 
@@ -287,7 +298,7 @@ class Front:
     tolerance : float
         Of the error of a step.
     paired : bool
-        Whether a motion with whole steps goes along; see `solution.adaptive`.
+        Whether a motion with whole steps goes along; see `attitude._solver.adaptive`.
     last : float
         s, the absolute value of the seconds beyond which no torque is known.
     """
@@ -653,16 +664,7 @@ class BoundedSteps:
             self._steps = VaryingSteps(self.system, self.sign, allowed, paired=True)
 
 
-# ---- Motion under torques: kicks between exact free motions
-# >>> import numpy as np
-# >>> from attitude import Body, Spin
-# >>> from attitude.splitting import TorquedRotation
-# >>> from attitude.torques import ConstantTorque
-# >>> body = Body(moments=(10, 20, 26))
-# >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
-# >>> motion = TorquedRotation(body, spin, ConstantTorque((0, 0, 0.26)), step=0.1)
-# >>> motion.at(10.0).angular_velocity.round(12)          # 0.01 rad/s2 for 10 s
-# array([0. , 0. , 0.1])
+# ---- The motion
 
 # Epochs in a block.
 _EPOCHS_AT_ONCE = 1 << 17

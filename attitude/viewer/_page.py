@@ -1,4 +1,4 @@
-"""The page: one HTML file with the library three.js, the viewer's own scripts and its data."""
+"""`view`: one HTML file with the library three.js, the viewer's own scripts and its data."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SCRIPTS: tuple[str, ...] = (
 
 
 def page(data: dict[str, Any]) -> str:
-    """The HTML of a page from the value of `page_data.content`."""
+    """The HTML of a page from the value of `content`."""
     parts = {
         "title": html.escape(data["title"]),
         "style": _text("style.css"),

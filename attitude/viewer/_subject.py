@@ -1,4 +1,4 @@
-"""What a page or animation shows: a motion or scene, a span of time, and a shape."""
+"""What a page or animation shows: span, attitudes, directions, light curve, surface."""
 
 from __future__ import annotations
 
