@@ -372,7 +372,7 @@ def directions(
 
     rows (pieces 4 count,) holds the coefficients of `records` in the order of x, y, z and a zero.
 
-    Pieces as of `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
+    Pieces as in `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
     before them, or in one other piece, are evaluated together by SIMD: sorted epochs are walked
     piece by piece.  NaN for NaN.  Returns -1, or the index of an epoch outside of the range.
     """

@@ -183,7 +183,7 @@ class ArcsEnsemble(Immutable):
     ensemble : Ensemble
         States at one epoch.
     changes : Impulse, InertiaChange, or sequence of them
-        As of `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
+        As in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
         given momenta are compiled over members, 0.1 ms a member and change; events and
         functions are resolved member by member.
 

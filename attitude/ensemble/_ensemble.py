@@ -612,11 +612,11 @@ class Ensemble(Immutable):
         Parameters
         ----------
         t, member, low, threads
-            As of `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
+            As in `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
         angular_velocity : bool
             Whether the derivatives of the angular velocity are returned too.
         out, rates_out : float64 arrays (S, 3, 9), optional
-            Filled; as of `at`.
+            Filled; as in `at`.
 
         Returns
         -------
@@ -664,7 +664,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         t, member, low, angular_velocity, threads
-            As of `at`.
+            As in `at`.
         rows : int
             An attitude takes 32 bytes, 56 with its rates.
 
@@ -872,14 +872,14 @@ class Ensemble(Immutable):
         Parameters
         ----------
         t, member, low
-            The epochs at which light leaves the body, as of `at`.
+            The epochs at which light leaves the body, as in `at`.
         sun, observer : (..., 3) array_like
             Vectors from the body in ICRF, of any length above zero, that broadcast to (S, 3);
             NaN gives NaN.
         shape : Ellipsoid, Mesh, N of them, or (3,) or (N, 3) array_like
             Arrays are semi-axes of ellipsoids along the body axes, m.
         law, shadows
-            As of `light_curve.brightness`: ellipsoids need a law with a closed form.
+            As in `light_curve.brightness`: ellipsoids need a law with a closed form.
         threads : int
             Number of threads; the bits of the answer do not depend on it.
         out : (S) float64 array in C order, optional
@@ -918,7 +918,7 @@ class Ensemble(Immutable):
     ) -> FloatArray:
         """Magnitudes (S) at 1 au from Sun and observer: V(1, 1, alpha); inf where nothing is seen.
 
-        Arguments as of `brightness`; `sun_magnitude` is that of the Sun at 1 au, by default in
+        Arguments as in `brightness`; `sun_magnitude` is that of the Sun at 1 au, by default in
         Johnson V.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
@@ -936,7 +936,7 @@ class Ensemble(Immutable):
     ) -> FloatArray:
         """Apparent magnitudes (S), for vectors to Sun and observer in m or Quantities.
 
-        Arguments as of `reduced_magnitude`.
+        Arguments as in `reduced_magnitude`.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
         return self.brightness(t, member, sun, observer, _magnitudes=(band, True), **options)
@@ -960,7 +960,7 @@ class Ensemble(Immutable):
             "aspect_angle" ...); an `AngleTo(axis, target)`; or a function that takes an
             EnsembleHistory (n, T) and returns numbers (n, T).
         t : (T,) or (N, T)
-            As of `at`; with a scene (T,), the epochs at which light is received.
+            As in `at`; with a scene (T,), the epochs at which light is received.
         percentages : (P,) array_like
             0 to 100; between two members the numbers are interpolated linearly, as by numpy.
         scene : Scene, optional
@@ -1017,7 +1017,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         quantity, t, scene, low
-            As of `percentiles`.
+            As in `percentiles`.
         edges : (B + 1,) array_like
             Ascending, in the unit of the quantity; a bin holds its lower edge, the last one both.
 
@@ -1061,7 +1061,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         quantity, t, scene, low
-            As of `percentiles`; epochs ascend, and are so close that no crossing is lost.
+            As in `percentiles`; epochs ascend, and are so close that no crossing is lost.
         least, greatest : float
             Bounds, which are within; in the unit of the quantity.  NaN is not within.
         threads : int
@@ -1147,10 +1147,10 @@ class Ensemble(Immutable):
         relative : bool
             Whether the unit of the moments is unknown; of a body, its own.
         epoch, pole, phi0, mode, convention, P_psi, P_phi, psi0, theta_branch, P
-            As of `Spin.from_periods`; each one value, or one for each member: pole (N, 2).  P is
+            As in `Spin.from_periods`; each one value, or one for each member: pole (N, 2).  P is
             NaN for members that tumble; P_psi, P_phi and psi0 are NaN for relaxed rotators.
         frame, names, on_error
-            As of `Ensemble`.
+            As in `Ensemble`.
 
         Raises
         ------
@@ -1190,7 +1190,7 @@ class Ensemble(Immutable):
         frame, relative : optional
             By default those of the meta data of the table, else "icrf" and False.
         on_error
-            As of `Ensemble`.
+            As in `Ensemble`.
 
         Raises
         ------
@@ -1259,7 +1259,7 @@ class Ensemble(Immutable):
             0 or more.
         seed : int or numpy Generator
         covariance : (9, 9) or (6, 6) array_like, or mapping, optional
-            As of `Spin`, over the axes of the spin's frame; by default that of the spin.
+            As in `Spin`, over the axes of the spin's frame; by default that of the spin.
         distributions : mapping, optional
             In place of a covariance: by name a function of (generator, n) or an object with
             ``rvs(size=, random_state=)``, such as of scipy.stats, that draws n rows of

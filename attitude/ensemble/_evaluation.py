@@ -121,7 +121,7 @@ class Runs:
     Parameters
     ----------
     members, label, raises
-        As of `grid`.
+        As in `grid`.
     """
 
     def __init__(self, members: Members, label: Callable[[int], str], raises: bool = True) -> None:
@@ -638,7 +638,7 @@ class MemberDerivatives:
         omega: FloatArray | None,
         edges: IntArray | None,
     ) -> None:
-        """Fill the derivatives of a few members `who`; `edges` as of `sensitivities.evaluate`."""
+        """Fill the derivatives of a few members `who`; `edges` as in `sensitivities.evaluate`."""
         which = consecutive(who)
         constants, bad = self._members.prepared(which)
         moments, wxyz, _ = self._members.states(which)

@@ -148,7 +148,7 @@ class Light:
         Of `known_shapes`.
     law : str or Law
     shadows : bool or Visibility
-        As of `light_curve.brightness`.
+        As in `light_curve.brightness`.
     raises : bool
         Whether epochs beyond the reach of a member are refused; otherwise they give NaN.
     """

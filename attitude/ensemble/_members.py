@@ -232,7 +232,7 @@ class Inertia:
     Attributes
     ----------
     given, relative, bodies
-        As of `Given`.
+        As in `Given`.
     moments : (1 or N, 3, 2) array
         Principal moments in pairs of doubles.
     axes : (1 or N, 3, 3) array

@@ -189,7 +189,7 @@ def drawn(
     covariance: Any,
     distributions: Mapping[str, Any] | None,
 ) -> Drawn:
-    """States drawn about a motion; arguments as of `Ensemble.sample`."""
+    """States drawn about a motion; arguments as in `Ensemble.sample`."""
     generator = validation.generator(seed)
     if distributions is None:
         draw = _of_covariance(motion, covariance, generator)

@@ -53,11 +53,11 @@ class TorquedEnsemble(Immutable):
     ensemble : Ensemble
         States at one epoch; their frame, bodies and names.
     torques : Torque, or sequence of them
-        As of `TorquedRotation`.
+        As in `TorquedRotation`.
     step : float or Quantity
         s, of all members.
     scheme : str or Scheme
-        As of `TorquedRotation`.
+        As in `TorquedRotation`.
 
     Raises
     ------

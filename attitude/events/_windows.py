@@ -550,7 +550,7 @@ def glints(
     where : Condition, optional
         Any other condition of the scene.
     velocity : optional
-        As of `glint`: "center" for the aberration by the motion of the body.
+        As in `glint`: "center" for the aberration by the motion of the body.
 
     Raises
     ------

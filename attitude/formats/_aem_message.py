@@ -557,7 +557,7 @@ class WrittenSegment:
     kind : str
         Attitude type, under its name in version 2.
     scalar_first, sequence, rates_of_angles : bool, str, bool
-        As of `Convention`.
+        As in `Convention`.
     keywords : dict of str
         Keyword of the meta data -> value, in their order.
     comments, data_comments : sequence of str

@@ -200,7 +200,7 @@ class Plan:
     Parameters
     ----------
     motion, start, stop, kind, tolerance, rate_tolerance
-        As of `ck.write`.
+        As in `ck.write`.
     scale : str
         Time scale of the clock, "tdb" or "tt".
 

@@ -1165,7 +1165,7 @@ def covariances(
 
 
 def physics(body: Body, frame: str, products: str | None) -> AcmBlockOut:
-    """The block PHYS of a body in kg m2; `products` as of `acm.read`."""
+    """The block PHYS of a body in kg m2; `products` as in `acm.read`."""
     names = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
     values = apm.inertia_values(body.tensor, apm.known_products(products, "2.0"))
     entries = [("INERTIA_REF_FRAME", frame)]
@@ -1296,9 +1296,9 @@ def read(
     path : str or path
         KVN or XML, recognized by the content.
     tolerance, frame, orbit
-        As of `aem.read`.
+        As in `aem.read`.
     products : str, optional
-        As of `apm.read`; by default the entry of the inertia tensor is -IXY.
+        As in `apm.read`; by default the entry of the inertia tensor is -IXY.
 
     Raises
     ------
@@ -1343,16 +1343,16 @@ def write(
     Parameters
     ----------
     path, source, t, frame, time_system, object_name, object_id, center
-        As of `aem.write`.
+        As in `aem.write`.
     body_frame, originator, comments, creation_date, digits, orbit
-        As of `aem.write`.
+        As in `aem.write`.
     xml : bool
         XML instead of KVN.
     covariance : bool, optional
         Write variances; by default if the spin of the motion has a covariance (that of a
         `Fit.motion` has).
     products : str, optional
-        As of `read`.
+        As in `read`.
 
     Raises
     ------

@@ -159,7 +159,7 @@ def write(
         UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
     rates : str, optional
         Version 1.0 with the types QUATERNION/RATE and EULER_ANGLE/RATE, whose readers disagree:
-        "body" or "euler", as of `read`.
+        "body" or "euler", as in `read`.
     rates_over : str
         "body" or "frame": the axes of angular velocities.
     sequence : str, optional

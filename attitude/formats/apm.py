@@ -437,7 +437,7 @@ class Interpreted:
     ----------
     message : Collected
     tolerance, frame, orbit, products, rates
-        As of `apm.read`.
+        As in `apm.read`.
 
     Attributes
     ----------
@@ -983,12 +983,12 @@ def read(
     Parameters
     ----------
     path, tolerance, frame, orbit
-        As of `aem.read`.
+        As in `aem.read`.
     products : str, optional
         "tensor" if IXY is the entry of the inertia tensor, "integral" if the entry is -IXY; by
         default as in the book of the message's version (see `tensor`).
     rates : str, optional
-        What X_RATE, Y_RATE, Z_RATE of version 1 are, as of `aem.read`.
+        What X_RATE, Y_RATE, Z_RATE of version 1 are, as in `aem.read`.
 
     Raises
     ------
@@ -1038,7 +1038,7 @@ def write(
     inertia : bool
         False leaves the inertia out (relative moments have no unit and cannot be written).
     products : str, optional
-        As of `read`: the sign of the products of inertia.
+        As in `read`: the sign of the products of inertia.
     rates : str, optional
         Version 1.0: write the block of Euler angles (321) too, with "body" or "euler" rates.
 

@@ -249,7 +249,7 @@ def write(
     path : str or path
         Appears whole or not at all.
     source, t
-        As of `aem.write`.
+        As in `aem.write`.
     settings
         Further arguments of the writer of the format, such as start=, stop= and tolerance=.
 

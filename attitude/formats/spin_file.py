@@ -30,12 +30,12 @@
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
            ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.  Or a
-           published state, as of `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
+           published state, as in `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
            ("L", "S"), ``P_psi``, ``P_phi``, ``pole`` (longitude, latitude in ``frame``, "ecliptic"
            if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates.
 [errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
-           the unit of the body); or ``covariance``, nine or six rows as of `Spin`, in rad, rad/s
+           the unit of the body); or ``covariance``, nine or six rows as in `Spin`, in rad, rad/s
            and the unit of the body.
 top level  ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================

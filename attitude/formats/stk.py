@@ -199,7 +199,7 @@ class Decoder:
     ----------
     section : Section
     sequence : str or None
-        The order of rotations, as of `quaternion.known_sequence`.
+        The order of rotations, as in `quaternion.known_sequence`.
     initial : sequence of float or None
         The angles at the first record, deg, in the order of the section's columns.
 
@@ -682,7 +682,7 @@ def write(
     Parameters
     ----------
     path, source, t, start, stop, tolerance
-        As of `aem.write`; one segment.
+        As in `aem.write`; one segment.
     section : str, optional
         "AttitudeTimeQuatAngVels" by default, "AttitudeTimeQuaternions" without rates; also
         "AttitudeTimeQuatScalarFirst" and "AttitudeTimeEulerAngles".

@@ -415,7 +415,7 @@ def write(
     path : str or path
         Appears whole or not at all.
     source, t, start, stop, tolerance
-        As of `aem.write`; CSV holds one segment.
+        As in `aem.write`; CSV holds one segment.
     rates : bool
         False leaves angular velocities out.
     sigma : bool

@@ -70,7 +70,7 @@ class EllipsoidCurve:
         self._u[:count, : len(problem)] = problem.u
 
     def rows(self, states: FloatArray, with_slopes: bool) -> Iterator[tuple[slice, FloatArray]]:
-        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as of `residuals`.
+        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as in `residuals`.
 
         The rows are overwritten by those of the next states.
         """
@@ -149,7 +149,7 @@ def residuals(states, t, sun, observer, y, weight, r, g, rows):
     """Residuals y - magnitude of S states (S, 16), times weight, and derivatives of magnitudes.
 
     Into rows (S 12 N,): residuals, then the Jacobian, times weight; or into rows (S N,) residuals
-    alone, if g is empty.  r and g are as of `_motions.attitudes`; sun and observer (3 N,)
+    alone, if g is empty.  r and g are as in `_motions.attitudes`; sun and observer (3 N,)
     are unit vectors by components, t, y, weight (N,); N is a multiple of eight.
     """
     n = t.size

@@ -45,7 +45,7 @@ class Modelled(Protocol):
 
     @property
     def magnitude(self) -> FloatArray:
-        """Of each point."""
+        """The predicted magnitude of each point (N,)."""
 
     @property
     def jacobian(self) -> FloatArray:

@@ -143,7 +143,7 @@ class PassSearch:
         self.found, self.origin = best, origin
 
     def _mean_square(self) -> float:
-        """Of the residuals of the best state over their errors, without the worst of them."""
+        """That of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
         here = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
         squares = np.sort((here.residual - here.along @ problem.u)[0] ** 2)

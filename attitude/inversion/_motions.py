@@ -126,9 +126,9 @@ def three(array, at, n):
 
 @reduction
 def attitudes(elements, k, t, r, g):
-    """Matrices as of `SeriesAttitudes`, into r (S 9 N,), and tangents, into g (S 9 N,) or ().
+    """Matrices as in `SeriesAttitudes`, into r (S 9 N,), and tangents, into g (S 9 N,) or ().
 
-    elements (S, 3): precession, nutation, phase; k (S, 4, 4, 2) as of `coefficients`; t (N,), where
+    elements (S, 3): precession, nutation, phase; k (S, 4, 4, 2) as in `coefficients`; t (N,), where
     `LANES` divides N.
     """
     n = t.size

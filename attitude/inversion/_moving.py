@@ -301,7 +301,7 @@ class MovingModel:
 
 @dataclass(frozen=True, eq=False)
 class MovingFound:
-    """A state near its least cost; attributes as of `Refined`."""
+    """A state near its least cost; attributes as in `Refined`."""
 
     state: MovingState
     cost: float

@@ -298,7 +298,7 @@ class Fitted(Protocol[Found]):
 
     @property
     def state(self) -> Found:
-        """Of the least cost."""
+        """The state of the least cost."""
 
     @property
     def cost(self) -> float:
@@ -310,7 +310,7 @@ class Fitted(Protocol[Found]):
 
     @property
     def magnitude(self) -> FloatArray:
-        """Of the model (N,)."""
+        """Magnitudes of the model (N,)."""
 
 
 FREEDOM = 5.0

@@ -158,7 +158,7 @@ class CurveFit(ABC):
 
     @property
     def rms(self) -> float:
-        """Of the residuals, mag."""
+        """Root mean square of the residuals, mag."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
     @property
@@ -210,7 +210,7 @@ class Solution(CurveFit):
     Attributes
     ----------
     curve, weighted, evidence, rank, relation
-        As of `CurveFit`.
+        As in `CurveFit`.
     tie : Tie
         Of the moments of motion and shape.
     """

@@ -101,7 +101,7 @@ def is_admissible(state: FloatArray) -> bool:
 def motion(
     state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
 ) -> FreeRotation:
-    """The free rotation of a state, its covariance as of `Spin`; the moments are relative."""
+    """The free rotation of a state, its covariance as in `Spin`; the moments are relative."""
     here = physical(state)
     wxyz = quaternion.from_matrix(here.matrix)
     spin = Spin(epoch, wxyz, here.rates / span, covariance=covariance)

@@ -133,7 +133,7 @@ def Pi(n: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     n : array_like
         Characteristic (alpha^2 of DLMF), not above 0.
     m, mc
-        As of `K`, m < 1; n and m are broadcast.
+        As in `K`, m < 1; n and m are broadcast.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def F(phi: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     phi : array_like
         Amplitude, rad, of any size.
     m, mc
-        As of `K`, m < 1; phi and m are broadcast.
+        As in `K`, m < 1; phi and m are broadcast.
 
     Returns
     -------

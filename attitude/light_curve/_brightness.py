@@ -236,9 +236,9 @@ def stream(
 
     Parameters
     ----------
-    shape, law, shadows, threads : as of `brightness`
+    shape, law, shadows, threads : as in `brightness`
     blocks : iterable of pairs (sun, observer)
-        Arrays (..., 3) as of `brightness`.  Only one block is in memory at a time if the iterable
+        Arrays (..., 3) as in `brightness`.  Only one block is in memory at a time if the iterable
         is lazy.
     progress : callable, optional
         Called with the number of epochs done after each block.
@@ -264,7 +264,7 @@ def kernel_of(
 ) -> Callable[..., object]:
     """The function of six components and an output array that evaluates one block.
 
-    Without the phase function of the law; arguments as of `brightness`.
+    Without the phase function of the law; arguments as in `brightness`.
     """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)

@@ -82,7 +82,7 @@ def apparent_magnitude(
 
     Parameters
     ----------
-    brightness, sun_magnitude : as of `reduced_magnitude`
+    brightness, sun_magnitude : as in `reduced_magnitude`
     sun_distance, observer_distance : (...) array_like
         Distances of the body from Sun and observer, m.
 
@@ -198,7 +198,7 @@ def phased_magnitude(
     ----------
     brightness : (...) array_like
         Brightness of the shape under the law, m2/sr.  Size and albedo cancel in the result.
-    shape, law, alpha : as of `mean_brightness`
+    shape, law, alpha : as in `mean_brightness`
     function : callable
         Reduced magnitude at phase angles in rad, such as
         ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)``.

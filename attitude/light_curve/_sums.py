@@ -602,7 +602,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """The sum over gathered facets for the functions of a law, one facet at a time.
 
     It is compiled for each pair, so that the loop over facets has no branch for the law; see
-    `Law`.  Arguments as of `by_sixteen`.
+    `Law`.  Arguments as in `by_sixteen`.
     """
 
     @reduction_over(of_phase, element)

@@ -737,7 +737,7 @@ class Photometry(Immutable, HasSamples):
     ) -> Photometry:
         """At 1 au from Sun and observer, at the times at which the light left the body.
 
-        Parameters, errors and accuracy as of `attitude.photometry._curve.reduced`.
+        Parameters, errors and accuracy as in `attitude.photometry._curve.reduced`.
         """
 
         return reduced(self, path, site=site, phase_function=phase_function, g=g)

@@ -528,7 +528,7 @@ def opened(
     bad: str = "warn",
     encoding: str | None = None,
 ) -> Contents:
-    """The `Contents` of a file; parameters and errors as of `read`."""
+    """The `Contents` of a file; parameters and errors as in `read`."""
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)

@@ -289,7 +289,7 @@ def periodogram(
     t : Photometry, LightCurve, or (N,) epochs
         Photometry has its values, errors, sessions and filters, which have their own zero points.
     values, errors, curve
-        As of `spectrum.fit`.
+        As in `spectrum.fit`.
     min_period, max_period : float, Quantity or text, optional
         s, or such as "2 h"; by default from twice the median distance of epochs to the span.
     order : int

@@ -104,7 +104,7 @@ def decreases(
     """Decrease of chi-squared by the series of each pair, into out (P,).
 
     wr, wi, yr, yi: the tables, real and imaginary parts; first, second: grid numbers of the pairs;
-    lines as of `harmonics`; ridge: inverse variance of the amplitudes before the fit.
+    lines as in `harmonics`; ridge: inverse variance of the amplitudes before the fit.
     """
     unknown = 2 * len(lines) - 1
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
@@ -486,7 +486,7 @@ def refined(
 
 
 def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
-    """The series at given frequencies, which are not refined; parameters as of `refined`.
+    """The series at given frequencies, which are not refined; parameters as in `refined`.
 
     Its covariance is that of the frequencies as if they were free.
 

@@ -387,7 +387,7 @@ def two_periods(
     Parameters
     ----------
     t, values, errors, curve
-        As of `periodogram`.
+        As in `periodogram`.
     min_period, max_period : float, Quantity or text
         s; bounds of both periods.  max_period is the span by default.
     first, second : pair of float, Quantity or text, optional

@@ -101,7 +101,7 @@ def parameter(
     ----------
     usual : float or str, optional
         The default; without it the field is required.
-    low, high, unit, words : as of `Parameter`
+    low, high, unit, words : as in `Parameter`
 
     Returns
     -------
