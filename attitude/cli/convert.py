@@ -342,7 +342,7 @@ def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
     return AttitudeTable.from_history(history, rates=records.has_rates)
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def _write_motion(

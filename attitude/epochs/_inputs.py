@@ -228,7 +228,7 @@ def _with_unit(data, unit):
     return Quantity(np.asarray(data), unit)
 
 
-# Lengths of time: list of entries -> seconds from the start ---------------------------------------
+# ---- Lengths of time: list of entries -> seconds from the start
 
 
 def _numbers(leaves, name):
@@ -295,7 +295,7 @@ def _time_delta(start, delta, name):
     return support_pairs.add((hi, lo), change)
 
 
-# Epochs: list of entries -> TDB seconds past J2000 in two doubles ---------------------------------
+# ---- Epochs: list of entries -> TDB seconds past J2000 in two doubles
 
 
 def _instants(leaves, name):

@@ -234,7 +234,7 @@ def _another_segment(lines):
     return False
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def write_kvn(

@@ -414,7 +414,7 @@ def _marked(message, mark, where, open_blocks, line):
     return "data"
 
 
-# XML ----------------------------------------------------------------------------------------------
+# ---- XML
 
 _OUTER = ("acm", "ndm", "header", "body", "segment", "metadata", "data")
 

@@ -280,7 +280,7 @@ def _epoch(value):
     return _inputs.instant(value, "[spin] epoch")
 
 
-# Numbers ------------------------------------------------------------------------------------------
+# ---- Numbers
 
 
 def _numbers(section, where, key, shape, unit):
@@ -460,7 +460,7 @@ def text(
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-# The lines of the text ----------------------------------------------------------------------------
+# ---- The lines of the text
 
 
 def _body_lines(body):

@@ -658,7 +658,7 @@ class _StkReader:
         return _time_scales.tdb_from("tai", *tai)
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def write(

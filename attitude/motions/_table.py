@@ -468,7 +468,7 @@ class AttitudeTable(Motion):
             "within, or fit a free rotation to the table, which has no limits."
         )
 
-    # One segment ----------------------------------------------------------------------------------
+    # ---- One segment
 
     @cached_property
     def nodes(self) -> FloatArray:

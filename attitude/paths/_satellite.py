@@ -283,7 +283,7 @@ def _model(lines):
     return model
 
 
-# Reading ------------------------------------------------------------------------------------------
+# ---- Reading
 
 
 def _text_lines(given):

@@ -608,7 +608,7 @@ class Photometry(Immutable, HasSamples):
         self._set("bad", tuple(bad))
         self._set("notes", tuple(notes))
 
-    # What it holds --------------------------------------------------------------------------------
+    # ---- What it holds
 
     def __len__(self) -> int:
         return len(self.seconds)
@@ -694,7 +694,7 @@ class Photometry(Immutable, HasSamples):
                 keywords.pop(key, None)
         return Photometry(**keywords | changes)
 
-    # What it becomes ------------------------------------------------------------------------------
+    # ---- What it becomes
 
     def samples(self) -> Samples:
         """The `Samples` for periods: a zero point for each session and filter, or each filter."""

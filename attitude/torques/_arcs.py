@@ -650,7 +650,7 @@ class Arcs(Differentiable):
             for (body, *_), here, before in zip(starts, since, until, strict=True)
         ]
 
-    # How the arcs are joined ---------------------------------------------------------------------
+    # ---- How the arcs are joined
 
     def _build(self) -> None:
         times = given(self.changes, self.spin.epoch)
@@ -728,7 +728,7 @@ class Arcs(Differentiable):
             body = new
         return body
 
-    # Evaluation ----------------------------------------------------------------------------------
+    # ---- Evaluation
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape

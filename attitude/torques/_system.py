@@ -85,7 +85,7 @@ class System:
         slips = any(torque.kind == SLIP for torque in torques)
         self.order = min(chosen.order, 2) if slips else chosen.order
 
-    # Packing -------------------------------------------------------------------------------------
+    # ---- Packing
 
     def _numbers(self) -> FloatArray:
         numbers = np.empty(layout.BODY_ENTRIES)
@@ -146,7 +146,7 @@ class System:
                 'CustomTorque with slope= do. Take "suzuki" or "blanes-moan", which need none.'
             )
 
-    # Limits --------------------------------------------------------------------------------------
+    # ---- Limits
 
     def check_step(self, step: float) -> None:
         """Raise the AttitudeError for a step that cannot resolve the rotation at the epoch."""
@@ -205,7 +205,7 @@ class System:
             "numbers at all attitudes and epochs. Check it, or give earlier epochs only."
         )
 
-    # Calls ---------------------------------------------------------------------------------------
+    # ---- Calls
 
     def sampled(self, times: FloatArray) -> FloatArray:
         """Samples of all torques at epochs (2, ...), pairs: (..., columns), one column or more."""
