@@ -36,8 +36,8 @@ from attitude._solver.torqued_step import (
 )
 
 # ---- One step of a splitting integrator of each of two motions, computed together
-# The free motions of both are computed in SIMD vectors (`step`); torques are called
-# one after the other.
+# The free motions of both are computed in SIMD vectors (`step.advance_two`); torques are called one
+# after the other.
 
 _ZERO = 0.0, 0.0, 0.0
 # What the second motion is: none, one from the state of the first, or another.

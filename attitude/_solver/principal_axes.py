@@ -306,7 +306,7 @@ def _component(kept, axis, i):
 
 # ---- The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers
 # Jacobi's rotations of doubles bring the elements off the diagonal to 1e-16 of the moments; few
-# rotations of wide integers (`principal_axes`) are left.
+# rotations of wide integers are left.
 
 _SWEEPS_IN_DOUBLES = 12
 # Elements below this part of the largest moment are left to the wide integers.
@@ -410,11 +410,7 @@ def _turn_matrix(w):
             store(w, MATRIX + 3 * i + k, total)
 
 
-# ---- Principal axes of full inertia tensors, to 115 digits
-# Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
-# axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
-# suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations run in
-# integers of 448 bits (`principal_axes`); a tensor is diagonalised once, in 11 us.
+# ---- Principal axes of many bodies
 
 # Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
 ASYMMETRY: float = 1e-13

@@ -59,7 +59,7 @@ CONSTANTS: np.dtype[np.void] = np.dtype(
 )
 
 
-# ---- The derivatives of one motion: a record of numbers beside `records.CONSTANTS`
+# ---- The derivatives of one motion: a record of numbers beside `CONSTANTS`
 # The change of attitude at t is a rotation vector over inertial axes.  For motions that tumble, and
 # the column of one parameter,
 #

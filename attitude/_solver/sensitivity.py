@@ -88,7 +88,7 @@ from attitude._solver.uniform_tangents import (
     unit_vector,
 )
 
-# ---- Set-up of the sensitivity: one record of records.TANGENTS for each motion
+# ---- Set-up of the sensitivity: one record of `TANGENTS` for each motion
 
 
 @slowly_compiled

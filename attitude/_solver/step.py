@@ -429,7 +429,7 @@ def advance(moments, k, h, state):
 
 
 # ---- The exact free rotation of two bodies over short times, computed together
-# Formulas of `step` in SIMD vectors of two lanes: two bodies in the time of one.
+# The formulas above in SIMD vectors of two lanes: two bodies in the time of one.
 
 # The square of an eighth of a turn, and the bits of two lanes.
 _EIGHTH: Final = 0.015625

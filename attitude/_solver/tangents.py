@@ -7,7 +7,7 @@ A change (A', b') of the pair is the rotation vector (axes with z along the mome
 with N = |A|^2 + |b|^2 and the phase Phi of the precession; the normalisation of the pair drops out.
 
 Given
-    c, d       records of records.CONSTANTS and records.TANGENTS
+    c, d       records of CONSTANTS and TANGENTS (`records`)
     t, t_low   (n,) seconds, n <= BLOCK; `t_low` may be None
 Filled
     block      (ROWS BLOCK,) rows of records.TANGENTS: seconds, three vectors over inertial

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from attitude.motions._table import AttitudeTable
     from attitude.paths._path import Path
 
+__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
+
 
 # ---- The options of ``attitude convert``
 
@@ -156,8 +158,6 @@ def _add_fits_and_kernels(parser: argparse.ArgumentParser) -> None:
         help="further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
     )
 
-
-__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
 # Ratio of the rms of two fits from which the principal axes are fitted too.
 _BETTER = 0.9

@@ -48,10 +48,10 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epoch, Epochs, FloatArray
 
+__all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]
 
-# ---- The kind of the epochs that a caller gives (text, Time, datetime, seconds ...), and their
-# list
-# `attitude.epochs._inputs` has a reader for each kind.
+
+# ---- The kind of the epochs that a caller gives (text, Time, datetime, seconds ...)
 
 # Kinds that are lengths of time; the others are epochs.
 LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
@@ -460,8 +460,6 @@ def _refuse_far_years(jd, name):
             "scales; give an epoch within it, or plain seconds since one."
         )
 
-
-__all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]
 
 _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '

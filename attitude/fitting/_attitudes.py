@@ -446,8 +446,7 @@ def fit_rates(
     return result(model, observed, _minimum.found(model, observed, how, point, first))
 
 
-# ---- Attitudes and angular velocities from directions: Davenport's method, at epochs and over
-# spans
+# ---- Attitudes and angular velocities from directions, by Davenport's method
 # The attitude that fits weighted directions best is the eigenvector of the greatest eigenvalue of a
 # 4 x 4 matrix that is linear in the products of their components.  Over a span in which the angular
 # velocity counts as constant, the directions are turned to its middle first: all angular velocities

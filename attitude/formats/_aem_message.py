@@ -162,7 +162,7 @@ def _refuse_contradictions(tables, path, most):
 
 
 # ---- Header and segments of an Attitude Ephemeris Message, in either notation and version
-# The readers of KVN and XML collect keywords and rows; this module checks them and makes them an
+# The readers of KVN and XML collect keywords and rows; `Message` checks them and makes them an
 # AttitudeTable.  For the conventions see `_attitude_types`.
 
 # Version -> keywords of a segment, in the order in which they are written.

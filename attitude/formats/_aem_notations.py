@@ -565,7 +565,7 @@ class _AemReader(ElementReader):
             self._rows, self._tokens, self._lines = [], [], []
 
 
-# ---- Attitude Ephemeris Messages in XML, written; for the elements see `xml`
+# ---- Attitude Ephemeris Messages in XML, written
 
 _SCHEMA = {
     "1.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-2.0.0-master-2.0.xsd",

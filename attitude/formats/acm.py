@@ -60,6 +60,8 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
 
+__all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]
+
 
 # ---- Keywords, units and elements of XML of Attitude Comprehensive Messages
 # Source: CCSDS 504.0-B-2, section 5; names of elements as in Orekit and ccsds-ndm.  The columns of
@@ -1425,8 +1427,3 @@ def _has_covariance(part):
 def _text_of(tags, instant, digits):
     """Seconds from EPOCH_TZERO to an Instant, as text."""
     return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
-
-
-# ---- CCSDS Attitude Comprehensive Messages
-
-__all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.paths._path import Path
 
+__all__ = ["read", "write"]
+
 
 def read(
     path: FilePath,
@@ -249,8 +251,3 @@ def write(
         write_records=write_records,
         read=lambda target: read(target, orbit=orbit, rates=rates),
     )
-
-
-# ---- CCSDS Attitude Ephemeris Messages
-
-__all__ = ["read", "write"]

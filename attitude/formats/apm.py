@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.paths._path import Path
 
+__all__ = ["Parameters", "read", "write"]
+
 
 # ---- Keywords, units and elements of XML of the blocks of Attitude Parameter Messages
 # Version 1 has other names for the keywords of version 2.
@@ -1100,8 +1102,3 @@ def write(
         kvn.refuse_line_breaks(text)
     with written_whole(path, "the APM") as file:
         (write_xml if xml else write_kvn)(file, message)
-
-
-# ---- CCSDS Attitude Parameter Messages
-
-__all__ = ["Parameters", "read", "write"]

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
     from attitude.motions._motion import HasAttitudes
 
+__all__ = ["KernelAttitude", "Written", "write"]
+
 
 # ---- The attitude of a frame from any C-kernel, through SPICE
 
@@ -175,9 +177,6 @@ class KernelAttitude(Motion):
             f"the kernels have no attitude of {self.frame} at {where} ({reason.short}); give "
             "epochs within their coverage (SPICE's ckbrief lists it)."
         ) from reason
-
-
-__all__ = ["KernelAttitude", "Written", "write"]
 
 
 @dataclass(frozen=True)
@@ -366,8 +365,3 @@ def _check_names(path, name, instrument, clock, center):
             raise AttitudeError(f"{what} is {number!r}; give a negative NAIF number.")
     if not (isinstance(center, int) and abs(center) < 2**31):
         raise AttitudeError(f"center is {center!r}; give the NAIF number of a body, 399 for Earth.")
-
-
-# ---- SPICE C-kernels
-
-__all__ = ["KernelAttitude", "Written", "write"]

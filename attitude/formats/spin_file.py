@@ -78,7 +78,6 @@ if TYPE_CHECKING:
 
 
 # ---- The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin
-# See `spin_file` for the keys.
 
 # Alternatives for a body and an attitude: leading key -> further keys needed, keys allowed.
 _BODIES = {

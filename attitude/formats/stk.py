@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from attitude.motions._axes import Axes
     from attitude.paths._path import Path
 
+__all__ = ["read", "write"]
+
 
 # ---- Dates as STK writes them, and the times of records
 # ScenarioEpoch and TimeFormat UTCG: ``1 Jul 1999 00:00:00.00``, the month by three letters or its
@@ -824,8 +826,3 @@ def _whole_second(part):
         return hi + lo
 
     return shown, shift
-
-
-# ---- STK attitude files (.a)
-
-__all__ = ["read", "write"]

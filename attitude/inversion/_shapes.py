@@ -158,8 +158,7 @@ def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Const
     )
 
 
-# ---- Brightness of a convex body from the areas of its facets by normal, with derivatives;
-# compiled
+# ---- Brightness of a convex body from the areas of its facets by normal, compiled
 # Lommel-Seeliger plus a share of Lambert: S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen
 # facet.
 

@@ -60,8 +60,7 @@ if TYPE_CHECKING:
     from attitude.light_curve._sums import Clusters
 
 
-# ---- Boxes around facets that lie together: whole groups that cannot hide the sky are skipped at
-# once
+# ---- Boxes around facets that lie together: groups that cannot hide the sky are skipped at once
 # The tree is complete: node k has the children 2 k and 2 k + 1, the root is 1, and the leaves hold
 # LEAF facets each.  Each group is cut across its longest extent, in space or in the directions of
 # its normals: groups that face one way hide the sky by their outlines.
@@ -565,8 +564,7 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
         drawn[2 * face], drawn[2 * face + 1] = resolution, 0
 
 
-# ---- The compiled loop over the facets of a mesh and the groups that may hide its
-# sky
+# ---- The compiled loop over the facets of a mesh and the groups that may hide its sky
 # Groups that show their fronts are drawn by their outlines, others are divided, down to facets that
 # are drawn by their edges.
 

@@ -148,13 +148,11 @@ def looks_like(name: str) -> str | None:
 
 
 # ---- Axes of an orbit, from the position and velocity of the body about its center
-# ====  ============================================================================================
 # rtn   x away from the center, z along the orbit's momentum
 # lvlh  z to the center, y against the orbit's momentum
 # tnw   x along the velocity, z along the orbit's momentum
 # ntw   y along the velocity, z along the orbit's momentum
 # vnc   x along the velocity, y along the orbit's momentum
-# ====  ============================================================================================
 #
 # Source: SANA registry of orbit-relative reference frames.
 

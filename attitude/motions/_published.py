@@ -40,8 +40,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# ---- The dynamic inertia D = L^2/2E from two periods, or from the energy, in a mode and a
-# convention
+# ---- The dynamic inertia D = L^2/2E from two periods, or from the energy
 # D is given by its position, the pair (y, 1 - y), both to full precision: y is 0 at the middle
 # moment, which is the separatrix, and 1 at the moment of the axis about which the momentum
 # circulates.  P_psi / P_phi decreases with y, from infinity to a limit, so that there is one

@@ -143,8 +143,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     return AstropyBody(name, given, name, source)
 
 
-# ---- A body of the series in astropy, evaluated by polynomials that are fitted when they are
-# needed
+# ---- A body of the series in astropy, evaluated by polynomials that are fitted on demand
 # The series take 25 microseconds an epoch.  A polynomial of degree 15 for each 8 days that occur
 # errs by less than the series' own rounding, and takes some tens of nanoseconds.
 

@@ -70,9 +70,9 @@ class Segment(Path):
 
 
 # ---- Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy
-# SPICE keeps loaded kernels in a pool for the whole process; this module reads one segment of one
-# file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe: compress
-# the path of such a segment before several threads use it.
+# SPICE keeps loaded kernels in a pool for the whole process; a `SpiceSegment` reads one segment of
+# one file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe:
+# compress the path of such a segment before several threads use it.
 
 
 class SpiceSegment(Segment):

@@ -190,9 +190,9 @@ def _solve(g, b):
 
 
 # ---- All pairs of frequencies of two grids, fitted by closed normal equations; the best of them
-# The cost of a pair does not depend on the number of samples.  Where there are more
-# pairs than `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left
-# out, and the best `MOST` are fitted.
+# The cost of a pair does not depend on the number of samples.  Where there are more pairs than
+# `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left out, and
+# the best `MOST` are fitted.
 
 # Grid frequencies per 1/span, and inverse variance, 1/mag2, of the amplitudes of lines before the
 # fit.
@@ -355,8 +355,7 @@ def _peaks(first, second, gain, keep):
     return np.array(chosen)
 
 
-# ---- Fourier series in one or more frequencies, refined in all parameters: Gauss and Newton's
-# steps
+# ---- Fourier series in one or more frequencies, refined in all parameters
 # With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  The joint
 # matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
 # covariance of f.

@@ -130,7 +130,7 @@ class Comparison(Immutable):
         return "\n".join(lines)
 
 
-# ---- One step of the free rotation by integrators of the literature; see `attitude.referee`
+# ---- One step of the free rotation by integrators of the literature
 # Each takes three moments, four components of the attitude (body to inertial), three of the angular
 # velocity over the principal axes, and a step, as tuples, and returns attitude and angular
 # velocity.

@@ -270,8 +270,7 @@ def _all_below(
     return True
 
 
-# ---- Exact integrals over the solid that a closed mesh bounds, and over the surface as a thin
-# shell
+# ---- Exact integrals over the solid that a closed mesh bounds, and over its surface
 # A polyhedron is a signed sum of tetrahedra from any one point to its triangles, and moments up to
 # the second order of a tetrahedron or a triangle are polynomials in its corners: exact up to
 # rounding (Tonon, J. Math. Stat. 1, 8, 2005; Eberly, Polyhedral Mass Properties, 2002).
