@@ -20,8 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from attitude._compilation import deferral
 
-# --------------------------------------------------------------------------------------------------
-# A line on a terminal while functions are compiled for longer than a second.
+# ---- A line on a terminal while functions are compiled for longer than a second
 
 # s of compilation in a process after which the line is written.
 _PATIENCE = 1.0
@@ -61,9 +60,7 @@ def _write_once() -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
-# The sources that the machine code of a function is made from, as one hash of their text.
-#
+# ---- The sources that the machine code of a function is made from, as one hash of their text
 # They are the module of the function, what it imports from the package, what those modules import,
 # and so on, the modules of functions in its closure, and this folder.  The hash is of the text and
 # not of the times of the files: machine code stays valid if the same version is installed again.

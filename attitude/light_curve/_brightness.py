@@ -1,4 +1,4 @@
-"""Brightness of a shape under a law, for arrays of directions: input checks, choice of the loop."""
+"""Brightness of a shape under a law: checks of directions, the choice of the loop, blocks."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# Directions of Sun and observer, checked, as one array per component for the compiled loops.
+# ---- Directions of Sun and observer, checked, as one array per component for the compiled loops
 
 # Tolerance of the squared length of a unit vector.
 _UNIT = 1e-6
@@ -224,9 +223,9 @@ def stream(
 
     Parameters
     ----------
-    shape, law, shadows, threads : as of `brightness`
+    shape, law, shadows, threads : as in `brightness`
     blocks : iterable of pairs (sun, observer)
-        Arrays (..., 3) as of `brightness`.  Only one block is in memory at a time if the iterable
+        Arrays (..., 3) as in `brightness`.  Only one block is in memory at a time if the iterable
         is lazy.
     progress : callable, optional
         Called with the number of epochs done after each block.
@@ -252,7 +251,7 @@ def kernel_of(
 ) -> Callable[..., object]:
     """The function of six components and an output array that evaluates one block.
 
-    Without the phase function of the law; arguments as of `brightness`.
+    Without the phase function of the law; arguments as in `brightness`.
     """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
@@ -327,7 +326,7 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
 
 def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
-    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
     from attitude.light_curve import _sums
 
     if resolution == 0:
@@ -404,7 +403,7 @@ def _few_kernel(
 
 
 def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
-    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    """The `segments` of `_sums.gather`, for the row (places,) of each place, -1 if it is empty."""
     found = []
     of_clusters = which.reshape(-1, SIZE)
     for row in range(rows):

@@ -1,4 +1,7 @@
-"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets."""
+"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets.
+
+The file also has the phase functions of whole asteroids.
+"""
 
 from __future__ import annotations
 
@@ -109,8 +112,7 @@ class LommelSeeligerLambert(Law):
         return np.maximum(self.a * np.exp(-alpha / self.d) + self.k * alpha + 1.0, 0.0)
 
 
-# --------------------------------------------------------------------------------------------------
-# Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H.
+# ---- Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H
 
 # Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
 _NODES = np.array([7.5, 30.0, 60.0, 90.0, 120.0, 150.0])
