@@ -3,9 +3,9 @@
     pip install -e ".[docs]"
     python docs/make_site.py [--no-notebooks]
 
-It writes the pages of the API from the list of public modules, takes the gallery from its stored
-outputs, and runs the notebooks; docs/_build keeps their results while they do not change;
-with --no-notebooks they are shown without results.
+It writes the pages of the API from the list of public modules, and the list of all files, takes the
+gallery from its stored outputs, and runs the notebooks; docs/_build keeps their results while they
+do not change; with --no-notebooks they are shown without results.
 """
 
 import subprocess
@@ -13,13 +13,15 @@ import sys
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-sys.path.insert(0, str(DOCS.parent))
+sys.path[:0] = [str(DOCS.parent), str(DOCS)]
+
+import make_map
 
 import attitude
 
 
 def api_pages():
-    """A page for each public module, and their list."""
+    """A page for each public module, their list, and the list of all files."""
     folder = DOCS / "api"
     folder.mkdir(exist_ok=True)
     names = attitude.PUBLIC_MODULES
@@ -29,10 +31,12 @@ def api_pages():
         text = f".. automodule:: {name}\n   :members:\n{index}"
         text = f"# {name}\n\n```{{eval-rst}}\n{text}```\n"
         (folder / f"{name}.md").write_text(text)
-    listed = "\n".join(names)
+    (folder / "files.md").write_text(make_map.page())
+    listed = "\n".join([*names, "files"])
     (folder / "index.md").write_text(
         "# API reference\n\nThe public modules, made from their docstrings; "
-        "`attitude.PUBLIC_MODULES` is the same list. Other modules may change in any release.\n\n"
+        "`attitude.PUBLIC_MODULES` is the same list. Other modules may change in any release; "
+        "all files are listed at the end.\n\n"
         f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n"
     )
 
