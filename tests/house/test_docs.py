@@ -74,6 +74,28 @@ def test_files_that_recipes_name_exist():
         assert "NAME" in name or (ROOT / "attitude" / name).is_file(), name
 
 
+def test_the_pages_about_the_inside_name_files_that_exist():
+    """File names in backticks, in any folder of the package where none is given."""
+    package = ROOT / "attitude"
+    files = {file.relative_to(package).as_posix() for file in package.rglob("*.py")}
+    files |= {name.rpartition("/")[2] for name in files}
+    for page, least in (("compilation.md", 15), ("derivation.md", 20)):
+        text = (ROOT / "docs" / page).read_text()
+        named = set(re.findall(r"`([\w/]+\.py)`", text))
+        assert len(named) > least
+        for name in named:
+            assert name in files or (ROOT / name).is_file(), f"{page} names {name}"
+
+
+def test_the_site_shows_every_section_of_mission_files():
+    """docs/files.md is made from the docstring of the reader."""
+    from attitude.formats import mission
+
+    assert ".. automodule:: attitude.formats.mission" in (ROOT / "docs" / "files.md").read_text()
+    for name in [*mission._KEYS, *mission._SHAPES, *mission._ANY_SHAPE]:
+        assert re.search(rf"\b{name}\b", mission.__doc__), name
+
+
 def test_the_gallery_is_that_of_the_examples():
     """Each figure was drawn by the example as it is."""
     made = _script("make_gallery")
@@ -194,7 +216,7 @@ def test_the_first_block_of_the_readme_needs_no_extra(tmp_path):
 
 
 def test_pages_and_messages_install_from_one_place():
-    """`calls.SOURCE`; extras in quotes, since zsh expands brackets."""
+    """`validation.SOURCE`; extras in quotes, since zsh expands brackets."""
     from attitude._support import validation
 
     pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
@@ -203,8 +225,6 @@ def test_pages_and_messages_install_from_one_place():
     ]
     wrong, count = [], 0
     for file in [*pages, *sources]:
-        if file == ROOT / "attitude" / "calls.py":
-            continue
         for line in file.read_text().splitlines():
             for found in re.findall(
                 r'pip install (?:-e )?((?:\\?")?[\w.-]+(?:\[[^\]]*\](?:\\?")?)?)', line
