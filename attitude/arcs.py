@@ -1,10 +1,7 @@
 """Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
 
-arcs         `Arcs`
-changes      `Impulse`, `InertiaChange`
-triggers     changes at an event instead of an epoch: `AxisCrossesDirection`, `PointMeetsPlane`
-joint_times  the given times of changes, in order
-sensitivity  derivatives of a chain by the state and the moments at its epoch
+These names stand in `attitude.torques`: `Arcs`, with `Impulse` and `InertiaChange`; changes at an
+event instead of an epoch by `AxisCrossesDirection`, `PointMeetsPlane` or another `Trigger`.
 """
 
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange

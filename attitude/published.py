@@ -1,11 +1,9 @@
 """Convert spin states from and to the form of papers: periods, pole and angles.
 
-published            `published`, and `from_energy`, `from_pole` ...: the reverse conversions
-states, arrays       `from_periods` for one body, `states_from_periods` for arrays of bodies
-conventions          the axes of the L and S conventions and their Euler angles
-dynamic_inertia      L^2/2E and the moments that published periods and ratios admit
-regular_precession   the limit of a symmetric body
-uncertainty          `spread`: how errors of published numbers propagate to periods and angles
+These names stand in `attitude.motions`: `published`; `from_energy`, `from_pole` ..., the reverse
+conversions, `states_from_periods` for arrays of bodies; `possible` and `moments_from_ratios`, the
+moments that published periods and ratios admit; `symmetric_moments` and `total_spin`, the limit of
+a symmetric body; `spread`, how errors of published numbers propagate to periods and angles.
 """
 
 from attitude.motions._published import (

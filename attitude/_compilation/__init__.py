@@ -1,11 +1,12 @@
 """How Python becomes machine code: the only package that imports numba or llvmlite.
 
-decorators     `entry_point`, `subroutine`, `force_inlined`, `reduction`
-instructions   machine instructions that Python cannot name: fused products, bits of doubles
-simd           SIMD vectors of doubles as values
+decorators     `entry_point`, `subroutine`, `reduction` ...; `choice`, what runs in Python
+instructions   machine instructions that Python cannot name; `lowering`, `error_free`, their code
+simd, wide     vectors of doubles, and whole numbers of 448 bits, as values; `simd_lowering`,
+               `wide_lowering`, their code; `elementary`, functions of vectors; `streaming`, stores
 pointers       raw memory and calls by address in compiled loops
-source_stamp   a hash of the sources on which machine code depends
+callbacks      C functions called by address, and the exceptions that leave them
 disk_cache     machine code kept on disk, made anew after a change of its sources
-callback_errors  exceptions that leave C callbacks, raised after the loop that called
 deferral       no garbage collection and no Ctrl-C during a compilation
+ieee, status   functions of `math` with the results of machine code; what runs compiled
 """

@@ -1,4 +1,6 @@
-"""Values that do not change: read-only arrays, also after copying, pickling and unpickling.
+"""Arrays and values that do not change, and memory for results.
+
+Values that do not change: read-only arrays, also after copying, pickling and unpickling.
 
 A class whose constructor converts its arguments (text, Quantities and lists to arrays in SI units)
 writes its ``__init__`` and annotates it with the types that callers pass; the attributes in the

@@ -6,14 +6,9 @@ wrong input.
 
 propagate, describe, geometry, lightcurve, invert, periods, fold, plot, view, convert, check,
 warm_up         the commands
-target          the motion of a file or of an entry of the catalogue
-grid            equally spaced epochs
-orbit           the option --orbit
-output          the option --output
-view_source     what view shows
-table           rows of CSV and ECSV
-curve_figure    the figure of a light curve
-observed        the option --observed
+_options        the motion of a file or of an entry of the catalogue; --orbit; equally spaced epochs
+_output         the option --output; rows of CSV and ECSV
+_selftest       what ``check`` compares; `_warm_up`, what ``warm-up`` runs
 """
 
 from __future__ import annotations

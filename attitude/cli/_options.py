@@ -1,4 +1,6 @@
-"""Equally spaced epochs of any number, computed block by block.
+"""The motion that a command is run for, the option --orbit, and equally spaced epochs.
+
+Equally spaced epochs of any number, computed block by block.
 
 If start or stop is a date, the steps are seconds of UTC (leap seconds count), so that 00:00 is
 followed by 01:00; if both count from the epoch, they are seconds of TDB, as in

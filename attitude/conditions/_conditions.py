@@ -1,4 +1,4 @@
-"""Channels: functions of time whose sign changes a search finds."""
+"""Channels, conditions and observables: functions of time, and what is true by their signs."""
 
 from __future__ import annotations
 

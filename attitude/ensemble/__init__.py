@@ -1,23 +1,14 @@
 """Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
 
-ensemble      `Ensemble`: the states of N members
-attitudes     attitudes at epochs, and blocks of them
-lit           brightness and magnitudes; `light`, their blocks; `light_loops`, the compiled loop
-collection    construction, members, parts and joined ensembles
-described     modes, periods, ranges and invariants
-sources       published periods, tables and files, random draws
-tables, draws columns of tables; draws from covariances and distributions
-answer        `EnsembleHistory`, the attitudes
-arguments     rows, names and numbers of members that agree
-rows          the epochs of a call: a grid, or ragged rows
-epoch         epochs of members, and seconds since them
-inertia       moments and tensors of the members
-members       states as the compiled solution takes them
-reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
-arcs          `ArcsEnsemble`: N states with the same impulses
-torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
-evaluate      blocks of members and rows, in threads
-partitioned   `PartitionedEnsemble`: members in the partitions of dask
+_ensemble     `Ensemble`: the states of N members, their descriptions and their answers
+_members      states as the compiled solution takes them; epochs, inertia, numbers of members
+_evaluation   `EnsembleHistory`, attitudes at a grid or at ragged rows, in blocks and threads
+_light        brightness and magnitudes, straight from states
+_quantities   angles and order statistics of members; scenes of members
+_tables       columns of tables and files; draws from covariances and distributions
+_arcs         `ArcsEnsemble`: N states with the same impulses
+_torqued      `TorquedEnsemble`: N states under torques, one scheme and one step
+_partitioned  `PartitionedEnsemble`: members in the partitions of dask
 """
 
 from typing import TYPE_CHECKING

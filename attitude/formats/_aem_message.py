@@ -1,4 +1,6 @@
-"""What `aem.read(lenient=True)` assumes of files of operators that leave parts of the standard out.
+"""An AEM as keywords and tables: checks, meaning, choice of segments, lenient reading.
+
+What `aem.read(lenient=True)` assumes of files of operators that leave parts of the standard out.
 
 Definitive attitude of the MMS mission (GSFC) has the header of an AEM, and 21 columns: the epoch,
 elapsed seconds, the quaternion (scalar last) from J2000 to the body, its rates in deg/s over the

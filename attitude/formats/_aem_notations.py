@@ -1,4 +1,4 @@
-"""The elements of an AEM in XML: their names and units."""
+"""An AEM in KVN and in XML: blocks and elements collected for `_aem_message`, and written."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The head of a SPICE binary kernel, checked: SPICE does not check it and ends the process.
+"""C-kernels beside their records: heads of files, clock and frame kernels, plans of segments.
+
+The head of a SPICE binary kernel, checked: SPICE does not check it and ends the process.
 
 Source: the DAF Required Reading of SPICE: the file record is the first 1024 bytes; ND and NI
 stand at byte 8, the addresses of the first and last summary records and of the first free double

@@ -1,15 +1,14 @@
 """Photometry of a tumbling body: files, reduction, periods.
 
-table            `Photometry`: brightness at epochs with errors, filters, sites and sessions
-files            `read`: any known format; `named_columns`, `exchange_files`, `contents`
-writing          CSV with named columns
-reduction        distances, light time and phase angle from a path
-periodograms     `periodogram`: one period, by Fourier series or phase dispersion
-windows          the spectral window of the epochs, aliases in words
-two_frequencies  `two_periods`: pairs of periods, blind
-candidates       periods (P_psi, P_phi) in LAM and SAM from the lines of a pair
-folding          `fold`: folded light curves, series and residuals
-figures          a figure for each
+_curve        `Photometry`: brightness at epochs with errors, filters, sites and sessions; reduction
+              by a path; CSV with named columns
+_files        `read`: any known format
+_periodogram  `periodogram`: one period, by Fourier series or phase dispersion; aliases in words
+_two_periods  `two_periods`: pairs of periods, blind; candidates (P_psi, P_phi) in LAM and SAM
+_folding      `fold`: folded light curves, series and residuals
+_samples      a light curve as numbers; `_series`, Fourier series in two frequencies
+_spectrum     sums over uneven epochs, normal equations of pairs of frequencies, chance
+_figures      a figure for each
 """
 
 from attitude.photometry._curve import BadRow, Photometry, phase_angle

@@ -1,4 +1,4 @@
-"""What a file of photometry holds: good rows as arrays, bad rows with the reason of each."""
+"""Photometry: good rows as arrays, bad rows with the reason of each, reduction, CSV."""
 
 from __future__ import annotations
 

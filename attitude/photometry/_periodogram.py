@@ -1,4 +1,4 @@
-"""The spectral window of epochs, and what it does to periods: aliases and harmonics, in words."""
+"""`periodogram`: one period, and what the window of the epochs does to it: aliases in words."""
 
 from __future__ import annotations
 

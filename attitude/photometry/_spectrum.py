@@ -1,4 +1,6 @@
-"""Sums of exp(2 pi i nu t) over uneven epochs at equally spaced frequencies: a gridded transform.
+"""Transforms over uneven epochs, and the best pairs of frequencies by normal equations.
+
+Sums of exp(2 pi i nu t) over uneven epochs at equally spaced frequencies: a gridded transform.
 
 Each epoch is spread over twelve points of an oversampled grid by the kernel exp(b sqrt(1 - z^2)) of
 Barnett, Magland & af Klinteberg (SIAM J. Sci. Comput. 41, C479, 2019), the grid transformed by an

@@ -1,4 +1,6 @@
-"""Periods (P_psi, P_phi) in either mode whose lines are those of a series in two frequencies.
+"""`two_periods`: pairs of periods of a tumbler, blind, and the candidates for its rotation.
+
+Periods (P_psi, P_phi) in either mode whose lines are those of a series in two frequencies.
 
 A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has many bases.  They
 are ranked by how the powers of the lines resemble those of tumbling bodies: `_POWERS` has the mean

@@ -3,15 +3,11 @@
 ``Scene(motion, center=...).at(times)`` is a `View`, which computes each quantity at its first use.
 `docs/scene.md` defines the quantities.
 
-scene            `Scene`: the setting, checked
-view             `View`: the quantities at some epochs; `lazy` computes each once
-geometry         those of lines of sight alone; `shadow` of other bodies
-pointing         those that need the attitude
-sky              those that the observer measures
-photometry       those that need a shape
-errors           standard deviations of those that depend on the attitude
-lines_of_sight   directions and distances at many epochs; `light_time`, their correction
-angles, loops    formulas on arrays; compiled loops
+_scene       `Scene`: the setting, checked
+_view        `View`: the quantities at some epochs, each computed once, with standard deviations
+_shadow      the fraction of the Sun's disc that is seen past other bodies
+_light_time  directions and distances at many epochs, with light time
+_angles      formulas on arrays; compiled loops
 """
 
 from attitude.scene._scene import Scene

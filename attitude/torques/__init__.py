@@ -1,4 +1,14 @@
-"""Torques on a body, which `attitude.splitting.TorquedRotation` integrates."""
+"""Torques on a body and their integration; free motion between instantaneous changes.
+
+_torque            `Torque`, the base; constant torques, damping, internal dissipation
+_gravity_gradient  `GravityGradient`
+_radiation         `SolarRadiation`
+_custom            `CustomTorque`, of a function in Python or compiled
+_compiled          the compiled functions of these
+_torqued           `attitude.TorquedRotation`; `_schemes`, splitting schemes by name; `_system`,
+                   body, torques and scheme packed for the compiled loops
+_arcs              `attitude.Arcs`, `Impulse`, `InertiaChange`; `_triggers`, changes at an event
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 """Pages of docs that are made from the sources are up to date, and their links lead somewhere."""
 
+import ast
 import importlib.util
 import os
 import re
@@ -32,6 +33,17 @@ def test_first_lines_of_docstrings_fit_the_list_of_files():
     for file in files:
         assert 0 < len(make_map.first_line(file)) <= 100, file
     assert len(list(make_map.lines())) == len(files) - 1  # the package itself has no line
+
+
+def test_docstrings_of_folders_name_files_that_exist():
+    """The map of a folder, with private files as `_name`."""
+    count = 0
+    for file in (ROOT / "attitude").rglob("__init__.py"):
+        text = ast.get_docstring(ast.parse(file.read_text()))
+        for name in re.findall(r"(?<![\w.])_[a-z]\w*", text):
+            assert file.with_name(f"{name}.py").is_file(), f"{file.parent.name} names {name}"
+            count += 1
+    assert count > 80
 
 
 def test_architecture_lists_the_folders_in_the_order_of_imports():
