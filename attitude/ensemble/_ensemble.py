@@ -807,7 +807,7 @@ class Ensemble(Immutable):
             Number of threads; the bits of the answer do not depend on it.
         out, rates_out : float64 arrays (S, 4) and (S, 3), optional
             Filled with attitudes and angular velocities; S is (N, T) without `member`.  Arrays
-            whose memory is component-major, (N, 4, T) or (4, *S), are filled in place.
+            whose memory is component-major, (N, 4, T) or ``(4, *S)``, are filled in place.
 
         Returns
         -------
