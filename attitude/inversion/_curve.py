@@ -16,7 +16,6 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.photometry import _files
 from attitude.photometry._curve import numbered
 from attitude.photometry._samples import HasSamples, Samples
 
@@ -397,6 +396,8 @@ _PLACES = ("sun", "observer", "frame")
 
 def columns(path: FilePath, given: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Keywords of `LightCurve` from a file, replaced by those given, and the notes of the file."""
+    from attitude.photometry import _files
+
     found = _files.opened(path, bad="refuse")
     if found.time_of in ("barycenter", "heliocenter"):
         raise AttitudeError(

@@ -26,7 +26,6 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces, placed, values, values_and_rates
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
-from attitude.paths._spk import open_kernel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -264,6 +263,8 @@ def installed_kernel() -> str | None:
 
 def installed_ephemeris() -> Kernel | None:
     """The `Kernel` of the package's file de440.bsp, or None if the package is not installed."""
+    from attitude.paths._spk import open_kernel
+
     file = installed_kernel()
     return None if file is None else open_kernel(file)
 
@@ -296,6 +297,8 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
         For a path that is not a file, a file that is not an SPK kernel, and a source that is not
         installed.
     """
+    from attitude.paths._spk import open_kernel
+
     if isinstance(kernel, Ephemeris):
         return kernel
     if kernel is None:

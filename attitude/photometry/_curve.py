@@ -23,7 +23,6 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.paths import _composed, _ground
 from attitude.photometry._samples import HasSamples, Samples
 from attitude.scattering import _weighted
-from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
         Reals,
     )
     from attitude.paths._path import Path
+    from attitude.scene._scene import Scene
 
 
 # Magnitudes beyond these stand for missing values in catalogues (99, 99.99, -99, 999).
@@ -423,6 +423,8 @@ def _from_path(
     data: Photometry, path: Path, site: Any
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Vectors (N, 3) to Sun and observer, m, and seconds (N,) of reception, or of emission."""
+    from attitude.scene._scene import Scene
+
     sun, observer = np.empty((len(data), 3)), np.empty((len(data), 3))
     received = np.array(data.seconds)
     light_time = data.time_of != "emission"
