@@ -406,8 +406,15 @@ class Ensemble(Immutable):
         Parameters
         ----------
         table : astropy QTable or Table, pandas DataFrame, pyarrow Table, mapping, or file name
-            With the columns of `attitude.ensemble._tables`; files end in .parquet, .ecsv, .fits or
-            .csv.
+            One row is one member; files end in .parquet, .ecsv, .fits or .csv.  Columns:
+
+            ``name``     optional
+            ``epoch``    a Time column, dates as text (UTC), or ``epoch_seconds`` and
+            ``epoch_low``: TDB seconds past J2000 in two doubles
+            ``wxyz``     or ``w, x, y, z``: body to `frame`
+            ``angular_velocity``  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
+            ``moments``  or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
+            ``tensor``   or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
         frame, relative : optional
             By default those of the meta data of the table, else "icrf" and False.
         on_error
@@ -1277,7 +1284,7 @@ class Ensemble(Immutable):
     # ---- Tables
 
     def table(self) -> QTable:
-        """The members as an astropy QTable with the columns of `attitude.ensemble._tables`."""
+        """The members as an astropy QTable with the columns that `from_table` reads."""
         from astropy.table import QTable
 
         arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}

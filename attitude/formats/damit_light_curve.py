@@ -28,6 +28,13 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Reals
 
+__all__ = [
+    "DamitLightCurve",
+    "from_positions",
+    "read_damit_light_curves",
+    "write_damit_light_curves",
+]
+
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class DamitLightCurve(Immutable):
@@ -238,12 +245,6 @@ def _icrf_units(vectors):
 # (https://astro.troja.mff.cuni.cz/projects/damit); Durech, Sidorin, Kaasalainen, A&A 513, A46,
 # 2010.
 
-__all__ = [
-    "DamitLightCurve",
-    "from_positions",
-    "read_damit_light_curves",
-    "write_damit_light_curves",
-]
 
 # What DAMIT's programs hold (constants.h of convexinv): points of a curve, curves, and points.
 POINTS_OF_A_CURVE: Final = 1000

@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Reals
     from attitude._support.tables import FlatTable
 
+__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
+
 
 # ---- Names of reference axes in files, and what each of them means
 # Three sorts: axes that this package computes (`meaning`), axes that standards name but this
@@ -218,8 +220,6 @@ def ends(
 def _unit(v):
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
-
-__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
 
 # Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
 _STEP = 1.0

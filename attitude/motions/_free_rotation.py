@@ -201,7 +201,7 @@ class FreeRotation(Differentiable):
         ----------
         elements : Elements or five numbers
             precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
-            `attitude._solver.elements`.
+            `elements`.
         epoch, wxyz, frame
             As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
             (the momentum circulates about the third, the second is the middle one).
@@ -506,14 +506,15 @@ class FreeRotation(Differentiable):
     def polhode(self, points: int = 361) -> FloatArray:
         """The path (points, 3) of the angular velocity in body axes, rad/s, over one P_psi.
 
-        A closed curve where the momentum circulates; see attitude.motions._polhode.
+        A closed curve where the momentum circulates.
         """
         return _polhode.polhode(self._constants[0], self.body.principal_axes, points)
 
     def herpolhode(self, t: Epochs) -> FloatArray:
         """The path (S, 2) of the angular velocity in the invariable plane, rad/s, at epochs t.
 
-        Its origin is on the momentum, its axes are those of attitude.motions._polhode.plane.
+        Its origin is on the momentum, its axes point to growing colatitude and longitude of the
+        direction of the momentum in ICRF.
         """
         return _polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
 
@@ -544,8 +545,7 @@ class FreeRotation(Differentiable):
         Returns
         -------
         float
-            s, inf without errors; see `predictable_time` and `time_of_covariance` of
-            attitude.motions._predictability.
+            s, inf without errors.
         """
         if moments_error is None and rates_error is None and self.spin.covariance is not None:
             return _predictability.time_of_covariance(self, tolerance)
@@ -560,7 +560,7 @@ class FreeRotation(Differentiable):
     def deviations(self) -> dict[str, Uncertain]:
         """Periods, angles, momentum and energy with their errors of one standard deviation.
 
-        See attitude.motions._description for the names; ``deviations()["period_psi"].plus``.
+        By name, such as ``deviations()["period_psi"].plus``: what `print(motion)` shows.
 
         Raises
         ------

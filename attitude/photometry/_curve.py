@@ -739,7 +739,33 @@ class Photometry(Immutable, HasSamples):
     ) -> Photometry:
         """At 1 au from Sun and observer, at the times at which the light left the body.
 
-        Parameters, errors and accuracy as in `attitude.photometry._curve.reduced`.
+        Parameters
+        ----------
+        path : Path, optional
+            Of the body; not needed where the data have vectors to Sun and observer.
+        site : Path, name, dict of them by the names of sites, optional
+            The observer; by default the sites of the data (codes of observatories, or longitude
+            and latitude), and the centre of the Earth for points without a site.
+        phase_function : callable or "hg", optional
+            Mean magnitude as a function of the phase angle in rad, which is taken off less its
+            value at zero; "hg" with `g` (0.15).
+        g : float, optional
+            Slope parameter: the same as phase_function="hg".
+
+        Returns
+        -------
+        Photometry
+            With `sun` and `observer`, ``time_of="emission"``.
+
+        Raises
+        ------
+        AttitudeError
+            Without a path and vectors, and for sites that are not known.
+
+        Notes
+        -----
+        Light time as in `Scene`; dates of light at the barycenter of the solar system are converted
+        to those of reception first, to 1e-6 s for a body beyond 0.01 au.
         """
 
         return reduced(self, path, site=site, phase_function=phase_function, g=g)

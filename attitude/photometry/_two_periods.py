@@ -297,7 +297,8 @@ class TwoPeriods(Immutable):
     def candidates(self, count: int = 10) -> list[PeriodCandidate]:
         """Periods (P_psi, P_phi) in LAM and SAM that have these lines, ranked.
 
-        See `attitude.photometry._two_periods` for the score.
+        The score is the sum of sqrt(share of a line x share expected) over the lines, from 0 to 1,
+        times the share of the variance that the series explains.
         """
         best = self.pairs[0].left
         series = []

@@ -51,7 +51,10 @@ if TYPE_CHECKING:
 
     MomentumFunction = Callable[[AttitudeHistory], Reals]
     Pair = tuple[float, float]
-    # seconds since the epoch of the spin, high and low part
+
+__all__ = ["Arcs", "Impulse", "InertiaChange"]
+
+# seconds since the epoch of the spin, high and low part
 
 
 # ---- Instantaneous changes between free arcs: angular momentum added, inertia replaced
@@ -444,8 +447,6 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
     """M with M x = v x x."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
-
-__all__ = ["Arcs", "Impulse", "InertiaChange"]
 
 _NO_LOW = frozen(np.zeros(1))
 

@@ -688,7 +688,7 @@ class TorquedRotation(Differentiable):
         s, or a Quantity: fixed.
     scheme : str or Scheme, optional
         "kick-rotate-kick", "rotate-kick-rotate" and "hoa" of second order, "suzuki",
-        "blanes-moan" and "force-gradient" of fourth order; see `attitude.torques._schemes`.  By
+        "blanes-moan" and "force-gradient" of fourth order; see `attitude.splitting.SCHEMES`.  By
         default "blanes-moan" with `tolerance`, otherwise "kick-rotate-kick".
     tolerance : float, optional
         Instead of `step`: largest error of an attitude, rad, from 1e-14 to 1e-2; 1e-9 if neither
