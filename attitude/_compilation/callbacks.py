@@ -1,7 +1,7 @@
 """C functions that compiled loops call by address: torques of the package and of users.
 
 Each is void f(double t, double *wxyz, double *omega, double *given, double *parameters,
-double *out); see `solution.torqued_step`.
+double *out); see `_solver.torqued_step`.
 """
 
 from __future__ import annotations

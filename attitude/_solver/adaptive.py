@@ -1,7 +1,7 @@
 """Loops of splitting integrators with steps as long as an error estimate allows.
 
 Each step is taken whole and in two halves from one state, the whole one together with the first
-half (`solution.two_steps`).  The state after the halves goes on; the difference of both, divided by
+half.  The state after the halves goes on; the difference of both, divided by
 2^p - 1 for a scheme of order p, is its error.  A step is kept as long as its error is within the
 tolerance and no much longer one would be: between changes the samples of paths can be computed in
 advance.
@@ -39,7 +39,7 @@ from attitude._solver.torqued_step import (
 # --------------------------------------------------------------------------------------------------
 # One step of a splitting integrator of each of two motions, computed together.
 #
-# The free motions of both are computed in SIMD vectors (`solution.two_flights`); torques are called
+# The free motions of both are computed in SIMD vectors (`_solver.step`); torques are called
 # one after the other.
 
 _ZERO = 0.0, 0.0, 0.0

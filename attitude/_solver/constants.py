@@ -105,7 +105,7 @@ def classify_all(moments, wxyz, omega, constants):
 
 
 def refine_all(constants: NDArray[Any]) -> None:
-    """Fill D2 of those of B states (solution.record) whose terms cancel, rounded once."""
+    """Fill D2 of those of B states (_solver.records) whose terms cancel, rounded once."""
     # An array allocated in compiled code would cost another tenth of a second of compilation.
     _refine_all(constants, np.empty(_MOST_PARTS))
 

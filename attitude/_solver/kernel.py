@@ -1,7 +1,7 @@
 """The loops over bodies and epochs, one for each form of the solution.
 
 Given
-    constants  (B,) records (solution.record); those of another form are skipped
+    constants  (B,) records (_solver.records); those of another form are skipped
     t          (1 or B, T) seconds since the epoch of the state
     t_low      None, or a second double of the seconds, in the same shape
     first, end the epochs t[:, first:end] are evaluated
@@ -99,7 +99,7 @@ def attach_all(wxyz, wxyz_low, principal, constants):
         wxyz_low   (1 or B, 4) second doubles of wxyz, then of unit length; or zeros
         principal  (1 or B, 4) principal axes to given body axes
     Filled
-        constants  (B,) frame and axes (solution.record)
+        constants  (B,) frame and axes (_solver.records)
     """
     for b in range(len(constants)):
         c = constants[b]

@@ -1,6 +1,6 @@
 """Loops of splitting integrators with fixed steps, from an epoch or between kept states.
 
-`solution.torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
+`_solver.torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
                  of the next
         every    a state is kept after each `every` steps
     Changed
-        state    (14,) as in solution.step, over the principal axes in ascending order
+        state    (14,) as in _solver.step, over the principal axes in ascending order
     Filled
         kept     (steps // every, 14)
     Returned
@@ -192,7 +192,7 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         given    (steps n + 1, columns) samples at the kicks of whole steps
         within   (T, n + 1, columns) samples at the kicks of the parts
     Changed
-        states   (N, 14) as in solution.step, over the principal axes in ascending order
+        states   (N, 14) as in _solver.step, over the principal axes in ascending order
     Filled
         out      (N, T, 7) wxyz and angular velocity
     Returned

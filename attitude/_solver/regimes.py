@@ -53,7 +53,7 @@ _TAIL = 42.0
 
 @sized_entry_point
 def modes_all(constants, modes):
-    """Fill the codes (B,) of the modes of B states with D2 (solution.classify)."""
+    """Fill the codes (B,) of the modes of B states with D2 (_solver.constants)."""
     for b in range(len(constants)):
         c = constants[b]
         if c.form != codes.UNIFORM:
@@ -67,7 +67,7 @@ def regimes_all(moments, constants, out):
 
     Given
         moments    (B, 3, 2) pairs, from which the constants were computed
-        constants  (B,) records (solution.record)
+        constants  (B,) records (_solver.records)
     Filled
         out        (B,) of REGIME
     """

@@ -136,7 +136,7 @@ def _short_of(constants, tangents, t, edges, rates):
 
 
 def _triangular(constants, tangents, factors):
-    """Factors W Q with an orthogonal Q, and records with the zeros of solution.triangular."""
+    """Factors W Q with an orthogonal Q, and records with the zeros of _solver.columns."""
     turned, order = factors.copy(), _order()
     members = np.flatnonzero(constants["form"] != codes.UNIFORM)
     if members.size:

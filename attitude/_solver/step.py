@@ -1,6 +1,6 @@
 """The exact free rotation over a short time, for integrators that split torques off.
 
-The constants of `solution.constants` take a microsecond, and differ between regimes.  A splitting
+The constants of `_solver.constants` take a microsecond, and differ between regimes.  A splitting
 scheme needs one epoch from every state: this form of the exact solution has no constants, no
 regimes and no elliptic integrals, and is the same arithmetic from a sphere to a needle and across
 the separatrix.
@@ -136,7 +136,8 @@ def _add(x, low, change):
 
 
 # The largest change of the state over one increment, as an angle (see `pieces`).
-# Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
+# Truncation there is below 5e-17 of the angle; tests/torques/test_splitting.py walks across the
+# limit.
 LONGEST_PIECE: Final = 0.1
 # Momenta below the square root of this (moments at most 1) turn a body so little in any time that
 # the square of the angle is below a rounding.
@@ -433,7 +434,7 @@ def advance(moments, k, h, state):
 # --------------------------------------------------------------------------------------------------
 # The exact free rotation of two bodies over short times, computed together.
 #
-# Formulas of `solution.step` in SIMD vectors of two lanes: two bodies in the time of one.
+# Formulas of `_solver.step` in SIMD vectors of two lanes: two bodies in the time of one.
 
 # The square of an eighth of a turn, and the bits of two lanes.
 _EIGHTH: Final = 0.015625

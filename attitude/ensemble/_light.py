@@ -48,7 +48,7 @@ def ellipsoid_runs(
     """Brightness, over the solar irradiance, of B runs of rows of ellipsoids.
 
     Given
-        constants  (B,) records (solution.record), one of each run
+        constants  (B,) records (_solver.records), one of each run
         starts     (B + 1,) the rows of run b are starts[b] to starts[b + 1]
         t, t_low   (1, R) seconds since the epoch of the state; t_low may be None
         sun, observer  flat memory of vectors from the body, ICRF, of any length above zero:
@@ -123,7 +123,7 @@ def _shine(work, ia, ib, ic, scale, count):
 
 @reduction_inlined
 def _in_body(w, x, y, z, a, b, c):
-    """The vector q* v q, as `solution.vectors.to_body` has it."""
+    """The vector q* v q, as `_solver.vectors.to_body` has it."""
     d = 2.0 * (y * c - z * b)
     e = 2.0 * (z * a - x * c)
     f = 2.0 * (x * b - y * a)

@@ -191,7 +191,7 @@ def attitudes(elements, k, t, r, g):
 # --------------------------------------------------------------------------------------------------
 # Ratios of the moments of inertia of a body from the elements of its motion, in closed form.
 #
-# With the tilts of the third axis from rho and X (`sensitivities.elements`) follow l, m, n of the
+# With the tilts of the third axis from rho and X (`_solver.elements`) follow l, m, n of the
 # solution, and nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
 #
 #     I2 = r (1 + nu)/(r + nu),        L = w r sqrt(1 + nu)/(|1 - r| l),

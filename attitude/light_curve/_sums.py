@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 # opposites.  Divided by this component, the height, a normal is two slopes and 1: the cosine
 # between normal and direction, over the height, takes two products instead of three.
 
-# Facets in a cluster, one SIMD vector (`compilation.simd`).  Larger ones are skipped less often.
+# Facets in a cluster, one SIMD vector (`_compilation.simd`).  Larger ones are skipped less often.
 SIZE = 8
 # Numbers of each facet, in rows of SIZE: two slopes, height along the axis, area.
 ROWS = 4

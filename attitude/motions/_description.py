@@ -270,7 +270,7 @@ def _separatrix(motion: FreeRotation, errors: _Errors) -> str:
 # Standard deviations of the numbers that describe a motion: periods, angles, momentum, energy.
 #
 # They are computed from motions one standard deviation away along each principal axis of the
-# errors, as `published.uncertainty.spread` does from published numbers: without derivatives, and
+# errors, as `motions._uncertainty.spread` does from published numbers: without derivatives, and
 # with the limits that bodies and modes set.
 
 _NAMES = (

@@ -1,7 +1,7 @@
 """Convert spin states in the form of papers to attitude and angular velocity, and back.
 
 Observers publish the direction of the momentum (the pole), two periods, ratios of the moments and
-angles at an epoch.  Their meaning depends on the labels of the axes (`published.conventions`)
+angles at an epoch.  Their meaning depends on the labels of the axes (`motions._conventions`)
 and on the mode; neither follows from the numbers, so both must be given.
 
 With the momentum L and the energy E, D = L^2/2E:
@@ -249,7 +249,7 @@ def dynamic_inertia_from_energy(
 #
 # `Spin.from_periods` and its relatives are the case of one body.
 
-_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of solution.labelled_axes
+_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of _solver.vectors
 # Relative error of the period of the state found, above which the state is refused.
 _LOST = 1e-6
 # The rates are rounded to 1e-16 and D - B is y (C - B) or y (B - A): for y above this bound the

@@ -150,7 +150,7 @@ class Ephemeris:
     ``advice`` (optional)
         End of the error message for a body that the source lacks: what the user can do.
 
-    A new source needs a file of its own and one line in `solar_system.SOURCES`: `paths.ephemeris`,
+    A new source needs a file of its own and one line in `_solar_system.SOURCES`: `paths.ephemeris`,
     `Scene` and mission files take the name in that table.  The first two also take an Ephemeris
     object, without that line.
 

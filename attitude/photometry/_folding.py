@@ -119,7 +119,7 @@ def fold(
         Whether the periods are those of least squares near the given ones.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`photometry._samples.settled`).
 
     Raises
     ------

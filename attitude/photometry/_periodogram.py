@@ -308,7 +308,7 @@ def periodogram(
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`photometry._samples.settled`).
 
     Returns
     -------
@@ -322,7 +322,7 @@ def periodogram(
     Notes
     -----
     The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
-    (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
+    (`photometry._spectrum`), to the least squares of period, harmonics and zero points.  Before the
     scan the mean of each curve with a zero point of its own is taken off, which hides most of a
     period longer than a session: so one zero point for all sessions is tried first.
 

@@ -403,7 +403,7 @@ def two_periods(
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`photometry._samples.settled`).
     progress : function, optional
         Called with the number of pairs done and of all; by default a bar on a terminal.
 
@@ -420,7 +420,7 @@ def two_periods(
     Notes
     -----
     Every pair of a grid of 3 frequencies per 1/span is fitted by closed normal equations from two
-    transforms of the epochs (`spectrum.pair_search`); of more than 8e6 pairs those with the
+    transforms of the epochs (`photometry._spectrum`); of more than 8e6 pairs those with the
     greatest sum of line powers.  The best are refined in both frequencies with all zero points
     free.  A light curve of 1000 points over 60 days, both periods from 2 h to 40 h at order 2:
     see docs/photometry.md for the time.

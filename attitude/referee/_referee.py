@@ -178,7 +178,7 @@ def run(kind, moments, start, h, every, out):
 
 @subroutine
 def exact(moments, q, w, h):
-    """The increments of `solution.step`, without compensated summation."""
+    """The increments of `_solver.step`, without compensated summation."""
     k = gains(moments)
     count = pieces(k, w, h)
     part = h / count

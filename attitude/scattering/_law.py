@@ -214,17 +214,17 @@ class Law:
         the brightness of an ellipsoid then has a closed form.
     ``of_phase`` and ``element``, and ``rows`` if facets differ
         For any other r, evaluated facet by facet: two functions under
-        `compilation.decorators.reduction_subroutine`.  ``element(row, phase_terms, mu0, mu)``
+        `attitude.scattering.reduction_subroutine`.  ``element(row, phase_terms, mu0, mu)``
         returns r / mu0 in 1/sr for positive mu0 and mu.  ``of_phase(row, cos_half, sin_half,
         phase_terms)`` writes the terms that depend on the phase angle alone, at most
-        `reflectances.TERMS` numbers.  Its arguments are cosine and sine of half the angle, since
+        `_law.TERMS` numbers.  Its arguments are cosine and sine of half the angle, since
         the cosine of the whole angle loses half of its digits near opposition.  ``row`` holds the
         fields in their order, or is one of several ``rows``.  The loops over facets are compiled
         for each pair.
     ``elements`` in place of ``element``
-        The same for SIMD vectors mu0 and mu, under `decorators.reduction_within` and written with
-        the operators and functions of `compilation.simd` and `compilation.elementary`: five to ten
-        times as fast.  Cosines may exceed 1 by rounding.
+        The same for SIMD vectors mu0 and mu, under `_compilation.decorators.reduction_within` and
+        written with the operators and functions of `_compilation.simd` and
+        `_compilation.elementary`: five to ten times as fast.  Cosines may exceed 1 by rounding.
 
     r / mu0 is symmetric in mu0 and mu (Helmholtz reciprocity).
     """

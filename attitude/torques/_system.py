@@ -1,4 +1,4 @@
-"""Body, torques and scheme of a torqued motion, packed for the loops of `solution.march`."""
+"""Body, torques and scheme of a torqued motion, packed for the loops of `_solver.march`."""
 
 from __future__ import annotations
 

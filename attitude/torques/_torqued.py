@@ -290,7 +290,7 @@ class Front:
     tolerance : float
         Of the error of a step.
     paired : bool
-        Whether a motion with whole steps goes along; see `solution.adaptive`.
+        Whether a motion with whole steps goes along; see `_solver.adaptive`.
     last : float
         s, the absolute value of the seconds beyond which no torque is known.
     """
