@@ -71,7 +71,7 @@ def _write_once() -> None:
 _ROOT = Path(__file__).parent.parent
 _PACKAGE = _ROOT.name
 # Of no effect on machine code.
-_TYPES = f"{_PACKAGE}.annotations"
+_TYPES = f"{_PACKAGE}._support.annotations"
 _COMMENT = re.compile("#.*")
 # All imports are absolute; tests/compilation/test_compilation.py compares what is found with
 # syntax trees.
