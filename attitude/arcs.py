@@ -1,7 +1,6 @@
-"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+"""Chains of free rotations with impulses, changes of inertia and triggers.
 
-These names stand in `attitude.torques`: `Arcs`, with `Impulse` and `InertiaChange`; changes at an
-event instead of an epoch by `AxisCrossesDirection`, `PointMeetsPlane` or another `Trigger`.
+It hands on names of `attitude.torques`; the code is in torques/_arcs.py and torques/_triggers.py.
 """
 
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange

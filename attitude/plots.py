@@ -6,9 +6,7 @@ figure of four.  No window is opened, and no global setting changed.
 
 from __future__ import annotations
 
-import io
 import warnings
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +28,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
     from attitude.epochs._instants import Instant
     from attitude.motions._free_rotation import FreeRotation
+
+__all__ = ["angles", "new_figure", "overview", "polhode", "rates", "sky", "time_span", "time_unit"]
 
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
@@ -85,21 +85,10 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
-    """An empty figure without a window, of a width and height in inches.
+    """An empty figure without a window, of a width and height in inches."""
+    from attitude._support.shown_figure import ShownFigure
 
-    Notebooks show it, as PNG, where it is the result of a cell.
-    """
-    from matplotlib.figure import Figure  # takes 0.3 s
-
-    figure = Figure(figsize=size, layout="constrained")
-    vars(figure)["_repr_png_"] = partial(_png, figure)
-    return figure
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=100)
-    return buffer.getvalue()
+    return ShownFigure(figsize=size, layout="constrained")
 
 
 def time_span(motion: FreeRotation, span: Real | None = None) -> float:

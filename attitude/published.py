@@ -1,9 +1,6 @@
-"""Convert spin states from and to the form of papers: periods, pole and angles.
+"""Spin states in the form of papers (periods, pole, angles), to and from attitude and rates.
 
-These names stand in `attitude.motions`: `published`; `from_energy`, `from_pole` ..., the reverse
-conversions, `states_from_periods` for arrays of bodies; `possible` and `moments_from_ratios`, the
-moments that published periods and ratios admit; `symmetric_moments` and `total_spin`, the limit of
-a symmetric body; `spread`, how errors of published numbers propagate to periods and angles.
+The code is in motions/_published.py; `spread` is in motions/_uncertainty.py.
 """
 
 from attitude.motions._published import (

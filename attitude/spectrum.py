@@ -1,8 +1,6 @@
-"""The spectrum of a tumbler's light curve.
+"""Lines in the spectrum of a tumbler's light curve, and Fourier series in two frequencies.
 
-These names stand in `attitude.photometry`: `lines`, the frequencies at which it has lines; `fit`
-and `search`, Fourier series in two frequencies through a light curve; `HasSamples`, the base of
-objects that are a light curve.
+The code is in photometry/_samples.py and photometry/_series.py.
 """
 
 from attitude.photometry._samples import HasSamples, Line, Samples, lines

@@ -1,6 +1,6 @@
-"""Motion under torques: kicks between exact free motions.
+"""Rotation under torques by splitting schemes.
 
-These names stand in `attitude.torques`: `TorquedRotation`, and the splitting schemes by name.
+It hands on names of `attitude.torques`; the code is in torques/_torqued.py and _schemes.py.
 """
 
 from attitude.torques._schemes import SCHEMES, Scheme, scheme

@@ -3,20 +3,21 @@
 Importing this package compiles nothing; each function is compiled at its first call and kept on
 disk for the next process.  Symbols are those of van Zon & Schofield (2006).
 
-records, codes    the records of a motion's constants and derivatives, and the integers in them
-twofloat          arithmetic of pairs of doubles
-elliptic, series  the functions of the solution
-constants         the stages that fill a record
-kernel            attitudes and rates from a record, in loops over bodies and epochs
-evaluation        entry points: constants of B motions, and their attitudes; `batches`, in blocks
-step, chains      the same rotation over short times; from state to state, in pairs
-torqued_step      a step of an integrator with torques; `march`, `adaptive`, its loops
-regime, regimes   mode, periods and ranges of a motion, and the motion of given periods
-principal_axes    principal axes of inertia tensors, in whole numbers of 448 bits
-sensitivities     entry points of derivatives and covariances; `tangents`, `columns`, `sensitivity`,
-                  `derivatives`, `uniform_tangents`, `short_times`, their parts
-elements          the free rotation in five numbers; `covariance`, errors that are given
-vectors           vectors over body axes, angles between vectors, attitudes of labelled axes
-chebyshev         polynomials on equal pieces of a span
-warm_up           compilation ahead of use
+evaluation      entry points: constants of B motions, and their attitudes; batches, in blocks
+records, codes  the records of the constants and derivatives of a motion, and integers in them
+constants       the stages that fill a record: classes, rates and phases, coefficients
+kernel          attitudes and rates from a record, in loops over bodies and epochs
+series          the internal motion at given phases; elliptic, elliptic integrals
+twofloat        arithmetic of pairs of doubles
+sensitivities   entry points: derivatives, covariances, samples; covariance, errors that are given
+sensitivity     their loops; derivatives, tangents, uniform_tangents, columns and short_times
+elements        the five elements of a motion
+step            the same rotation over short times, for integrators
+torqued_step    a step with torques; march (fixed steps), adaptive, march_layout (their arrays)
+chains          states in pairs from arc to arc, and attitudes on a chain of arcs
+regime          kind, periods and ranges of motions; regimes, their loops
+principal_axes  principal axes of inertia tensors, in whole numbers of 448 bits
+vectors         vectors over body axes, angles between vectors, attitudes from labelled axes
+chebyshev       smooth functions of time as Chebyshev polynomials
+warm_up         compilation ahead of use
 """

@@ -5,10 +5,11 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 wrong input.
 
 propagate, describe, geometry, lightcurve, invert, periods, fold, plot, view, convert, check,
-warm_up         the commands
-_options        the motion of a file or of an entry of the catalogue; --orbit; equally spaced epochs
-_output         the option --output; rows of CSV and ECSV
-_selftest       what ``check`` compares; `_warm_up`, what ``warm-up`` runs
+warm_up     the commands
+_options    the motion of a file or of an entry of the catalogue; equally spaced epochs; ``--orbit``
+_output     the option ``--output``; rows of CSV and ECSV
+_selftest   what ``check`` measures
+_warm_up    what ``warm-up`` compiles
 """
 
 from __future__ import annotations

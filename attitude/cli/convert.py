@@ -22,9 +22,10 @@ if TYPE_CHECKING:
     from attitude.motions._table import AttitudeTable
     from attitude.paths._path import Path
 
+__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
-# --------------------------------------------------------------------------------------------------
-# The options of ``attitude convert``.
+
+# ---- The options of ``attitude convert``
 
 HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
 EPILOG: str = """\
@@ -157,8 +158,6 @@ def _add_fits_and_kernels(parser: argparse.ArgumentParser) -> None:
         help="further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
     )
 
-
-__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
 # Ratio of the rms of two fits from which the principal axes are fitted too.
 _BETTER = 0.9
@@ -343,7 +342,7 @@ def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
     return AttitudeTable.from_history(history, rates=records.has_rates)
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def _write_motion(

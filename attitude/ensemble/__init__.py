@@ -1,14 +1,14 @@
 """Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
 
-_ensemble     `Ensemble`: the states of N members, their descriptions and their answers
-_members      states as the compiled solution takes them; epochs, inertia, numbers of members
-_evaluation   `EnsembleHistory`, attitudes at a grid or at ragged rows, in blocks and threads
-_light        brightness and magnitudes, straight from states
-_quantities   angles and order statistics of members; scenes of members
-_tables       columns of tables and files; draws from covariances and distributions
-_arcs         `ArcsEnsemble`: N states with the same impulses
-_torqued      `TorquedEnsemble`: N states under torques, one scheme and one step
-_partitioned  `PartitionedEnsemble`: members in the partitions of dask
+_ensemble      `Ensemble`: the states of N members, and what they answer
+_evaluation    the epochs of a call (grid or rows), blocks and threads; `EnsembleHistory`
+_quantities    `AngleTo` and other quantities, for percentiles, histograms and coverage
+_partitioned   `PartitionedEnsemble`: members in the partitions of dask
+_members       epochs, inertia and states of the members as the compiled solution takes them
+_light         brightness and magnitudes, block by block
+_tables        columns of tables; random draws
+_arcs          `ArcsEnsemble`: N states with the same impulses
+_torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
 """
 
 from typing import TYPE_CHECKING

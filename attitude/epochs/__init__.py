@@ -1,7 +1,7 @@
 """Epochs: dates, Time objects and plain seconds to TDB seconds in two doubles, and back.
 
-_inputs        `instant` and `seconds_since`: read the epochs that callers give, of any kind
-_instants      `Instant`, `times`; ISO 8601 and CCSDS dates
+_inputs        `instant`, `seconds_since`, `past_j2000`, `plain_seconds`: each kind of epoch, read
+_instants      `Instant`, `times`; dates as text
 _time_scales   every time scale to TDB and back, for arrays
 """
 

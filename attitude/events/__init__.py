@@ -11,12 +11,12 @@
 `find_discrete`, `find_maxima` and `find_minima` are called as in skyfield: with two epochs and a
 condition or an observable.
 
-_channels      conditions of axes, facets and mirrors, and the functions whose signs they take
-_search        `find_discrete`, of conditions and of plain functions; `Events`, the result
-_extrema       `find_maxima`, `find_minima`, of observables and of plain functions
-_windows       intervals in which a condition holds; `passes` over a site, `glints` of a mesh
+_search     `find_discrete`, `Events`, `shadow_state`, `stream`; thresholds of observables
+_extrema    `find_maxima`, `find_minima`; the observables `separation` and `brightness`
+_channels   `illuminated`, `visible`, `glint` and other conditions of axes, facets and mirrors
+_windows    `windows`, `passes`, `glints`: intervals in which conditions hold, as a `Timetable`
 
-`attitude.conditions` has `Condition` and `Observable`, and the search for all sign changes.
+`attitude.conditions` has `Condition`, `Observable` and the search for sign changes.
 """
 
 import warnings

@@ -37,9 +37,7 @@ if TYPE_CHECKING:
     _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
 
 
-# --------------------------------------------------------------------------------------------------
-# The arguments of writers as segments: histories, tables, or a motion with epochs.
-#
+# ---- The arguments of writers as segments: histories, tables, or a motion with epochs
 # Motions are evaluated piece by piece, so that long files need little memory.  Where the angular
 # velocity of a motion jumps, a segment ends with the state before and the next begins with the
 # state after: readers interpolate within segments.
@@ -546,7 +544,7 @@ def _apart(p: FloatArray, q: FloatArray) -> float:
 def stated(
     method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
 ) -> tuple[str, int]:
-    """Method and degree of the interpolation that a file will state; see `interpolation.settled`.
+    """Method and degree of the interpolation that a file will state; see `_table.settled`.
 
     By default those of a table, else Hermite with angular velocities and Lagrange without.
     """

@@ -1,4 +1,4 @@
-"""One light curve of an asteroid with its geometry, in the units of DAMIT."""
+"""Light curves of asteroids with their geometry, in files of DAMIT (lc.txt)."""
 
 from __future__ import annotations
 
@@ -222,9 +222,7 @@ def _icrf_units(vectors):
     return turned / np.sqrt(np.sum(turned * turned, axis=-1, keepdims=True))
 
 
-# --------------------------------------------------------------------------------------------------
-# Light curves in the format of DAMIT (lc.txt) and of its inversion programs.
-#
+# ---- Light curves in the format of DAMIT (lc.txt) and of its inversion programs
 #     2                                   number of light curves
 #     3 1                                 points; 1: calibrated, 0: relative
 #     2454035.6182 1.0421 -1.2 0.3 0.1 -0.4 0.9 0.1

@@ -19,6 +19,18 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
 
+__all__ = [
+    "ENDINGS",
+    "OF_MOTIONS",
+    "OpenedFile",
+    "of_file",
+    "opened",
+    "read",
+    "to_write",
+    "write",
+    "write_motion",
+]
+
 
 # Ending -> format: for writing, and for reading if the content is not recognized.
 ENDINGS: dict[str, str] = {
@@ -249,7 +261,7 @@ def write(
     path : str or path
         Appears whole or not at all.
     source, t
-        As of `aem.write`.
+        As in `aem.write`.
     settings
         Further arguments of the writer of the format, such as start=, stop= and tolerance=.
 
@@ -313,8 +325,7 @@ def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
-# A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file.
+# ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file
 
 
 class State(NamedTuple):

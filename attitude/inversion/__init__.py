@@ -1,22 +1,22 @@
 """From brightness to the spin state: light curves of tumbling bodies inverted.
 
-_curve          `LightCurve`: magnitudes with geometry, from arrays and files
-_spin_states    `spin_states`: the blind search, its options and its result
-_refine         `refine`: from a start, with impulses or torques, and its `Refinement`
-_periods        `periods`: pairs of periods by two-dimensional Fourier series
-_solution       `Solution` and `SpinStates`; `_figures`, their figures
-_problem        a light curve as numbers, and terms that are projected out
-_search         the stages of the search; `_lattices`, candidate rates; `_pole_map`, poles of
-                rotations about one axis
-_ellipsoid      magnitudes of an ellipsoid with all derivatives, and fits from many starts, compiled
-_shapes         convex bodies by areas of facets: brightness, moments, priors, the closed mesh
-_refinement     orientation, elements and areas together; Student's errors; the evidence
-_motions        attitudes, derivatives and moments of inertia from the five elements
-_moving         motions with parameters, and their least squares with a shape
-_known          states of a body of known shape, and their ranking
-_states         motion and covariance from the parameters of a search; what `moments=` says
-_errors         covariances that contain the error of the model; `_posterior`, samples
-_verdicts       relations between solutions in words; what a curve decides
+_curve         `LightCurve`: magnitudes with geometry, from arrays and files
+_periods       `periods`: `Pair`s of periods by Fourier series in two frequencies
+_spin_states   `spin_states`: the blind search, its options and its result
+_refine        `refine`: from a start, with impulses or torques, and its `Refinement`
+_solution      `Solution` and `SpinStates`, predicted magnitudes; _figures, their figures
+_problem       a light curve as numbers, and terms that are projected out
+_search        the stages of the search; _lattices, candidate rates
+_ellipsoid     magnitudes of an ellipsoid with all derivatives; ellipsoids from many starts
+_shapes        convex bodies by areas of facets, given meshes, and their magnitudes
+_refinement    orientation, elements and areas together; Student's errors, evidence
+_motions       attitudes and moments of inertia from the five elements, compiled
+_moving        motions with parameters, and their least squares with a shape
+_known         the search for states of a body of known shape
+_pole_map      poles of a rotation about one axis
+_states        motion and covariance from the parameters of a search
+_errors        covariances that contain the error of the model; _posterior, samples
+_verdicts      relations between solutions in words; what a curve decides
 """
 
 from attitude.inversion._curve import LightCurve

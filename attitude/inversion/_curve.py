@@ -1,4 +1,4 @@
-"""A light curve: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
+"""`LightCurve`: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
 
 from __future__ import annotations
 
@@ -390,8 +390,7 @@ def _known_zero_points(given, sessions):
     return validation.positive(given, "zero_points", unit="mag")
 
 
-# --------------------------------------------------------------------------------------------------
-# Light curves with geometry, for the inversion, from any file that `photometry.read` reads.
+# ---- Light curves with geometry, for the inversion, from any file that `photometry.read` reads
 
 _PLACES = ("sun", "observer", "frame")
 

@@ -3,8 +3,7 @@
 Names are those of the Digital Library of Mathematical Functions (dlmf.nist.gov, chapters 19, 20
 and 22), arguments are the parameter m = k^2 and the nome q; all functions take arrays.
 
-_jacobi   integrals `K`, `E`, `Pi`, `F`, `E_incomplete`, `nome`; functions `am`, `sn`, `cn`, `dn`,
-          `theta`
+_jacobi   `K`, `E`, `Pi`, `F`, `E_incomplete`, `nome`; `am`, `sn`, `cn`, `dn`, `theta`
 _steps    `steps`: the constants of van Zon & Schofield (2006) for a motion, and its attitude
 
 >>> from attitude import jacobi

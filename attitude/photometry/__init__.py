@@ -1,14 +1,15 @@
 """Photometry of a tumbling body: files, reduction, periods.
 
-_curve        `Photometry`: brightness at epochs with errors, filters, sites and sessions; reduction
-              by a path; CSV with named columns
-_files        `read`: any known format
-_periodogram  `periodogram`: one period, by Fourier series or phase dispersion; aliases in words
-_two_periods  `two_periods`: pairs of periods, blind; candidates (P_psi, P_phi) in LAM and SAM
-_folding      `fold`: folded light curves, series and residuals
-_samples      a light curve as numbers; `_series`, Fourier series in two frequencies
-_spectrum     sums over uneven epochs, normal equations of pairs of frequencies, chance
-_figures      a figure for each
+_curve         `Photometry`: brightness at epochs with errors, filters, sites, sessions; `BadRow`;
+               `phase_angle` and the reduction to 1 au; CSV with named columns
+_files         `read`: any known format
+_periodogram   `periodogram`: one period; the spectral window of the epochs, aliases in words
+_two_periods   `two_periods`: pairs of periods, blind; their candidates (P_psi, P_phi)
+_folding       `fold`: folded light curves, series and residuals
+_samples       light curves as numbers, from any input; lines in the spectrum of a tumbler
+_series        Fourier series in the two frequencies of a tumbler
+_spectrum      sums of exponentials, and the search over pairs of frequencies, compiled
+_figures       a figure for each
 """
 
 from attitude.photometry._curve import BadRow, Photometry, phase_angle

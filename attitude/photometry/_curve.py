@@ -1,4 +1,4 @@
-"""Photometry: good rows as arrays, bad rows with the reason of each, reduction, CSV."""
+"""`Photometry` of one body, its reduction to 1 au, and its rows in files."""
 
 from __future__ import annotations
 
@@ -338,8 +338,7 @@ def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) ->
     return Time(whole + added, rest + (offset - added), format="jd", scale=scale)
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness at 1 au from Sun and observer, when the light left the body, at zero phase angle.
+# ---- Brightness at 1 au from Sun and observer, when the light left the body, at zero phase angle
 
 # Rounds of the correction of a date at the barycenter: each gains four digits.
 _ROUNDS = 4
@@ -474,8 +473,7 @@ def _place(name: str, site: Any) -> Any:
         raise AttitudeError(f"{err} Or give site= for points of {name!r}.") from None
 
 
-# --------------------------------------------------------------------------------------------------
-# `Photometry`: the brightness of one body at epochs, with errors, filters, sites and sessions.
+# ---- `Photometry`: the brightness of one body at epochs, with errors, filters, sites and sessions
 
 _MAGNITUDE = 2.5 / np.log(10.0)
 _WORDS = ("filter", "site", "session")
@@ -610,7 +608,7 @@ class Photometry(Immutable, HasSamples):
         self._set("bad", tuple(bad))
         self._set("notes", tuple(notes))
 
-    # What it holds --------------------------------------------------------------------------------
+    # ---- What it holds
 
     def __len__(self) -> int:
         return len(self.seconds)
@@ -696,7 +694,7 @@ class Photometry(Immutable, HasSamples):
                 keywords.pop(key, None)
         return Photometry(**keywords | changes)
 
-    # What it becomes ------------------------------------------------------------------------------
+    # ---- What it becomes
 
     def samples(self) -> Samples:
         """The `Samples` for periods: a zero point for each session and filter, or each filter."""
@@ -739,7 +737,7 @@ class Photometry(Immutable, HasSamples):
     ) -> Photometry:
         """At 1 au from Sun and observer, at the times at which the light left the body.
 
-        Parameters, errors and accuracy as of `attitude.photometry._curve.reduced`.
+        Parameters, errors and accuracy as in `attitude.photometry._curve.reduced`.
         """
 
         return reduced(self, path, site=site, phase_function=phase_function, g=g)
@@ -830,8 +828,7 @@ def _vectors(given: Any, name: str, frame: str, order: IntArray) -> FloatArray |
     return frozen(np.ascontiguousarray(turned[order]))
 
 
-# --------------------------------------------------------------------------------------------------
-# Photometry as CSV with named columns.
+# ---- Photometry as CSV with named columns
 
 # Names of the columns of dates that are not those of an observer.
 _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}

@@ -3,11 +3,11 @@
 ``Scene(motion, center=...).at(times)`` is a `View`, which computes each quantity at its first use.
 `docs/scene.md` defines the quantities.
 
-_scene       `Scene`: the setting, checked
-_view        `View`: the quantities at some epochs, each computed once, with standard deviations
-_shadow      the fraction of the Sun's disc that is seen past other bodies
-_light_time  directions and distances at many epochs, with light time
-_angles      formulas on arrays; compiled loops
+_scene        `Scene`: the setting, checked; its quantities as observables
+_view         `View`: the quantities at some epochs, and their standard deviations
+_light_time   directions and distances at many epochs, corrected for light time
+_shadow       the part of the Sun's disc that other bodies leave free
+_angles       formulas on arrays; compiled loops
 """
 
 from attitude.scene._scene import Scene

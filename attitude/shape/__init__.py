@@ -2,10 +2,10 @@
 
 Coordinates are metres in body axes.
 
-_mesh       `Mesh`: checks, closure, convexity, mass properties, flat sides
-_ellipsoid  `Ellipsoid`, in closed form and as a mesh
-_solids     `box`, `cylinder`, `box_wing`
-_files      `read`: OBJ, DAMIT, STL, PLY
+_mesh        `Mesh`, its checks, edges and convexity; `MassProperties`; `FlatSide`, `flat_sides`
+_ellipsoid   `Ellipsoid`, in closed form and as a mesh
+_solids      `box`, `cylinder`, `box_wing`
+_files       `read`: OBJ, DAMIT, STL, PLY
 """
 
 from attitude.shape._ellipsoid import Ellipsoid

@@ -1,13 +1,15 @@
-"""Torques on a body and their integration; free motion between instantaneous changes.
+"""Torques on a body, and motions with torques or instantaneous changes.
 
-_torque            `Torque`, the base; constant torques, damping, internal dissipation
-_gravity_gradient  `GravityGradient`
-_radiation         `SolarRadiation`
-_custom            `CustomTorque`, of a function in Python or compiled
-_compiled          the compiled functions of these
-_torqued           `attitude.TorquedRotation`; `_schemes`, splitting schemes by name; `_system`,
-                   body, torques and scheme packed for the compiled loops
-_arcs              `attitude.Arcs`, `Impulse`, `InertiaChange`; `_triggers`, changes at an event
+_torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `InternalDissipation`
+_gravity_gradient   `GravityGradient`
+_radiation          `SolarRadiation`
+_custom             `CustomTorque`, by a function of the user
+_compiled           the compiled functions of the built-in torques
+_torqued            `TorquedRotation` (`attitude.splitting`); states after fixed and adaptive steps
+_system             body, torques and scheme as the compiled loops take them; derivatives
+_schemes            `Scheme`: splitting schemes by name
+_arcs               `Arcs`, `Impulse`, `InertiaChange` (`attitude.arcs`)
+_triggers           changes at an event instead of an epoch
 """
 
 from __future__ import annotations

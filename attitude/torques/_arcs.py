@@ -54,8 +54,7 @@ if TYPE_CHECKING:
     # seconds since the epoch of the spin, high and low part
 
 
-# --------------------------------------------------------------------------------------------------
-# Instantaneous changes between free arcs: angular momentum added, inertia replaced.
+# ---- Instantaneous changes between free arcs: angular momentum added, inertia replaced
 
 
 class Change(Valued):
@@ -201,8 +200,7 @@ class InertiaChange(Change):
         self._set_change(at, angular_momentum, frame)
 
 
-# --------------------------------------------------------------------------------------------------
-# The times of changes, as far as they are given, in two doubles and in order.
+# ---- The times of changes, as far as they are given, in two doubles and in order
 
 
 def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
@@ -240,9 +238,7 @@ def _check_order(times: list[Pair | None]) -> None:
         before, whose = time, f"changes[{k}]"
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch.
-#
+# ---- Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch
 # Each arc has the derivatives of a free rotation by its own first state; at a joint the change of
 # that state follows from the change of the momentum, L' = L + dL and w' = I'^-1 L'.  The product of
 # these maps is the derivative by the state at the epoch of the chain.
@@ -654,7 +650,7 @@ class Arcs(Differentiable):
             for (body, *_), here, before in zip(starts, since, until, strict=True)
         ]
 
-    # How the arcs are joined ---------------------------------------------------------------------
+    # ---- How the arcs are joined
 
     def _build(self) -> None:
         times = given(self.changes, self.spin.epoch)
@@ -732,7 +728,7 @@ class Arcs(Differentiable):
             body = new
         return body
 
-    # Evaluation ----------------------------------------------------------------------------------
+    # ---- Evaluation
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape

@@ -1,11 +1,11 @@
 """Motions as pictures that move: a page with three.js, animations, and files for other viewers.
 
-_page          `view`, `Viewer`: one HTML file without a network; its scripts are in page/
-_animation     `animate`: MP4, GIF, WebP
-_czml          `write_czml`: Cesium
-_gltf          `write_glb`: any viewer of glTF
-_cosmographia  `write_cosmographia`: a catalogue beside a C-kernel
-_subject       what is shown: span, poses, directions of light, surface, ellipsoid of inertia
+_page           `view`, `Viewer`: one HTML file without a network; its scripts are in page/
+_animation      `animate`: MP4, GIF, WebP
+_czml           `write_czml`: Cesium
+_gltf           `write_glb`: any viewer of glTF
+_cosmographia   `write_cosmographia`: a catalogue beside a C-kernel
+_subject        what is shown: span, attitudes, directions, light curve, surface
 """
 
 from attitude.viewer._animation import animate

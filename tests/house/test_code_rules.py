@@ -37,8 +37,9 @@ def test_no_two_public_classes_of_one_name():
             continue
         for label in getattr(module, "__all__", ()):
             with suppress(attitude.AttitudeError):  # needs a package that is not installed
-                if isinstance(getattr(module, label), type):
-                    places[label].add(getattr(module, label))
+                value = getattr(module, label)
+                if isinstance(value, type):
+                    places[label].add(value)
     assert {name: classes for name, classes in places.items() if len(classes) > 1} == {}
 
 

@@ -53,7 +53,7 @@ FILES = {
                 from attitude.scene import view
     """,
     "scene/__init__.py": "",
-    "scene/_view.py": """
+    "scene/view.py": """
         from ..body import body
         from attitude.body.body import Body
     """,
@@ -82,7 +82,7 @@ def test_rooms_are_those_that_hold_something(counted):
 
 
 def test_chains_are_of_what_is_loaded(counted):
-    # attitude itself and attitude.scene._view each load body.body, which loads base.
+    # attitude itself and attitude.scene.view each load body.body, which loads base.
     assert counted.chain[1:] == ["attitude.body.body", "attitude.body.base"]
     assert counted.load_circles == []
 
