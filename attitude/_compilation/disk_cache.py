@@ -70,7 +70,8 @@ _PACKAGE = _ROOT.name
 # Of no effect on machine code.
 _TYPES = f"{_PACKAGE}._support.annotations"
 _COMMENT = re.compile("#.*")
-# All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
+# All imports are absolute; tests/compilation/test_compilation.py compares what is found with
+# syntax trees.
 _IMPORT = re.compile(
     rf"^[ \t]*from[ \t]+({_PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
     rf"|^[ \t]*import[ \t]+({_PACKAGE}\.[\w.]*)",
@@ -164,7 +165,8 @@ class _Undisturbed(event.Listener):
     """Suspend garbage collection and interrupts while a function of the package is compiled.
 
     `numba.core.event` is documented; if the event "numba:compile" or its entry "dispatcher" change,
-    compilations take a tenth longer, and Ctrl-C during one is lost (tests/test_compilation.py).
+    compilations take a tenth longer, and Ctrl-C during one is lost
+    (tests/compilation/test_compilation.py).
     """
 
     def on_start(self, event: Any) -> None:

@@ -134,7 +134,8 @@ def _add(x, low, change):
 
 
 # The largest change of the state over one increment, as an angle (see `pieces`).
-# Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
+# Truncation there is below 5e-17 of the angle; tests/torques/test_splitting.py walks across the
+# limit.
 LONGEST_PIECE: Final = 0.1
 # Momenta below the square root of this (moments at most 1) turn a body so little in any time that
 # the square of the angle is below a rounding.

@@ -57,7 +57,8 @@ class LommelSeeliger(Law):
         Single-scattering albedo, 0 to 1, with an isotropic phase function.
 
     Source: Seeliger 1887; Hapke 2012, eq. 8.35a; Muinonen & Lumme, A&A 584, A23, 2015.  A surface
-    returns at most (1 - ln 2)/2 of the light that falls in vertically (tests/test_scattering.py).
+    returns at most (1 - ln 2)/2 of the light that falls in vertically
+    (tests/scattering/test_scattering.py).
     """
 
     name = "lommel-seeliger"
