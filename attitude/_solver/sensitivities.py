@@ -119,8 +119,6 @@ def _short_of(constants, tangents, t, edges, rates):
 
     At the epoch itself only the derivatives of the angular velocity need them.
     """
-    if np.all(constants["form"] == codes.UNIFORM):
-        return np.empty(0, _short().SHORT)
     reach = np.empty(len(constants))
     _short().reaches(evaluation.writable(constants), reach)
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]

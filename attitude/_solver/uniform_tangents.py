@@ -162,11 +162,13 @@ def _put_turn(d, j, row, turns, moments, axis, change):
         moments[1] * u[1] + moment[1] * omega[1],
         moments[2] * u[2] + moment[2] * omega[2],
     )
-    momentum = _three(d.momentum)
+    # over the body axes, where the product is 0 if v lies along a principal axis that L has
+    momentum = moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
     squared = _dot(momentum, momentum)
     over = 0.0 if squared == 0.0 else -1.0 / squared
-    now = _cross(momentum, turned_by(start, turned_by(principal, v)))
-    later = _cross(momentum, turned_by(start, turned_by(principal, _cross(axis, v))))
+    now = turned_by(start, turned_by(principal, _cross(momentum, v)))
+    later = _cross(momentum, _cross(axis, v))
+    later = turned_by(start, turned_by(principal, later))
     for k in range(3):
         d.uniform[2 + row, k, j] = over * now[k]
         d.uniform[6 + row, k, j] = over * later[k]

@@ -73,15 +73,43 @@ def test_against_differences_of_the_oracle(name):
     _compare(found[3], rates, 2.0 * tolerance)
 
 
-@pytest.mark.parametrize("name", ["middle axis, 1e-8", "short-axis mode", "needle of 1e-5"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("middle axis, 1e-8", "short-axis mode", "needle of 1e-5", "sphere", "short axis"),
+        *("equator of a symmetric body", "long axis", "lamina", "at rest"),
+    ],
+)
 def test_beside_the_epoch(name):
     """Columns of the moments begin with t^2, and are right where they are small."""
     moments, omega, tolerance = STATES[name]
-    times = [1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0]
+    times = [-0.3, 1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0, 2.0]
     found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
     attitude, rates = sensitivity(moments, WXYZ, omega, times)
     _compare(found[2], attitude, tolerance, 1e-50)
     _compare(found[3], rates, 2.0 * tolerance, 1e-50)
+
+
+@pytest.mark.parametrize("omega", [(0.3, 0.5, 1.0), (0.0, 0.0, 1.0)])
+def test_covariances_beside_the_epoch(omega):
+    """They add the columns, those of uniform rotations too, of a sphere and of a needle."""
+    moments = (2.0, 2.0, 2.0) if omega[0] else (1.0, 1.005, 1e-2)
+    sigma = 1e-3 * np.array([0, 0, 0, 1, 2, 3, 4, 5, 6])
+    body, wxyz = Body(moments=moments, relative=True), (1.0, 0.0, 0.0, 0.0)
+    spin = Spin("2026-01-01", wxyz, omega, covariance=np.diag(sigma**2))
+    times = [1e-7, 1e-3, 0.4]
+    columns = np.concatenate(sensitivity(moments, wxyz, omega, times), axis=1) * sigma
+    expected = columns @ np.swapaxes(columns, 1, 2)
+    size = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
+    scale = np.maximum(size[:, :, None] * size[:, None, :], 1e-60)
+    found = FreeRotation(body, spin).covariance_at(times)
+    assert np.abs((found - expected) / scale).max() < 1e-14
+
+
+def test_a_needle_about_its_length_does_not_notice_its_moments():
+    """Their columns are zero, not rounding of the angular momentum over a small moment."""
+    found = propagate((1, 1.00005, 1e-4), WXYZ, (0, 0, 1.0), [2.0, 900.0], sensitivity=True)[1]
+    assert np.abs(found[:, :, 6:]).max() <= 1e-30
 
 
 def test_errors_of_a_flip():
