@@ -47,6 +47,9 @@ STATES = {
     "needle of 1e-2": ((1.005, 1, 1e-2), (0.3, 0.5, 0.2), 4e-15),
     "needle of 1e-5": ((1e-5, 1, 1.000004), (0.3, 0.5, -0.9), 4e-15),
     "needle of 1e-8": ((1, 1e-8, 1.000000003), (0.3, 0.5, 0.2), 4e-15),
+    "needle about its length, 1e-2": ((1, 1.005, 1e-2), (0, 0, 1.0), 4e-15),
+    "needle about its length, 1e-6": ((1e-6, 1.0000005, 1), (-0.4, 0, 0), 4e-15),
+    "symmetric needle about its length": ((1, 1e-4, 1), (0, 2.0, 0), 4e-15),
     "needle beside the separatrix": ((1e-3, 1, 1.0005), (1e-7, 1.0, 2e-6), 4e-15),
 }
 
@@ -78,6 +81,7 @@ def test_against_differences_of_the_oracle(name):
     [
         *("middle axis, 1e-8", "short-axis mode", "needle of 1e-5", "sphere", "short axis"),
         *("equator of a symmetric body", "long axis", "lamina", "at rest"),
+        *("needle about its length, 1e-2", "needle about its length, 1e-6"),
     ],
 )
 def test_beside_the_epoch(name):
@@ -97,7 +101,7 @@ def test_covariances_beside_the_epoch(omega):
     sigma = 1e-3 * np.array([0, 0, 0, 1, 2, 3, 4, 5, 6])
     body, wxyz = Body(moments=moments, relative=True), (1.0, 0.0, 0.0, 0.0)
     spin = Spin("2026-01-01", wxyz, omega, covariance=np.diag(sigma**2))
-    times = [1e-7, 1e-3, 0.4]
+    times = [1e-7, 1e-3, 0.4, 40.0]
     columns = np.concatenate(sensitivity(moments, wxyz, omega, times), axis=1) * sigma
     expected = columns @ np.swapaxes(columns, 1, 2)
     size = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
