@@ -375,12 +375,15 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
             for j in range(columns):
                 x, y, z = rows_of(attitude, o, j, start, stop)
                 uniform_column(d, j, block, x, y, z)
-                if near:
-                    near_column(d, short[b], j, block, x, y, z)
                 if omega is not None:
                     x, y, z = rows_of(omega, o, j, start, stop)
                     uniform_rate_column(d, j, block, x, y, z)
-                    if near:
+            if near:
+                for j in range(columns):
+                    x, y, z = rows_of(attitude, o, j, start, stop)
+                    near_column(d, short[b], j, block, x, y, z)
+                    if omega is not None:
+                        x, y, z = rows_of(omega, o, j, start, stop)
                         near_rate_column(short[b], j, block, x, y, z)
     return -1
 

@@ -235,14 +235,13 @@ def uniform_block(c, d, t, t_low, block):
         block[SINE + i] = 2.0 * sine * cosine
     _wobbles(d, t, t_low, block)
     if d.beats[1, 0] != 0.0:
-        _beat(d.beats[0], t, t_low, block, SLOW)
-        _beat(d.beats[1], t, t_low, block, FAST)
+        _beat(d.beats[0, 0], d.beats[0, 1], t, t_low, block, SLOW)
+        _beat(d.beats[1, 0], d.beats[1, 1], t, t_low, block, FAST)
 
 
-@subroutine
-def _beat(half, t, t_low, block, row):
-    """Fill the rows of sin(n t)/n and (1 - cos(n t))/n, n = 4 pi half."""
-    fh, fl = half[0], half[1]
+@force_inlined
+def _beat(fh, fl, t, t_low, block, row):
+    """Fill the rows of sin(n t)/n and (1 - cos(n t))/n, n = 4 pi (fh + fl)."""
     over = 0.0 if fh == 0.0 else 0.5 / (math.pi * fh)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
@@ -305,13 +304,15 @@ def uniform_column(d, j, block, x, y, z):
         z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
 
 
-@subroutine
+@force_inlined
 def _beat_row(u, k, j, block, x):
     """Fill a row of the change of attitude of a needle about its length."""
+    still, along = u[0, k, j], u[1, k, j]
+    a, b, c, d = u[2, k, j], u[3, k, j], u[4, k, j], u[5, k, j]
     for i in range(len(x)):
-        found = fma(u[1, k, j], block[SECONDS + i], u[0, k, j])
-        found = fma(u[5, k, j], block[FAST + BLOCK + i], fma(u[4, k, j], block[FAST + i], found))
-        x[i] = fma(u[3, k, j], block[SLOW + BLOCK + i], fma(u[2, k, j], block[SLOW + i], found))
+        found = fma(along, block[SECONDS + i], still)
+        found = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], found))
+        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], found))
 
 
 @force_inlined

@@ -116,6 +116,27 @@ def test_a_needle_about_its_length_does_not_notice_its_moments():
     assert np.abs(found[:, :, 6:]).max() <= 1e-30
 
 
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [
+        ((1.0, 0.999999978, 1e-6), (-0.12, -0.43, 696116.0)),
+        ((0.0001, 1.0, 0.9999464513912483), (-7770.963891075163, 1.4356907, 0.33)),
+        ((1.0, 0.9999371109563242, 0.0001), (3.6e-5, 8.4e-7, 1.0)),
+    ],
+)
+def test_a_needle_that_precesses_slowly(moments, omega):
+    """Early in the precession columns are small differences: 1e-15 of a turn of the momentum.
+
+    docs/sensitivities.md: a change of a parameter turns the momentum by |dL|/|L| at the most.
+    """
+    times = [r * 2.0 * math.pi / max(map(abs, omega)) for r in (0.2, 1.3, 30.7, 1e3)]
+    found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+    error = np.abs(found - sensitivity(moments, WXYZ, omega, times)[0]).max(axis=1)
+    turn = np.concatenate([moments, np.abs(omega)]) / np.linalg.norm(np.multiply(moments, omega))
+    expected = np.abs(found).max(axis=1)
+    assert np.all(error[:, 3:] <= np.maximum(1e-15 * turn, 4e-15 * expected[:, 3:]))
+
+
 def test_errors_of_a_flip():
     """Errors of the middle moment alone: right from the first second to the first turning over."""
     spin = Spin("2026-01-01", (1, 0, 0, 0), (math.sin(math.pi), 1, 0),
