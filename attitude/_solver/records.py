@@ -126,6 +126,9 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         # where it grows, and what the scalars of uniform_tangents multiply
         ("wobble", "f8", 2),
         ("grows", "f8"),
+        # turns per second of half of spin - wobble and of half their sum, pairs; 0 but for needles
+        # about their length
+        ("beats", "f8", (2, 2)),
         ("uniform", "f8", (10, 3, COLUMNS)),
         ("uniform_rates", "f8", (4, 3, COLUMNS)),
     ]

@@ -117,15 +117,16 @@ def _short_of(constants, tangents, t, edges, rates):
 
     At the epoch itself only the derivatives of the angular velocity need them.
     """
-    if np.all(constants["form"] == codes.UNIFORM):
-        return np.empty(0, _short().SHORT)
     reach = np.empty(len(constants))
     _short().reaches(evaluation.writable(constants), reach)
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
     rows = t if edges is None else t[:, edges[0] : edges[-1]]
     with np.errstate(invalid="ignore"):
-        near = (np.abs(rows) <= far) & (rates | (rows != 0.0))
-    if not np.any(near):
+        near = np.abs(rows) <= far
+    found = np.any(near)
+    if found and not rates:
+        found = np.any(near & (rows != 0.0))
+    if not found:
         return np.empty(0, _short().SHORT)
     short = np.zeros(len(constants), _short().SHORT)
     given = evaluation.writable(constants), evaluation.writable(tangents)

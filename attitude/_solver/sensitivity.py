@@ -370,12 +370,20 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
             stop = min(start + BLOCK, end)
             times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             for j in range(columns):
                 x, y, z = rows_of(attitude, o, j, start, stop)
                 uniform_column(d, j, block, x, y, z)
                 if omega is not None:
                     x, y, z = rows_of(omega, o, j, start, stop)
                     uniform_rate_column(d, j, block, x, y, z)
+            if near:
+                for j in range(columns):
+                    x, y, z = rows_of(attitude, o, j, start, stop)
+                    near_column(d, short[b], j, block, x, y, z)
+                    if omega is not None:
+                        x, y, z = rows_of(omega, o, j, start, stop)
+                        near_rate_column(short[b], j, block, x, y, z)
     return -1
 
 
@@ -496,14 +504,19 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
             n = stop - start
             times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
+            near = len(short) > 0 and any_near(times, short[b].reach)
             start_sums(n, 21 if rates else 6, block)
             x, y, z = found_rows(block, n)
             for j in range(COLUMNS):
                 uniform_column(d, j, block, x, y, z)
+                if near:
+                    near_column(d, short[b], j, block, x, y, z)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
                     uniform_rate_column(d, j, block, x, y, z)
+                    if near:
+                        near_rate_column(short[b], j, block, x, y, z)
                     add_products_of_rates(n, block)
             copy_sums(block, o, 0, start, stop, out)
     return -1

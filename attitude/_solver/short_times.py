@@ -13,6 +13,7 @@ column does, and R the attitude,
     eta = eta(0) + (R0 (M x dM)(0) - R M x dM) / L^2 + zeta n.
 
 Within a radian of the rotation the difference is small itself, and eta a polynomial: eta' = R dw.
+Uniform rotations have their own columns beyond that radian (solution.uniform_tangents).
 """
 
 from __future__ import annotations
@@ -59,7 +60,13 @@ def reaches(constants, out):
     for b in range(len(constants)):
         c = constants[b]
         out[b] = 0.0
-        if c.fault == codes.FINE and c.form != codes.UNIFORM:
+        if c.fault != codes.FINE:
+            continue
+        if c.form == codes.UNIFORM:
+            speed = _speed(c)
+            # no frequency of the columns is above 2 w
+            out[b] = math.ldexp(1.0 / speed, -c.tempo) if speed > 0.0 else 0.0
+        else:
             state = state_of(c)
             speed, (m, mc) = state[6], state[7]
             quarter = _FARTHEST
@@ -70,7 +77,7 @@ def reaches(constants, out):
 
 @slowly_compiled
 def short_setup(constants, tangents, reach, out):
-    """Fill the series of those of B motions that tumble.
+    """Fill the series of those of B motions that are not at rest.
 
     Given
         reach    (B,) of `reaches`
@@ -91,14 +98,21 @@ def short_setup(constants, tangents, reach, out):
 @subroutine
 def _start(c, s):
     """Fill the attitude at the epoch, and within which time it turns by a radian."""
-    internal, speed = unit(four(c.internal)), 0.0
+    internal = unit(four(c.internal))
     for k in range(4):
         row = four(c.frame[k])
         s.wxyz[k] = row[0] * internal[0] + row[1] * internal[1]
         s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
-    for k in range(3):
-        speed += c.omega[k, 0] * c.omega[k, 0]
-    s.soon = min(s.reach, math.ldexp(1.0 / math.sqrt(speed), -c.tempo))
+        if c.form == codes.UNIFORM:
+            s.wxyz[k] = c.frame[0, k]
+    s.soon = min(s.reach, math.ldexp(1.0 / _speed(c), -c.tempo))
+
+
+@subroutine
+def _speed(c):
+    """The scaled angular velocity's size."""
+    x, y, z = c.omega[0, 0], c.omega[1, 0], c.omega[2, 0]
+    return math.sqrt(x * x + y * y + z * z)
 
 
 @subroutine

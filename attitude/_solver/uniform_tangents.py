@@ -8,6 +8,12 @@ from a change of the moments (A^2 f = 0):
 The change of attitude across L follows from the momentum, eta x L = dL - R (I dw + dI w), that
 along L from the rate along it, which is constant.  So at resonance (a lamina: sigma equals the
 spin) nothing is divided by a difference of frequencies.
+
+Of a needle about its length that eta is a small difference until its axis has precessed: sigma is
+almost the spin w, and eta' = R dw is integrated, with n = w -+ sigma, a the axis, and e = dw0
+across a:
+
+    eta = sum over n of sin(n t)/n (e +- a x A e/sigma)/2 + (1 - cos(n t))/n (a x e -+ A e/sigma)/2
 """
 
 from __future__ import annotations
@@ -23,6 +29,10 @@ from attitude._solver.twofloat import TWO_PI, add, div, mul, neg, pair, scale, s
 
 # Rows of a block.
 COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 * BLOCK
+# Of a needle about its length: sin(n t)/n and (1 - cos(n t))/n of both n.
+SLOW, FAST = BASIS + 4 * BLOCK, BASIS + 6 * BLOCK
+# The moment about a spun principal axis over each of the other two, below which it is a needle.
+_SLENDER = 0.5
 
 
 @subroutine
@@ -45,6 +55,19 @@ def _wobble(c, d, couplings):
     found = div(root, scale(TWO_PI, 2.0))
     d.wobble[0] = math.ldexp(found[0], c.tempo)
     d.wobble[1] = math.ldexp(found[1], c.tempo)
+
+
+@subroutine
+def _beats(c, d, moments, omega):
+    """Fill spin less and plus wobble where a needle spins about its length."""
+    for k in range(3):
+        one, two = (k + 1) % 3, (k + 2) % 3
+        most = _SLENDER * min(moments[one], moments[two])
+        if omega[one] == 0.0 and omega[two] == 0.0 and omega[k] != 0.0 and moments[k] < most:
+            spin, wobble = pair(c.precession), pair(d.wobble)
+            less, more = sub(spin, wobble), add(spin, wobble)
+            d.beats[0, 0], d.beats[0, 1] = less
+            d.beats[1, 0], d.beats[1, 1] = more
 
 
 @subroutine
@@ -107,6 +130,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
         math.ldexp(c.omega[2, 0], c.tempo),
     )
     speed = math.sqrt(_dot(omega, omega))
+    _beats(c, d, moments, omega)
     over = 0.0 if speed == 0.0 else 1.0 / speed
     axis = omega[0] * over, omega[1] * over, omega[2] * over
     start = unit(wxyz)
@@ -143,6 +167,27 @@ def fill_uniform(c, d, moments, wxyz, principal):
                 one = 1.0 if j == k else 0.0
                 d.uniform[0, k, j] = one - d.uniform[2, k, j]
                 d.uniform[1, k, j] = along[k] * rate
+        if d.beats[1, 0] != 0.0:
+            _put_beats(d, j, (start, principal), axis, u0, u1)
+
+
+@subroutine
+def _put_beats(d, j, turns, axis, u0, u1):
+    """Fill, in place of the rows of `_put_turn`, what the functions of the two beats multiply."""
+    start, principal = turns
+    rate, over = _dot(axis, u0), 1.0 / (4.0 * math.pi * d.wobble[0])
+    across = u0[0] - rate * axis[0], u0[1] - rate * axis[1], u0[2] - rate * axis[2]
+    later, wobble = _cross(axis, across), (over * u1[0], over * u1[1], over * u1[2])
+    across = turned_by(start, turned_by(principal, across))
+    later = turned_by(start, turned_by(principal, later))
+    behind = turned_by(start, turned_by(principal, _cross(axis, wobble)))
+    wobble = turned_by(start, turned_by(principal, wobble))
+    for k in range(3):
+        d.uniform[0, k, j] = 1.0 if j == k else 0.0
+        d.uniform[2, k, j] = 0.5 * (across[k] + behind[k])
+        d.uniform[3, k, j] = 0.5 * (later[k] - wobble[k])
+        d.uniform[4, k, j] = 0.5 * (across[k] - behind[k])
+        d.uniform[5, k, j] = 0.5 * (later[k] + wobble[k])
 
 
 @subroutine
@@ -162,11 +207,13 @@ def _put_turn(d, j, row, turns, moments, axis, change):
         moments[1] * u[1] + moment[1] * omega[1],
         moments[2] * u[2] + moment[2] * omega[2],
     )
-    momentum = _three(d.momentum)
+    # over the body axes, where the product is 0 if v lies along a principal axis that L has
+    momentum = moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
     squared = _dot(momentum, momentum)
     over = 0.0 if squared == 0.0 else -1.0 / squared
-    now = _cross(momentum, turned_by(start, turned_by(principal, v)))
-    later = _cross(momentum, turned_by(start, turned_by(principal, _cross(axis, v))))
+    now = turned_by(start, turned_by(principal, _cross(momentum, v)))
+    later = _cross(momentum, _cross(axis, v))
+    later = turned_by(start, turned_by(principal, later))
     for k in range(3):
         d.uniform[2 + row, k, j] = over * now[k]
         d.uniform[6 + row, k, j] = over * later[k]
@@ -187,6 +234,21 @@ def uniform_block(c, d, t, t_low, block):
         block[COSINE + i] = fma(-2.0 * sine, sine, 1.0)
         block[SINE + i] = 2.0 * sine * cosine
     _wobbles(d, t, t_low, block)
+    if d.beats[1, 0] != 0.0:
+        _beat(d.beats[0, 0], d.beats[0, 1], t, t_low, block, SLOW)
+        _beat(d.beats[1, 0], d.beats[1, 1], t, t_low, block, FAST)
+
+
+@force_inlined
+def _beat(fh, fl, t, t_low, block, row):
+    """Fill the rows of sin(n t)/n and (1 - cos(n t))/n, n = 4 pi (fh + fl)."""
+    over = 0.0 if fh == 0.0 else 0.5 / (math.pi * fh)
+    for i in range(len(t)):
+        time, low = epoch_pair(t, t_low, i)
+        s, lo, _ = phase(fh, fl, 0.0, 0.0, time, low, 1.0)
+        sine, cosine = sincos(s, lo)
+        block[row + i] = time + low if fh == 0.0 else over * sine * cosine
+        block[row + BLOCK + i] = over * sine * sine
 
 
 @subroutine
@@ -223,6 +285,11 @@ def _sum(u, k, j, first, swing, lift, seconds):
 def uniform_column(d, j, block, x, y, z):
     """Fill the change of attitude over inertial axes with parameter j (columns)."""
     u = d.uniform
+    if d.beats[1, 0] != 0.0:
+        _beat_row(u, 0, j, block, x)
+        _beat_row(u, 1, j, block, y)
+        _beat_row(u, 2, j, block, z)
+        return
     for i in range(len(x)):
         seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]
         cosine, sine = block[COSINE + i], block[SINE + i]
@@ -235,6 +302,17 @@ def uniform_column(d, j, block, x, y, z):
         x[i] = fma(cosine, _sum(u, 0, j, 2, swing, lift, seconds), a)
         y[i] = fma(cosine, _sum(u, 1, j, 2, swing, lift, seconds), b)
         z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
+
+
+@force_inlined
+def _beat_row(u, k, j, block, x):
+    """Fill a row of the change of attitude of a needle about its length."""
+    still, along = u[0, k, j], u[1, k, j]
+    a, b, c, d = u[2, k, j], u[3, k, j], u[4, k, j], u[5, k, j]
+    for i in range(len(x)):
+        found = fma(along, block[SECONDS + i], still)
+        found = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], found))
+        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], found))
 
 
 @force_inlined

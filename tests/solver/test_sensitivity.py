@@ -47,6 +47,9 @@ STATES = {
     "needle of 1e-2": ((1.005, 1, 1e-2), (0.3, 0.5, 0.2), 4e-15),
     "needle of 1e-5": ((1e-5, 1, 1.000004), (0.3, 0.5, -0.9), 4e-15),
     "needle of 1e-8": ((1, 1e-8, 1.000000003), (0.3, 0.5, 0.2), 4e-15),
+    "needle about its length, 1e-2": ((1, 1.005, 1e-2), (0, 0, 1.0), 4e-15),
+    "needle about its length, 1e-6": ((1e-6, 1.0000005, 1), (-0.4, 0, 0), 4e-15),
+    "symmetric needle about its length": ((1, 1e-4, 1), (0, 2.0, 0), 4e-15),
     "needle beside the separatrix": ((1e-3, 1, 1.0005), (1e-7, 1.0, 2e-6), 4e-15),
 }
 
@@ -73,15 +76,65 @@ def test_against_differences_of_the_oracle(name):
     _compare(found[3], rates, 2.0 * tolerance)
 
 
-@pytest.mark.parametrize("name", ["middle axis, 1e-8", "short-axis mode", "needle of 1e-5"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("middle axis, 1e-8", "short-axis mode", "needle of 1e-5", "sphere", "short axis"),
+        *("equator of a symmetric body", "long axis", "lamina", "at rest"),
+        *("needle about its length, 1e-2", "needle about its length, 1e-6"),
+    ],
+)
 def test_beside_the_epoch(name):
     """Columns of the moments begin with t^2, and are right where they are small."""
     moments, omega, tolerance = STATES[name]
-    times = [1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0]
+    times = [-0.3, 1e-12, 1e-6, 1e-2, 0.1, 0.5, 1.0, 2.0]
     found = propagate(moments, WXYZ, omega, times, angular_velocity=True, sensitivity=True)
     attitude, rates = sensitivity(moments, WXYZ, omega, times)
     _compare(found[2], attitude, tolerance, 1e-50)
     _compare(found[3], rates, 2.0 * tolerance, 1e-50)
+
+
+@pytest.mark.parametrize("omega", [(0.3, 0.5, 1.0), (0.0, 0.0, 1.0)])
+def test_covariances_beside_the_epoch(omega):
+    """They add the columns, those of uniform rotations too, of a sphere and of a needle."""
+    moments = (2.0, 2.0, 2.0) if omega[0] else (1.0, 1.005, 1e-2)
+    sigma = 1e-3 * np.array([0, 0, 0, 1, 2, 3, 4, 5, 6])
+    body, wxyz = Body(moments=moments, relative=True), (1.0, 0.0, 0.0, 0.0)
+    spin = Spin("2026-01-01", wxyz, omega, covariance=np.diag(sigma**2))
+    times = [1e-7, 1e-3, 0.4, 40.0]
+    columns = np.concatenate(sensitivity(moments, wxyz, omega, times), axis=1) * sigma
+    expected = columns @ np.swapaxes(columns, 1, 2)
+    size = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
+    scale = np.maximum(size[:, :, None] * size[:, None, :], 1e-60)
+    found = FreeRotation(body, spin).covariance_at(times)
+    assert np.abs((found - expected) / scale).max() < 1e-14
+
+
+def test_a_needle_about_its_length_does_not_notice_its_moments():
+    """Their columns are zero, not rounding of the angular momentum over a small moment."""
+    found = propagate((1, 1.00005, 1e-4), WXYZ, (0, 0, 1.0), [2.0, 900.0], sensitivity=True)[1]
+    assert np.abs(found[:, :, 6:]).max() <= 1e-30
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [
+        ((1.0, 0.999999978, 1e-6), (-0.12, -0.43, 696116.0)),
+        ((0.0001, 1.0, 0.9999464513912483), (-7770.963891075163, 1.4356907, 0.33)),
+        ((1.0, 0.9999371109563242, 0.0001), (3.6e-5, 8.4e-7, 1.0)),
+    ],
+)
+def test_a_needle_that_precesses_slowly(moments, omega):
+    """Early in the precession columns are small differences: 1e-15 of a turn of the momentum.
+
+    docs/sensitivities.md: a change of a parameter turns the momentum by |dL|/|L| at the most.
+    """
+    times = [r * 2.0 * math.pi / max(map(abs, omega)) for r in (0.2, 1.3, 30.7, 1e3)]
+    found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1]
+    error = np.abs(found - sensitivity(moments, WXYZ, omega, times)[0]).max(axis=1)
+    turn = np.concatenate([moments, np.abs(omega)]) / np.linalg.norm(np.multiply(moments, omega))
+    expected = np.abs(found).max(axis=1)
+    assert np.all(error[:, 3:] <= np.maximum(1e-15 * turn, 4e-15 * expected[:, 3:]))
 
 
 def test_errors_of_a_flip():
