@@ -20,9 +20,11 @@ The message holds variances, no correlations: those about the body axes are writ
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -38,6 +40,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _sampling, apm
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, Convention
+from attitude.formats._format import Format, of_table, register
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.formats.apm import known_products, tensor
 from attitude.frames import quaternion
@@ -1440,3 +1443,49 @@ def _text_of(tags, instant, digits):
 # CCSDS Attitude Comprehensive Messages.
 
 __all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]
+
+
+def _opened(path, *, segment, **keywords):
+    """The attitudes of an ACM, or its motion if it has none."""
+    message = read(path, **keywords)
+    if segment is not None:
+        if not 0 <= segment < len(message.tables):
+            raise AttitudeError(
+                f"{os.fspath(path)}: segment is {segment!r}; the message has {len(message.tables)} "
+                "blocks of attitudes, counted from 0."
+            )
+        return of_table(message.tables[segment])
+    try:
+        return of_table(message.table if message.tables else message.motion)
+    except AttitudeError as err:
+        raise AttitudeError(f"{os.fspath(path)}: {err}") from err
+
+
+_MESSAGE: dict[str, Any] = {
+    "module": __name__,
+    "read": _opened,
+    "reading": ("tolerance", "frame", "orbit", "segment"),
+    "writing": {"frame": "frame", "time_system": "time_system", "orbit": "orbit"},
+    "noun": "an ACM",
+    "is_sampled": False,
+}
+register(
+    Format(
+        name="acm",
+        title="CCSDS ACM",
+        endings=(".acm",),
+        marks=(b"CCSDS_ACM_VERS",),
+        write=write,
+        **_MESSAGE,
+    )
+)
+register(
+    Format(
+        name="acm-xml",
+        title="CCSDS ACM, XML",
+        endings=(".acm.xml",),
+        element="acm",
+        write=partial(write, xml=True),
+        **_MESSAGE,
+    )
+)

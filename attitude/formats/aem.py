@@ -17,6 +17,7 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles import kvn
@@ -27,6 +28,7 @@ from attitude.formats import _aem_notations, _attitude_types, _recipes, _samplin
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
 from attitude.formats._attitude_types import VERSIONS
+from attitude.formats._format import Format, Option, message_labels, register, table_reader
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
@@ -255,3 +257,85 @@ def write(
 # CCSDS Attitude Ephemeris Messages.
 
 __all__ = ["read", "write"]
+
+
+_MESSAGE: dict[str, Any] = {
+    "module": __name__,
+    "read": table_reader(read),
+    "reading": ("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
+    "writing": {
+        "version": "version",
+        "type": "kind",
+        "frame": "frame",
+        "time_system": "time_system",
+        "for": "for_",
+        "rates": "rates",
+        "method": "method",
+        "orbit": "orbit",
+    },
+    "noun": "an AEM",
+    "labels": message_labels,
+}
+_OPTIONS = (
+    Option("version", "of CCSDS messages (default 2.0)", {"metavar": "1.0|2.0"}),
+    Option("type", "attitude type of an AEM, section of STK", {"metavar": "NAME"}),
+    Option("frame", "axes of OUT, such as ICRF or EME2000", {"metavar": "NAME"}),
+    Option("time-system", "of CCSDS messages: UTC, TAI, TDB, ..", {"metavar": "NAME"}),
+    Option(
+        "for",
+        "settings of an AEM that a tool accepts: gmat, orekit, stk or brahe",
+        {"metavar": "TOOL"},
+    ),
+    Option(
+        "rates",
+        "what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
+        "derivatives of the Euler angles",
+        {"choices": ("body", "euler")},
+        of_reading=True,
+    ),
+    Option(
+        "object",
+        "OBJECT_ID or OBJECT_NAME of the segments of IN to read",
+        {"metavar": "NAME"},
+        of_reading=True,
+    ),
+    Option(
+        "segment",
+        "the one segment of IN to read, counted from 0",
+        {"metavar": "N", "type": int},
+        of_reading=True,
+    ),
+    Option(
+        "lenient",
+        "read an AEM that leaves out parts of the standard; prints what was assumed",
+        {"action": "store_true"},
+        of_reading=True,
+    ),
+    Option(
+        "method",
+        "interpolation that an AEM states, or of a C-kernel (hermite or linear)",
+        {"choices": ("hermite", "lagrange", "linear")},
+        refusal="has no meaning for a file like {output}; leave it out.",
+    ),
+)
+register(
+    Format(
+        name="aem",
+        title="CCSDS AEM",
+        endings=(".aem",),
+        marks=(b"CCSDS_AEM_VERS",),
+        write=write,
+        options=_OPTIONS,
+        **_MESSAGE,
+    )
+)
+register(
+    Format(
+        name="aem-xml",
+        title="CCSDS AEM, XML",
+        endings=(".xml",),
+        element="aem",
+        write=partial(write, xml=True),
+        **_MESSAGE,
+    )
+)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -25,6 +26,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, VERSIONS, Convention
+from attitude.formats._format import Format, OpenedFile, message_labels, register
 from attitude.formats._records import TOLERANCE, known_tolerance, to_icrf
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
@@ -1114,3 +1116,47 @@ def write(
 # CCSDS Attitude Parameter Messages.
 
 __all__ = ["Parameters", "read", "write"]
+
+
+def _opened(path, **keywords):
+    message = read(path, **keywords)
+    names = ("object_name", "object_id", "center", "comments")
+    return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+
+
+_MESSAGE: dict[str, Any] = {
+    "module": __name__,
+    "read": _opened,
+    "reading": ("tolerance", "frame", "orbit", "rates"),
+    "writing": {
+        "version": "version",
+        "frame": "frame",
+        "time_system": "time_system",
+        "rates": "rates",
+    },
+    "holds": "motion",
+    "labels": lambda motion, said: {
+        "inertia": not motion.body.relative,
+        **message_labels(motion, said),
+    },
+}
+register(
+    Format(
+        name="apm",
+        title="CCSDS APM",
+        endings=(".apm",),
+        marks=(b"CCSDS_APM_VERS",),
+        write=write,
+        **_MESSAGE,
+    )
+)
+register(
+    Format(
+        name="apm-xml",
+        title="CCSDS APM, XML",
+        endings=(".apm.xml",),
+        element="apm",
+        write=partial(write, xml=True),
+        **_MESSAGE,
+    )
+)

@@ -30,6 +30,7 @@ from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.formats import _ck_files
 from attitude.formats._ck_files import LoadedKernels, Plan, TableSegments, spiceypy
+from attitude.formats._format import Format, OpenedFile, Option, register
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._motion import Motion
@@ -200,6 +201,10 @@ class Written:
     step: float
     error: float
     rate_error: float
+
+    def __str__(self) -> str:
+        names = ", ".join(os.path.basename(name) for name in self.kernels)
+        return f"{names}: error {self.error:.2g} rad"
 
 
 def write(
@@ -373,3 +378,80 @@ def _check_names(path, name, instrument, clock, center):
 # SPICE C-kernels.
 
 __all__ = ["KernelAttitude", "Written", "write"]
+
+
+def _opened(path, *, body, kernels):
+    """The attitude of a frame, with the frame and clock kernels beside the C-kernel."""
+    stem = os.path.splitext(os.fspath(path))[0]
+    beside = [stem + ending for ending in (".tf", ".tsc") if os.path.exists(stem + ending)]
+    frame = "TUMBLER" if body is None else body
+    return OpenedFile(KernelAttitude([path, *beside, *kernels], frame), {})
+
+
+def _write(path, motion, start, stop, *, method=None, **settings):
+    return write(path, motion, start, stop, kind=3 if method == "linear" else 5, **settings)
+
+
+# What options of C-kernels alone say of other formats.
+_REFUSAL = "has no meaning for a file like {output}; leave it out."
+register(
+    Format(
+        name="ck",
+        module=__name__,
+        title="SPICE CK with .tf and .tsc",
+        endings=(".bc",),
+        marks=(b"DAF/CK",),
+        read=_opened,
+        reading=("body", "kernels"),
+        write=_write,
+        writing={
+            "tolerance": "tolerance",
+            "method": "method",
+            "rate_tolerance": "rate_tolerance",
+            "clock": "clock",
+            "frame_kernel": "frame_kernel",
+            "time_scale": "time_scale",
+            "body": "name",
+        },
+        holds="span",
+        noun="a C-kernel",
+        options=(
+            Option(
+                "rate-tolerance",
+                "largest error of rates of a C-kernel",
+                {"type": float, "metavar": "RAD/S"},
+                refusal=_REFUSAL,
+            ),
+            Option(
+                "clock",
+                "clock kernel of a mission (and its leap seconds) for a C-kernel",
+                {"nargs": "+", "metavar": "FILE"},
+                refusal=_REFUSAL,
+            ),
+            Option(
+                "frame-kernel",
+                "frame kernel of a mission that defines --body",
+                {"metavar": "FILE"},
+                refusal=_REFUSAL,
+            ),
+            Option(
+                "time-scale",
+                "of a C-kernel: exact at TDB, or at the epochs that SPICE makes of dates",
+                {"choices": ("tdb", "spice")},
+                refusal=_REFUSAL,
+            ),
+            Option(
+                "body",
+                "frame of a C-kernel: the one to read, or the one to write",
+                {"metavar": "FRAME"},
+                of_reading=True,
+            ),
+            Option(
+                "kernels",
+                "further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
+                {"nargs": "+", "default": (), "metavar": "FILE"},
+                of_reading=True,
+            ),
+        ),
+    )
+)

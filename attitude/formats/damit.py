@@ -23,6 +23,7 @@ from attitude._textfiles.lines import is_number, opened
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._format import Format, OpenedFile, register
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -195,3 +196,23 @@ def _jd(epoch):
 # Files of DAMIT, the database of asteroid models.
 
 __all__ = ["RelaxedRotator", "read", "write"]
+
+
+def _opened(path):
+    rotator = read(path)
+    return OpenedFile(rotator.motion(), {"scattering": rotator.scattering})
+
+
+register(
+    Format(
+        name="damit",
+        module=__name__,
+        title="DAMIT",
+        endings=(".spin",),
+        read=_opened,
+        reading=(),
+        write=write,
+        holds="motion",
+        resembles=lambda line: len(line.split()) == 3 and b"=" not in line,
+    )
+)
