@@ -8,6 +8,7 @@ cic              attitude files of CIC, the dialect of CNES and VTS
 stk              STK attitude files
 ck               SPICE C-kernels
 damit            spin files and light curves of DAMIT
+quat             plain tables of quaternions
 tables           astropy QTable, ECSV, FITS, CSV, parquet; with `csv_table`, `csv_rows`, `parquet`
 detect           any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 

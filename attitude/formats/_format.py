@@ -23,6 +23,7 @@ MODULES: tuple[str, ...] = (
     "damit",
     "ck",
     "tables",
+    "quat",
 )
 _by_name: dict[str, Format] = {}
 
