@@ -313,9 +313,8 @@ def _settings(arguments: argparse.Namespace, written: Format, path: Path | None)
             raise AttitudeError(f"--{option.name} {value} has no meaning for {words['noun']}.")
     given = {**vars(arguments), "orbit": path}
     given |= {option.attribute: _value(arguments, option) for option in options()}
-    return {
-        keyword: given[name] for name, keyword in written.writing.items() if given[name] is not None
-    }
+    used = [name for name in written.writing if given[name] is not None]
+    return {written.renamed.get(name, name): given[name] for name in used}
 
 
 def _value(arguments: argparse.Namespace, option: Option) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -98,8 +99,10 @@ class Format:
     write : callable
         ``write(path, source, t=None, **settings)`` for records; ``write(path, motion, **settings)``
         for a motion; ``write(path, motion, start, stop, **settings)`` for a span.
-    writing : mapping
-        Options that `write` takes: their attributes in parsed arguments, and its keywords.
+    writing : tuple of str
+        Options that `write` takes, as attributes of parsed arguments.
+    renamed : mapping
+        The keywords of `write` for options of another name.
     holds : str
         "records" (attitudes at epochs), "motion" (a free rotation) or "span" (attitudes at any
         epoch of a span).
@@ -128,7 +131,8 @@ class Format:
     read: Callable[..., OpenedFile]
     reading: tuple[str, ...]
     write: Callable[..., Any]
-    writing: Mapping[str, str] = field(default_factory=dict)
+    writing: tuple[str, ...] = ()
+    renamed: Mapping[str, str] = field(default_factory=dict)
     holds: str = "records"
     marks: tuple[bytes, ...] = ()
     element: str | None = None
@@ -158,6 +162,26 @@ def register(made: Format) -> None:
                 f"share {min(shared)!r}; give one of them another."
             )
     _by_name[made.name] = made
+
+
+def register_message(
+    name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **rest: Any
+) -> None:
+    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True.
+
+    Messages in XML end in .NAME.xml, but for an AEM, which ends in .xml.
+    """
+    ending = ".xml" if name == "aem" else f".{name}.xml"
+    mark = f"CCSDS_{name.upper()}_VERS".encode()
+    kvn: dict[str, Any] = {
+        "endings": (f".{name}",),
+        "marks": (mark,),
+        "write": write,
+        "options": options,
+    }
+    xml: dict[str, Any] = {"endings": (ending,), "element": name, "write": partial(write, xml=True)}
+    register(Format(name, title=title, **kvn, **rest))
+    register(Format(f"{name}-xml", title=f"{title}, XML", **xml, **rest))
 
 
 def forget(name: str) -> None:

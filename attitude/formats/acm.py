@@ -24,7 +24,6 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -40,7 +39,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _sampling, apm
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, Convention
-from attitude.formats._format import Format, of_table, register
+from attitude.formats._format import of_table, register_message
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.formats.apm import known_products, tensor
 from attitude.frames import quaternion
@@ -1461,31 +1460,14 @@ def _opened(path, *, segment, **keywords):
         raise AttitudeError(f"{os.fspath(path)}: {err}") from err
 
 
-_MESSAGE: dict[str, Any] = {
-    "module": __name__,
-    "read": _opened,
-    "reading": ("tolerance", "frame", "orbit", "segment"),
-    "writing": {"frame": "frame", "time_system": "time_system", "orbit": "orbit"},
-    "noun": "an ACM",
-    "is_sampled": False,
-}
-register(
-    Format(
-        name="acm",
-        title="CCSDS ACM",
-        endings=(".acm",),
-        marks=(b"CCSDS_ACM_VERS",),
-        write=write,
-        **_MESSAGE,
-    )
-)
-register(
-    Format(
-        name="acm-xml",
-        title="CCSDS ACM, XML",
-        endings=(".acm.xml",),
-        element="acm",
-        write=partial(write, xml=True),
-        **_MESSAGE,
-    )
+register_message(
+    "acm",
+    "CCSDS ACM",
+    write,
+    module=__name__,
+    read=_opened,
+    reading=("tolerance", "frame", "orbit", "segment"),
+    writing=("frame", "time_system", "orbit"),
+    noun="an ACM",
+    is_sampled=False,
 )

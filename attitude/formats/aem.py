@@ -17,7 +17,6 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles import kvn
@@ -28,7 +27,7 @@ from attitude.formats import _aem_notations, _attitude_types, _recipes, _samplin
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
 from attitude.formats._attitude_types import VERSIONS
-from attitude.formats._format import Format, Option, message_labels, register, table_reader
+from attitude.formats._format import Option, message_labels, register_message, table_reader
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
@@ -259,23 +258,6 @@ def write(
 __all__ = ["read", "write"]
 
 
-_MESSAGE: dict[str, Any] = {
-    "module": __name__,
-    "read": table_reader(read),
-    "reading": ("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
-    "writing": {
-        "version": "version",
-        "type": "kind",
-        "frame": "frame",
-        "time_system": "time_system",
-        "for": "for_",
-        "rates": "rates",
-        "method": "method",
-        "orbit": "orbit",
-    },
-    "noun": "an AEM",
-    "labels": message_labels,
-}
 _OPTIONS = (
     Option("version", "of CCSDS messages (default 2.0)", {"metavar": "1.0|2.0"}),
     Option("type", "attitude type of an AEM, section of STK", {"metavar": "NAME"}),
@@ -318,24 +300,16 @@ _OPTIONS = (
         refusal="has no meaning for a file like {output}; leave it out.",
     ),
 )
-register(
-    Format(
-        name="aem",
-        title="CCSDS AEM",
-        endings=(".aem",),
-        marks=(b"CCSDS_AEM_VERS",),
-        write=write,
-        options=_OPTIONS,
-        **_MESSAGE,
-    )
-)
-register(
-    Format(
-        name="aem-xml",
-        title="CCSDS AEM, XML",
-        endings=(".xml",),
-        element="aem",
-        write=partial(write, xml=True),
-        **_MESSAGE,
-    )
+register_message(
+    "aem",
+    "CCSDS AEM",
+    write,
+    _OPTIONS,
+    module=__name__,
+    read=table_reader(read),
+    reading=("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
+    writing=("version", "type", "frame", "time_system", "for", "rates", "method", "orbit"),
+    renamed={"type": "kind", "for": "for_"},
+    noun="an AEM",
+    labels=message_labels,
 )

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -26,7 +25,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, VERSIONS, Convention
-from attitude.formats._format import Format, OpenedFile, message_labels, register
+from attitude.formats._format import OpenedFile, message_labels, register_message
 from attitude.formats._records import TOLERANCE, known_tolerance, to_icrf
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
@@ -1124,39 +1123,19 @@ def _opened(path, **keywords):
     return OpenedFile(message.motion, {name: message.meta[name] for name in names})
 
 
-_MESSAGE: dict[str, Any] = {
-    "module": __name__,
-    "read": _opened,
-    "reading": ("tolerance", "frame", "orbit", "rates"),
-    "writing": {
-        "version": "version",
-        "frame": "frame",
-        "time_system": "time_system",
-        "rates": "rates",
-    },
-    "holds": "motion",
-    "labels": lambda motion, said: {
-        "inertia": not motion.body.relative,
-        **message_labels(motion, said),
-    },
-}
-register(
-    Format(
-        name="apm",
-        title="CCSDS APM",
-        endings=(".apm",),
-        marks=(b"CCSDS_APM_VERS",),
-        write=write,
-        **_MESSAGE,
-    )
-)
-register(
-    Format(
-        name="apm-xml",
-        title="CCSDS APM, XML",
-        endings=(".apm.xml",),
-        element="apm",
-        write=partial(write, xml=True),
-        **_MESSAGE,
-    )
+def _labels(motion, said):
+    """Names and comments, and whether the inertia has a unit to be written in."""
+    return {"inertia": not motion.body.relative, **message_labels(motion, said)}
+
+
+register_message(
+    "apm",
+    "CCSDS APM",
+    write,
+    module=__name__,
+    read=_opened,
+    reading=("tolerance", "frame", "orbit", "rates"),
+    writing=("version", "frame", "time_system", "rates"),
+    holds="motion",
+    labels=_labels,
 )

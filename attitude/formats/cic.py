@@ -181,7 +181,7 @@ register(
         read=table_reader(read),
         reading=("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
         write=write,
-        writing={"frame": "frame", "time_system": "time_system", "orbit": "orbit"},
+        writing=("frame", "time_system", "orbit"),
         noun="a CIC file",
         labels=_labels,
     )

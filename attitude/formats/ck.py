@@ -21,6 +21,7 @@ import math
 import os
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -392,8 +393,27 @@ def _write(path, motion, start, stop, *, method=None, **settings):
     return write(path, motion, start, stop, kind=3 if method == "linear" else 5, **settings)
 
 
-# What options of C-kernels alone say of other formats.
-_REFUSAL = "has no meaning for a file like {output}; leave it out."
+_own_option = partial(Option, refusal="has no meaning for a file like {output}; leave it out.")
+_OPTIONS = (
+    _own_option(
+        "rate-tolerance",
+        "largest error of rates of a C-kernel",
+        {"type": float, "metavar": "RAD/S"},
+    ),
+    _own_option(
+        "clock",
+        "clock kernel of a mission (and its leap seconds) for a C-kernel",
+        {"nargs": "+", "metavar": "FILE"},
+    ),
+    _own_option(
+        "frame-kernel", "frame kernel of a mission that defines --body", {"metavar": "FILE"}
+    ),
+    _own_option(
+        "time-scale",
+        "of a C-kernel: exact at TDB, or at the epochs that SPICE makes of dates",
+        {"choices": ("tdb", "spice")},
+    ),
+)
 register(
     Format(
         name="ck",
@@ -404,42 +424,12 @@ register(
         read=_opened,
         reading=("body", "kernels"),
         write=_write,
-        writing={
-            "tolerance": "tolerance",
-            "method": "method",
-            "rate_tolerance": "rate_tolerance",
-            "clock": "clock",
-            "frame_kernel": "frame_kernel",
-            "time_scale": "time_scale",
-            "body": "name",
-        },
+        writing=("tolerance", "method", "body", *(option.attribute for option in _OPTIONS)),
+        renamed={"body": "name"},
         holds="span",
         noun="a C-kernel",
         options=(
-            Option(
-                "rate-tolerance",
-                "largest error of rates of a C-kernel",
-                {"type": float, "metavar": "RAD/S"},
-                refusal=_REFUSAL,
-            ),
-            Option(
-                "clock",
-                "clock kernel of a mission (and its leap seconds) for a C-kernel",
-                {"nargs": "+", "metavar": "FILE"},
-                refusal=_REFUSAL,
-            ),
-            Option(
-                "frame-kernel",
-                "frame kernel of a mission that defines --body",
-                {"metavar": "FILE"},
-                refusal=_REFUSAL,
-            ),
-            Option(
-                "time-scale",
-                "of a C-kernel: exact at TDB, or at the epochs that SPICE makes of dates",
-                {"choices": ("tdb", "spice")},
-                refusal=_REFUSAL,
-            ),
+            *_OPTIONS,
             Option(
                 "body",
                 "frame of a C-kernel: the one to read, or the one to write",

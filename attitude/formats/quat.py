@@ -223,7 +223,7 @@ register(
         read=table_reader(read),
         reading=("tolerance", "frame", "orbit"),
         write=write,
-        writing={"frame": "frame", "orbit": "orbit"},
+        writing=("frame", "orbit"),
         noun="a table of quaternions",
     )
 )

@@ -848,7 +848,8 @@ register(
         read=table_reader(read),
         reading=("tolerance", "frame", "orbit"),
         write=write,
-        writing={"type": "section", "frame": "frame", "orbit": "orbit", "split": "split"},
+        writing=("type", "frame", "orbit", "split"),
+        renamed={"type": "section"},
         noun="an STK file",
         options=(
             Option(

@@ -139,7 +139,7 @@ def test_the_table_of_the_docs_is_that_of_the_registry():
 
 def test_every_file_that_registers_is_named():
     folder = ROOT / "attitude" / "formats"
-    files = {file.stem for file in folder.glob("*.py") if "\nregister(" in file.read_text("utf-8")}
+    files = {file.stem for file in folder.glob("*.py") if "\nregister" in file.read_text("utf-8")}
     assert files == set(_format.MODULES)
 
 
@@ -150,6 +150,7 @@ def test_options_that_writers_take_exist_once():
     for each in _format.formats().values():
         assert set(each.writing) <= known, each.name
         assert set(each.fulfilled) <= known, each.name
+        assert set(each.renamed) <= set(each.writing), each.name
 
 
 def test_a_format_that_is_registered_is_detected_and_converted(tmp_path, capsys):
@@ -164,7 +165,7 @@ def test_a_format_that_is_registered_is_detected_and_converted(tmp_path, capsys)
             print("written")
 
     made = {"module": __name__, "read": read, "reading": (), "write": write, "is_sampled": False}
-    made |= {"title": "of a test", "writing": {"loud": "loud"}}
+    made |= {"title": "of a test", "writing": ("loud",)}
     option = _format.Option("loud", "print a word", {"action": "store_true"})
     _format.register(_format.Format("mine", endings=(".mine",), options=(option,), **made))
     try:
