@@ -12,8 +12,6 @@ from attitude.errors import AttitudeError as AttitudeError
 
 if TYPE_CHECKING:
     # The names of _MODULES and _WHERE, for editors and type checkers.
-    import attitude._solver.regime
-    import attitude._solver.sensitivities
     import attitude.arcs
     import attitude.catalog
     import attitude.conditions
@@ -24,24 +22,18 @@ if TYPE_CHECKING:
     import attitude.fitting
     import attitude.formats
     import attitude.frames
-    import attitude.frames.quaternion
-    import attitude.frames.representations
     import attitude.inversion
     import attitude.jacobi
     import attitude.jax
     import attitude.light_curve
     import attitude.motions
-    import attitude.motions._axes
-    import attitude.motions._body
-    import attitude.motions._history
-    import attitude.motions._motion
-    import attitude.motions._propagation
-    import attitude.motions._spin
     import attitude.paths
     import attitude.photometry
     import attitude.plots
     import attitude.published
+    import attitude.quaternion
     import attitude.referee
+    import attitude.representations
     import attitude.scattering
     import attitude.scene
     import attitude.shape
@@ -89,9 +81,9 @@ _WHERE = {
     "TorquedRotation": "attitude.torques._torqued",
     "compilation_status": "attitude._compilation.status",
     "compare": "attitude.referee._referee",
-    "fit": "attitude.fitting",
-    "fit_directions": "attitude.fitting",
-    "fit_rates": "attitude.fitting",
+    "fit": "attitude.fitting._attitudes",
+    "fit_directions": "attitude.fitting._attitudes",
+    "fit_rates": "attitude.fitting._attitudes",
     "propagate": "attitude.motions._propagation",
 }
 

@@ -1,10 +1,6 @@
-"""Free motion between instantaneous changes: manoeuvres, impacts, deployments, dockings.
+"""Chains of free rotations with impulses, changes of inertia and triggers.
 
-arcs         `Arcs`
-changes      `Impulse`, `InertiaChange`
-triggers     changes at an event instead of an epoch: `AxisCrossesDirection`, `PointMeetsPlane`
-joint_times  the given times of changes, in order
-sensitivity  derivatives of a chain by the state and the moments at its epoch
+It hands on names of `attitude.torques`; the code is in torques/_arcs.py and torques/_triggers.py.
 """
 
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange

@@ -43,9 +43,10 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Reals
     from attitude.motions._motion import HasAttitudes, Motion
 
+__all__ = ["Entry", "entry", "has", "load", "motion_of", "names"]
 
-# --------------------------------------------------------------------------------------------------
-# One published number with its unit, error and source.
+
+# ---- One published number with its unit, error and source
 
 # SI units and radians in the units of the catalogue, as astropy converts them.
 _DEGREE = np.pi / 180.0
@@ -108,16 +109,9 @@ def _spelled(value: Any) -> str:
     return repr(value)
 
 
-# --------------------------------------------------------------------------------------------------
-# Which body a name means: the whole name, its number, or the beginning of a word of it.
-#
+# ---- Which body a name means: the whole name, its number, or the beginning of a word of it
 # A number means a body only as its whole number, and a year none: "41" is not 4179 Toutatis, and
 # "2008" not 2008 TC3, so that no body gets the numbers of another.
-#
-# >>> matching("touta", {"4179 Toutatis": 1, "2008 TC3": 2})
-# [1]
-# >>> matching("41", {"4179 Toutatis": 1, "2008 TC3": 2})
-# []
 
 Item = TypeVar("Item")
 
@@ -126,7 +120,13 @@ _BEGUN = 3
 
 
 def matching(name: str, items: Mapping[str, Item]) -> list[Item]:
-    """The items that a name means."""
+    """The items that a name means.
+
+    >>> matching("touta", {"4179 Toutatis": 1, "2008 TC3": 2})
+    [1]
+    >>> matching("41", {"4179 Toutatis": 1, "2008 TC3": 2})
+    []
+    """
     key = _words(name)
     exact = [item for each, item in items.items() if _words(each) == key]
     if exact or not key:

@@ -6,12 +6,10 @@ figure of four.  No window is opened, and no global setting changed.
 
 from __future__ import annotations
 
-import io
 import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from attitude import frames
 from attitude._solver import evaluation
@@ -24,11 +22,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import FloatArray, Real
     from attitude.epochs._instants import Instant
     from attitude.motions._free_rotation import FreeRotation
+
+__all__ = ["angles", "new_figure", "overview", "polhode", "rates", "sky", "time_span", "time_unit"]
 
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
@@ -85,6 +86,7 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 
 def new_figure(size: tuple[float, float]) -> Figure:
     """An empty figure without a window, of a width and height in inches."""
+    from attitude._support.shown_figure import ShownFigure
 
     return ShownFigure(figsize=size, layout="constrained")
 
@@ -258,16 +260,3 @@ def _unbroken(
     leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump
     gaps = np.flatnonzero(leap) + 1
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)
-
-
-# --------------------------------------------------------------------------------------------------
-# Figures that notebooks show without a command; imported when the first figure is made.
-
-
-class ShownFigure(Figure):
-    """A matplotlib figure without a window, shown as PNG where it is the result of a cell."""
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=100)
-        return buffer.getvalue()

@@ -1,11 +1,6 @@
-"""Convert spin states from and to the form of papers: periods, pole and angles.
+"""Spin states in the form of papers (periods, pole, angles), to and from attitude and rates.
 
-published            `published`, and `from_energy`, `from_pole` ...: the reverse conversions
-states, arrays       `from_periods` for one body, `states_from_periods` for arrays of bodies
-conventions          the axes of the L and S conventions and their Euler angles
-dynamic_inertia      L^2/2E and the moments that published periods and ratios admit
-regular_precession   the limit of a symmetric body
-uncertainty          `spread`: how errors of published numbers propagate to periods and angles
+The code is in motions/_published.py; `spread` is in motions/_uncertainty.py.
 """
 
 from attitude.motions._published import (
@@ -14,6 +9,7 @@ from attitude.motions._published import (
     from_angles,
     from_energy,
     from_pole,
+    moments_from_ratios,
     possible,
     published,
     states_from_periods,
@@ -30,6 +26,7 @@ __all__ = [
     "from_energy",
     "from_periods",
     "from_pole",
+    "moments_from_ratios",
     "possible",
     "published",
     "spread",

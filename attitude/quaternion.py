@@ -1,4 +1,7 @@
-"""Quaternions as arrays (..., 4), scalar first: the names of `attitude.frames.quaternion`."""
+"""Quaternions as arrays (..., 4), scalar first.
+
+The code is in frames/quaternion.py.
+"""
 
 from attitude.frames.quaternion import (
     conjugate,

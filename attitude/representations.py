@@ -1,4 +1,7 @@
-"""Attitudes in other forms: the names of `attitude.frames.representations`."""
+"""Attitudes in other forms: matrices, Euler angles, rotation vectors and others.
+
+The code is in frames/representations.py.
+"""
 
 from attitude.frames import representations as _forms
 from attitude.frames.representations import *  # noqa: F403

@@ -251,7 +251,7 @@ while len(times) < {most} and steady < {budget}:
     steady += times[-1] if len(decorators.compiled_names()) == known else 0.0
 print(json.dumps([times, compilation_status().seconds_in_python]))
 """
-ALL = "from attitude import warm_up\nfor each in warm_up.features(True): each()"
+ALL = "from attitude.cli import _warm_up as warm_up\nfor each in warm_up.features(True): each()"
 
 
 def tables(quick):

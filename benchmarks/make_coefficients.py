@@ -29,7 +29,7 @@ MEASURED = {
     ("paths/_ground.py", "rotation_angle"),
     ("paths/_two_body.py", "GM"),
     ("photometry/_periodogram.py", "_NAMES"),
-    ("physical_constants.py", "EARTH_FLATTENING"),
+    ("_support/constants.py", "EARTH_FLATTENING"),
     ("scene/_scene.py", "_OF_ORBIT"),
     ("scene/_scene.py", "_OF_RANGE"),
 }

@@ -3,7 +3,7 @@
     python benchmarks/self_made.py
 
 It prints, for each part that a maintained library could replace, the time of both for the same work
-in one run, their ratio, and the largest difference of the answers.  `docs/architecture.md` keeps
+in one run, their ratio, and the largest difference of the answers.  `docs/benchmarks.md` keeps
 the table with the reasons.
 """
 

@@ -8,8 +8,8 @@ the other, both approached down to 1e-16; the state approaches rotation about th
 the long axis, and the separatrix, down to 1e-16.  Each state is propagated by 10 revolutions (this
 project also by 1e9) and compared with the mpmath oracle of tests/support/oracle.py for the exact
 doubles given.  The last row shows the conditioning: the change of the exact answer after 10
-revolutions when one input changes by one unit in its last place, the error that any input in doubles
-implies.
+revolutions when one input changes by one unit in its last place, the error that any input in
+doubles implies.
 
 The script writes stability.png, stability.md and stability.json to --output (docs/figures).
 """

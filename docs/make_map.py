@@ -1,16 +1,14 @@
-"""The map of the package in docs/architecture.md, from the first lines of its docstrings.
+"""All files of the package, each with the first line of its docstring.
 
     python docs/make_map.py
 
-writes it between the two marks; `tests/house/test_docs.py` compares.
+prints them; `docs/make_site.py` makes a page of the site from them.
 """
 
 import ast
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "architecture.md"
-BEGIN, END = "<!-- map -->\n", "<!-- end of the map -->\n"
+PACKAGE = Path(__file__).resolve().parent.parent / "attitude"
 
 
 def first_line(file):
@@ -18,25 +16,21 @@ def first_line(file):
     return ast.get_docstring(ast.parse(file.read_text())).splitlines()[0].rstrip(".")
 
 
-def lines(folder, depth=0):
+def lines(folder=PACKAGE, depth=0):
     """The lines of a folder: its files, then its folders, each with what it holds."""
     indent = "  " * depth
-    files = sorted(folder.glob("*.py"))
-    for file in files:
+    for file in sorted(folder.glob("*.py")):
         if file.name not in ("__init__.py", "__main__.py"):
             yield f"{indent}{file.stem:{26 - len(indent)}s} {first_line(file)}"
-    for inner in sorted(each for each in folder.iterdir() if (each / "__init__.py").is_file()):
+    for inner in sorted(path.parent for path in folder.glob("*/__init__.py")):
         yield f"{indent}{inner.name + '/':{26 - len(indent)}s} {first_line(inner / '__init__.py')}"
         yield from lines(inner, depth + 1)
 
 
-def page(text):
-    """The text of the page with a new map."""
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    tree = "\n".join(lines(ROOT / "attitude"))
-    return f"{before}{BEGIN}```text\n{tree}\n```\n{END}{after}"
+def page():
+    """The page of the site."""
+    return f"# Files\n\n```text\n{chr(10).join(lines())}\n```\n"
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(PAGE.read_text()))
+    print(*lines(), sep="\n")

@@ -1,11 +1,16 @@
 """How Python becomes machine code: the only package that imports numba or llvmlite.
 
 decorators     `entry_point`, `subroutine`, `force_inlined`, `reduction`
+choice         whether a call runs in Python or compiled
 instructions   machine instructions that Python cannot name: fused products, bits of doubles
-simd           SIMD vectors of doubles as values
+error_free     the same for processors without them; ieee, the functions of `math`
+simd           SIMD vectors of doubles as values; elementary, their powers, angles, logarithms
+wide           whole numbers of 448 bits as values
 pointers       raw memory and calls by address in compiled loops
-source_stamp   a hash of the sources on which machine code depends
+streaming      stores past the caches
+lowering       LLVM code of instructions and pointers; simd_lowering (with streaming), wide_lowering
+callbacks      C functions that loops call by address, and the exceptions that leave them
 disk_cache     machine code kept on disk, made anew after a change of its sources
-callback_errors  exceptions that leave C callbacks, raised after the loop that called
 deferral       no garbage collection and no Ctrl-C during a compilation
+status         `compilation_status`
 """

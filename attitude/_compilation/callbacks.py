@@ -1,7 +1,7 @@
-"""C functions that compiled loops call by address: torques of the package and of users.
+"""C functions that compiled loops call by address, and the exceptions that leave them.
 
 Each is void f(double t, double *wxyz, double *omega, double *given, double *parameters,
-double *out); see `solution.torqued_step`.
+double *out); see `attitude._solver.torqued_step`.
 """
 
 from __future__ import annotations
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-# --------------------------------------------------------------------------------------------------
-# Exceptions that leave a C callback: kept, and raised again after the loop that called it.
-#
+# ---- Exceptions that leave a C callback: kept, and raised again after the loop that called it
 # Python and numba give such an exception to ``sys.unraisablehook``, which prints it, and the loop
 # goes on.  That can be any exception: a KeyboardInterrupt is raised at the entry of a Python
 # callback, before a ``try`` in it.

@@ -20,8 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from attitude._compilation import deferral
 
-# --------------------------------------------------------------------------------------------------
-# A line on a terminal while functions are compiled for longer than a second.
+# ---- A line on a terminal while functions are compiled for longer than a second
 
 # s of compilation in a process after which the line is written.
 _PATIENCE = 1.0
@@ -61,9 +60,7 @@ def _write_once() -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
-# The sources that the machine code of a function is made from, as one hash of their text.
-#
+# ---- The sources that the machine code of a function is made from, as one hash of their text
 # They are the module of the function, what it imports from the package, what those modules import,
 # and so on, the modules of functions in its closure, and this folder.  The hash is of the text and
 # not of the times of the files: machine code stays valid if the same version is installed again.
@@ -71,9 +68,10 @@ def _write_once() -> None:
 _ROOT = Path(__file__).parent.parent
 _PACKAGE = _ROOT.name
 # Of no effect on machine code.
-_TYPES = f"{_PACKAGE}.annotations"
+_TYPES = f"{_PACKAGE}._support.annotations"
 _COMMENT = re.compile("#.*")
-# All imports are absolute; tests/test_compilation.py compares what is found with syntax trees.
+# All imports are absolute; tests/compilation/test_compilation.py compares what is found with
+# syntax trees.
 _IMPORT = re.compile(
     rf"^[ \t]*from[ \t]+({_PACKAGE}[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
     rf"|^[ \t]*import[ \t]+({_PACKAGE}\.[\w.]*)",
@@ -167,7 +165,8 @@ class _Undisturbed(event.Listener):
     """Suspend garbage collection and interrupts while a function of the package is compiled.
 
     `numba.core.event` is documented; if the event "numba:compile" or its entry "dispatcher" change,
-    compilations take a tenth longer, and Ctrl-C during one is lost (tests/test_compilation.py).
+    compilations take a tenth longer, and Ctrl-C during one is lost
+    (tests/compilation/test_compilation.py).
     """
 
     def on_start(self, event: Any) -> None:

@@ -31,7 +31,7 @@ class _Scratch(int):
 def call(
     address: int, t: float, wxyz: int, omega: int, given: int, parameters: int, out: int
 ) -> None:
-    """Call the C function of a torque, as `solution.torqued_step` does; all but t are addresses."""
+    """Call the C function of a torque (`callbacks`); all arguments but t are addresses."""
     _CALL(int(address))(t, *map(int, (wxyz, omega, given, parameters, out)))
 
 

@@ -5,10 +5,9 @@ Here eight doubles are one value of the machine's vector type (one AVX-512 regis
 four of NEON) that compiled code adds, multiplies and divides with the usual operators, with doubles
 on either side, or a shorter vector, which is repeated; `instructions.fma` takes such values too.
 Functions that take `Lanes | float` make one formula of it for one body and for several.  Products
-and sums are fused only where the caller is compiled with that option (`decorators.reduction`).
+and sums are fused only where the caller is compiled with that option (`reduction`).
 
-The functions below are the definitions in Python; `simd_lowering`, `simd_array_lowering` and
-`simd_bits_lowering` have the vector instructions.
+The functions below are the definitions in Python; `simd_lowering` has the vector instructions.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The vector instructions of `simd` for numba; imported when the first function is compiled."""
+"""The vector instructions of `simd` and `streaming` for numba.
+
+It is imported when the first function is compiled.
+"""
 
 from __future__ import annotations
 
@@ -339,8 +342,7 @@ def _negative(context, builder, signature, arguments):
     return builder.fneg(arguments[0])
 
 
-# --------------------------------------------------------------------------------------------------
-# The instructions of `simd` that read and write arrays; imported with `simd_lowering`.
+# ---- The instructions of `simd` that read and write arrays
 
 
 @typed(simd.eight)
@@ -402,8 +404,7 @@ def _add_in_columns(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-# --------------------------------------------------------------------------------------------------
-# The instructions of `simd` on exponents and whole numbers; imported with `simd_lowering`.
+# ---- The instructions of `simd` on exponents and whole numbers
 
 # Adding these leaves a whole number below 2^51, or one of eighths below 2^48, in the low bits.
 _WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
@@ -500,8 +501,7 @@ def _all(kind, number):
     return ir.Constant(kind.vector, [number] * kind.count)
 
 
-# --------------------------------------------------------------------------------------------------
-# The instructions of `streaming` for numba; imported when the first function is compiled.
+# ---- The instructions of `streaming`
 
 _INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), streaming.LINE)
 

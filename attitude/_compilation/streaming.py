@@ -4,7 +4,7 @@ A store brings its line of memory into the cache first, and a large result leave
 it is read.  Whole lines that are stored past the caches cost half of the bandwidth, and do not
 expel what the computation needs.
 
-The functions below are the definitions in Python; `streaming_lowering` has the instructions.
+The functions below are the definitions in Python; `simd_lowering` has the instructions.
 """
 
 from __future__ import annotations

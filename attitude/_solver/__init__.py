@@ -3,17 +3,21 @@
 Importing this package compiles nothing; each function is compiled at its first call and kept on
 disk for the next process.  Symbols are those of van Zon & Schofield (2006).
 
-record, codes     the record of a motion's constants, and the integers in it
-twofloat          arithmetic of pairs of doubles
-elliptic, phases, series    the functions of the solution
-classify, constants, coefficients, given_axes, uniform    the stages that fill a record
-kernel            attitudes and rates from a record, in loops over bodies and epochs
-motion            entry points: constants of B motions, and their attitudes
-step, march       the same rotation over short times, and integrators with torques
-flow, joints, chain    states in pairs from arc to arc, and attitudes on a chain of arcs
-regimes, place_of_d    periods and ranges of a motion, and the motion of given periods
-labelled_axes     attitudes and rates from pole and angles of labelled axes
-diagonal, principal    principal axes of inertia tensors, in whole numbers of 448 bits
-vectors           vectors over body axes, angles between vectors
-warm_up           compilation ahead of use
+evaluation      entry points: constants of B motions, and their attitudes; batches, in blocks
+records, codes  the records of the constants and derivatives of a motion, and integers in them
+constants       the stages that fill a record: classes, rates and phases, coefficients
+kernel          attitudes and rates from a record, in loops over bodies and epochs
+series          the internal motion at given phases; elliptic, elliptic integrals
+twofloat        arithmetic of pairs of doubles
+sensitivities   entry points: derivatives, covariances, samples; covariance, errors that are given
+sensitivity     their loops; derivatives, tangents, uniform_tangents, columns and short_times
+elements        the five elements of a motion
+step            the same rotation over short times, for integrators
+torqued_step    a step with torques; march (fixed steps), adaptive, march_layout (their arrays)
+chains          states in pairs from arc to arc, and attitudes on a chain of arcs
+regime          kind, periods and ranges of motions; regimes, their loops
+principal_axes  principal axes of inertia tensors, in whole numbers of 448 bits
+vectors         vectors over body axes, angles between vectors, attitudes from labelled axes
+chebyshev       smooth functions of time as Chebyshev polynomials
+warm_up         compilation ahead of use
 """

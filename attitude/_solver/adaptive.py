@@ -1,10 +1,9 @@
 """Loops of splitting integrators with steps as long as an error estimate allows.
 
 Each step is taken whole and in two halves from one state, the whole one together with the first
-half (`solution.two_steps`).  The state after the halves goes on; the difference of both, divided by
-2^p - 1 for a scheme of order p, is its error.  A step is kept as long as its error is within the
-tolerance and no much longer one would be: between changes the samples of paths can be computed in
-advance.
+half (`two_steps`).  The state after the halves goes on; the difference of both, divided by 2^p - 1
+for a scheme of order p, is its error.  A step is kept as long as its error is within the tolerance
+and no much longer one would be: between changes the samples of paths can be computed in advance.
 
 A second motion may go along that takes all steps whole.  Steps of both follow the same mesh, once
 halved, so the difference of the motions bounds the error of the first at any later time wherever
@@ -36,11 +35,9 @@ from attitude._solver.torqued_step import (
     torques_of,
 )
 
-# --------------------------------------------------------------------------------------------------
-# One step of a splitting integrator of each of two motions, computed together.
-#
-# The free motions of both are computed in SIMD vectors (`solution.two_flights`); torques are called
-# one after the other.
+# ---- One step of a splitting integrator of each of two motions, computed together
+# The free motions of both are computed in SIMD vectors (`step.advance_two`); torques are called one
+# after the other.
 
 _ZERO = 0.0, 0.0, 0.0
 # What the second motion is: none, one from the state of the first, or another.
@@ -73,7 +70,7 @@ def two_steps(
     samples   of each, the address of those of the first kick
     held      whether the acceleration at the start of the first by torques that are not LINEAR is
               known, and that
-    pieces    squares of the longest pieces of free motions of both: `two_flights.advance_two`
+    pieces    squares of the longest pieces of free motions of both: `step.advance_two`
     Returned
         both states; `held` for a step that follows the first; FINE, BAD_TORQUE or ONE_BY_ONE; and
         for BAD_TORQUE the seconds at which

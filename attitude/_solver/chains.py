@@ -1,12 +1,12 @@
-"""Exact free rotation from one state to another, both states in pairs of doubles.
+"""Chains of free arcs: states in pairs of doubles from arc to arc, and attitudes on them.
 
 On a chain of arcs the end of each is the start of the next, and the rounding of its angular
 velocity to one double would grow with the time on all later arcs (2e-11 rad after a thousand).
 
 Over whole nutation periods the body rates return and the body has turned about its momentum by a
 known phase (docs/derivation.md: both rates are pairs).  The rest, half a period at most, is covered
-by the pieces of `solution.step`, here in pairs and with more terms, so that the cost is bounded for
-any time.
+by the pieces of `step`, here in pairs and with more terms, so that the cost is bounded for any
+time.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def flow(c, moments, t, q, w):
     """Move a state to time t.
 
     Given
-        c        the record (solution.record) of the motion that starts with it
+        c        the record (records.CONSTANTS) of the motion that starts with it
         moments  (3, 2) principal moments in any order, pairs
         t        pair, s
     Changed
@@ -222,7 +222,7 @@ def _series(e1, e3, a):
 
 @subroutine
 def _numerators(x, a, state):
-    """d (w(x) - w) and d at x seconds from the start of a piece; see solution.step."""
+    """d (w(x) - w) and d at x seconds from the start of a piece; see step."""
     w1, w2, w3, r1, r2, r3, e1, e3, kappa = state
     xx = square(x)
     s = pair(a[_TERMS - 1])
@@ -243,7 +243,7 @@ def _numerators(x, a, state):
 
 @subroutine
 def _turning(numerators, weights):
-    """chi' of solution.step, from the numerators at one time."""
+    """chi' of step, from the numerators at one time."""
     l1, l2, l3, f1, f2, f3, dot = weights
     n1, n2, n3, d = numerators
     n1, n2, n3 = mul(l1, n1), mul(l2, n2), mul(l3, n3)
@@ -295,8 +295,7 @@ def _cosine_and_sine(turns):
     return cosine, sine
 
 
-# --------------------------------------------------------------------------------------------------
-# Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles.
+# ---- Changes of state between two free arcs: momentum added, body exchanged; in pairs of doubles
 
 
 @sized_entry_point
@@ -375,7 +374,7 @@ def exchange(moments, axes, new_moments, new_axes, w):
 def _quaternion(m, near):
     """The quaternion (4, 2) of a rotation matrix (3, 3, 2), pairs, near a rounded one (4,).
 
-    4 s s^T, s being the unit quaternion, is linear in the matrix (see solution.given_axes); times a
+    4 s s^T, s being the unit quaternion, is linear in the matrix (see kernel); times a
     quaternion near s it is along s, so that no largest entry has to be chosen.
     """
     xx, yy, zz = pair(m[0, 0]), pair(m[1, 1]), pair(m[2, 2])
@@ -433,8 +432,7 @@ def _to_body(q, v):
     return out
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes on a chain of free arcs: each epoch with the constants of its arc.
+# ---- Attitudes on a chain of free arcs: each epoch with the constants of its arc
 
 
 @sized_entry_point
@@ -442,7 +440,7 @@ def evaluate_arcs(constants, starts, t, t_low, wxyz, rates, column):
     """Attitudes, and angular velocities unless rates is None, at epochs in any order.
 
     Given
-        constants  (N,) records (solution.record), one of each arc
+        constants  (N,) records (records.CONSTANTS), one of each arc
         starts     (N, 2) starts of the arcs, pairs of seconds, ascending; the first arc also holds
                    all epochs before its start
         t, t_low   (T,) pairs of seconds
@@ -521,8 +519,7 @@ def _has_started(starts, arc, t, low):
     return t > starts[arc, 0] or (t == starts[arc, 0] and low >= starts[arc, 1])
 
 
-# --------------------------------------------------------------------------------------------------
-# Chains of free arcs of many members, which change at the same epochs.
+# ---- Chains of free arcs of many members, which change at the same epochs
 
 
 @entry_point
@@ -530,7 +527,7 @@ def join_members(records, moments, axes, principal, length, q, w, in_body, in_sp
     """Carry the states of members over one arc, and add angular momentum at its end.
 
     Given
-        records    (N,) constants of the arc (solution.record)
+        records    (N,) constants of the arc (records.CONSTANTS)
         moments    (1 or N, 3, 2) principal moments, pairs
         axes       (1 or N, 3, 3, 2) columns: the principal axes in body axes, pairs
         principal  (1 or N, 4) their quaternions, rounded
@@ -568,7 +565,7 @@ def exchange_members(moments, axes, new_moments, new_axes, w):
 
 @entry_point
 def evaluate_members(constants, starts, t, t_low, wxyz, rates, column):
-    """As `solution.chain.evaluate_arcs` for each of N members.
+    """As `evaluate_arcs` for each of N members.
 
     Given
         constants  (N, K) records of the arcs of each member
@@ -586,9 +583,7 @@ def evaluate_members(constants, starts, t, t_low, wxyz, rates, column):
     return -1
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes at rows of epochs, each of one of many bodies: runs of rows of the same body.
-#
+# ---- Attitudes at rows of epochs, each of one of many bodies: runs of rows of the same body
 # Rows in which the members stand in any order are brought into runs by a counting sort.
 
 
@@ -597,7 +592,7 @@ def evaluate_runs(constants, starts, t, t_low, wxyz, rates):
     """Attitudes, and angular velocities unless rates is None, of B runs of rows.
 
     Given
-        constants  (B,) records (solution.record), one of each run
+        constants  (B,) records (records.CONSTANTS), one of each run
         starts     (B + 1,) the rows of run b are starts[b] to starts[b + 1]
         t, t_low   (1, R) seconds since the epoch of the state; t_low may be None
     Filled

@@ -207,9 +207,7 @@ def _fit_equal(function, start, width, count, degree):
     return table, float(error), float(np.max(np.abs(values)))
 
 
-# --------------------------------------------------------------------------------------------------
-# Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three.
-#
+# ---- Compiled evaluation of piecewise Chebyshev polynomials of time, for vectors of three
 # The records of a JPL kernel, of a compressed path and of an interpolated table have one layout: a
 # row for each piece, which holds `skip` other numbers and then the `count` coefficients of x, of y
 # and of z.
@@ -374,7 +372,7 @@ def directions(
 
     rows (pieces 4 count,) holds the coefficients of `records` in the order of x, y, z and a zero.
 
-    Pieces as of `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
+    Pieces as in `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
     before them, or in one other piece, are evaluated together by SIMD: sorted epochs are walked
     piece by piece.  NaN for NaN.  Returns -1, or the index of an epoch outside of the range.
     """

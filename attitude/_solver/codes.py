@@ -18,7 +18,7 @@ UNIFORM: Final = 0  # constant angular velocity: one phase
 TRIGONOMETRIC: Final = 1  # theta functions of v, nome Q <= exp(-pi)
 HYPERBOLIC: Final = 2  # the same after the modular transformation, nome Q' < exp(-pi)
 
-# Faults of a body or state, found by solution.classify.
+# Faults of a body or state, found by constants.
 FINE: Final = 0
 BAD_MOMENT: Final = 1  # negative, NaN, infinite, or all zero
 NO_TRIANGLE: Final = 2  # one moment exceeds the sum of the others beyond rounding

@@ -1,9 +1,9 @@
-"""Columns of the sensitivity from the tangents of a block of epochs.
+"""Columns of the sensitivity, and covariances, from the tangents of a block of epochs.
 
 Given
-    c, d       records of solution.record and solution.tangent_record
+    c, d       records of CONSTANTS and TANGENTS (`records`)
     j          number of the column
-    block      rows that solution.tangents filled
+    block      rows that `tangents` filled
 Filled
     x, y, z    (n,) the rotation vector of the change of attitude over inertial axes, or the change
                of the angular velocity, rad/s over the given body axes
@@ -244,7 +244,7 @@ def add_products_of_rates(n, block):
 
 @force_inlined
 def keep_near_sums(n, block):
-    """Keep the sums of the changes of attitude while solution.triangular finds those far away."""
+    """Keep the sums of the changes of attitude while columns finds those far away."""
     for k in range(6):
         for i in range(n):
             block[NEAR_SUMS + k * BLOCK + i] = block[SUMS + k * BLOCK + i]
@@ -252,7 +252,7 @@ def keep_near_sums(n, block):
 
 @force_inlined
 def use_near_sums(n, reach, block):
-    """Replace the sums of solution.triangular at the epochs within reach of the series."""
+    """Replace the sums of columns at the epochs within reach of the series."""
     for i in range(n):
         if abs(block[SECONDS + i]) <= reach:
             for k in range(6):
@@ -295,25 +295,11 @@ def stream_sums(block, row, spans, out):
             number += 1
 
 
-# --------------------------------------------------------------------------------------------------
-# Covariances of the attitude from columns in triangular form.
-#
+# ---- Covariances of the attitude from columns in triangular form
 # The columns are linear combinations of parameters, chosen so that column j has no part in the
 # first j rows of the weights: P = sum over j of eta_j eta_j^T is the same for columns that are
 # turned by an orthogonal matrix.  Most products are by zero then, and one loop adds all columns in
-# registers. Epochs within reach of solution.short_times need the columns one by one.
-#
-# Given
-#     c, d       records of solution.record and solution.tangent_record; the weights of d in ORDER,
-#                and its offsets after them, are triangular
-#     n          epochs of the block
-#     block      rows that solution.tangents filled
-#     first      multiple of 8
-#     streams    whether the lines of the cache of `out` start at the places and are stored past it
-# Filled
-#     out        flat array: the sums xx, xy, xz, yx, yy, yz, zx, zy, zz of the epochs first to n -
-#     1,
-#                rounded up to eight, of the block, at nine places + the number of the epoch
+# registers.  Epochs within reach of `short_times` need the columns one by one.
 
 ORDER = (TIME, RATE, PHASE, SECOND, THIRD)
 # Columns that change with time: a free rotation has five elements beside its orientation.
@@ -406,7 +392,19 @@ def _stream(sums, places, out, i):
 
 @subroutine
 def sums_of_columns(c, d, block, first, n, places, out, streams):
-    """Fill the sums of epochs of a block; see the module docstring."""
+    """Fill the sums of epochs of a block.
+
+    Given
+        c, d       records of CONSTANTS and TANGENTS; the weights of d in ORDER, and its offsets
+                   after them, are triangular
+        block      rows that `tangents` filled
+        first, n   the first epoch, a multiple of 8, and the epochs of the block
+        streams    whether the lines of the cache of `out` start at the places and are stored past
+                   it
+    Filled
+        out        flat array: the sums xx, xy, xz, yx, yy, yz, zx, zy, zz of the epochs first to
+                   n - 1, rounded up to eight, at nine places + the number of the epoch
+    """
     w, still, passes = d.weights, _still_sums(d), c.form == codes.HYPERBOLIC
     axis = d.invariant[0, 2], d.invariant[1, 2], d.invariant[2, 2]
     time, rate, rate_1 = w[TIME, 0], w[RATE, 0], w[RATE, 1]

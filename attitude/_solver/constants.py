@@ -1,4 +1,4 @@
-"""Second stage: from the ordered state to rates and phases.
+"""The stages that fill the record of a motion: kind of motion, rates and phases, coefficients.
 
 Nothing here cancels: differences of moments are computed from the inputs, and the invariants are
 sums of terms of one sign.  Symbols and equation numbers are those of van Zon & Schofield (2006),
@@ -52,9 +52,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-# --------------------------------------------------------------------------------------------------
-# First stage: refuse what is not physical, find uniform rotations, and D2 of what tumbles.
-#
+# ---- First stage: refuse what is not physical, find uniform rotations, and D2 of what tumbles
 # The state is scaled by powers of two, so that no unit overflows or loses digits.  D2, the one
 # invariant that is a difference of positive terms, is computed exactly where they cancel; its sign
 # is the side of the separatrix.  Symbols are those of van Zon & Schofield (2006), section 3.
@@ -105,7 +103,7 @@ def classify_all(moments, wxyz, omega, constants):
 
 
 def refine_all(constants: NDArray[Any]) -> None:
-    """Fill D2 of those of B states (solution.record) whose terms cancel, rounded once."""
+    """Fill D2 of those of B states (records.CONSTANTS) whose terms cancel, rounded once."""
     # An array allocated in compiled code would cost another tenth of a second of compilation.
     _refine_all(constants, np.empty(_MOST_PARTS))
 
@@ -405,9 +403,7 @@ def _on_separatrix(turns, speed, tangent, minus_n, c):
     c.fraction = math.atan2(1.0, math.sqrt(minus_n)) / (0.5 * math.pi)
 
 
-# --------------------------------------------------------------------------------------------------
-# Third stage: coefficients of the series that the kernels evaluate at each phase.
-#
+# ---- Third stage: coefficients of the series that the kernels evaluate at each phase
 # One entry point for each form of the solution, so that a first propagation compiles only the form
 # it needs.
 
@@ -612,8 +608,7 @@ def _hyperbolic_rates(nome, c):
         c.rates[3, n] = odd
 
 
-# --------------------------------------------------------------------------------------------------
-# Constants of rotations about a fixed axis: spheres, principal axes, rest.
+# ---- Constants of rotations about a fixed axis: spheres, principal axes, rest
 
 
 @sized_entry_point

@@ -25,7 +25,7 @@ Every difference of moments is one of the inputs' own, the invariants are sums o
 About the middle axis all columns of the moments vanish with the other two rates, p, and their terms
 do so one by one: the change of mc is that of D2 itself, of order p^2, not the rounding of that of
 m; w^2 less its mean is a sum; and 2 E - 2 lambda' L, of order D2, an integral over D2.
-Symbols as in `solution.constants`; d12 = |I1 - I2| and so on.
+Symbols as in `constants`; d12 = |I1 - I2| and so on.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ class Elements(NamedTuple):
 
 
 def elements_of(c: Any) -> Elements:
-    """The elements of a record of `solution.record`."""
+    """The elements of a record of `records.CONSTANTS`."""
     if c["form"] == codes.UNIFORM:
         return _of_uniform(c)
     precession = 2.0 * math.pi * float(c["precession"][0])

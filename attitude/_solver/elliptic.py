@@ -149,8 +149,7 @@ def quarter_and_fraction(b, c, s):
     return 1.5707963267948966 / a, fraction
 
 
-# --------------------------------------------------------------------------------------------------
-# Integrals of the second kind, which the derivatives of the solution need.
+# ---- Integrals of the second kind, which the derivatives of the solution need
 
 # Duplication of R_D ends where the arguments agree to this: the remainder is below 3e-17.
 _CLOSE_SECOND_KIND = 0.0025

@@ -33,9 +33,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Entry points of the solution: compute the constants of B motions, evaluate them at epochs.
-#
+# ---- Entry points of the solution: compute the constants of B motions, evaluate them at epochs
 # All loops over bodies and epochs are compiled.  Each stage, and each form of the solution, is
 # compiled separately and only when a state needs it: nested in one function, they would be
 # optimised again at every level, for seconds.  ``entry_point.run(...)`` saves the 0.1 us of one
@@ -62,13 +60,13 @@ def prepare_all(
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
-        differences  B - A, C - B and D2, pairs, where solution.principal has them to more digits
+        differences  B - A, C - B and D2, pairs, where principal_axes has them to more digits
                    than follow from the pairs above: (3, 2) of a single motion, or (B, 3, 2) with
                    NaN for motions without; or None
         rates      whether the series of the angular velocity are filled too
         wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
     Filled
-        constants  (B,) of solution.record.CONSTANTS, zeros at first; `fault` is the code of what
+        constants  (B,) of records.CONSTANTS.CONSTANTS, zeros at first; `fault` is the code of what
                    is not physical
     Returned
         how many have a fault

@@ -1,6 +1,6 @@
-"""Loops of splitting integrators with fixed steps, from an epoch or between kept states.
+"""Loops of splitting integrators with fixed steps, for one state or many.
 
-`solution.torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
+`torqued_step` has the step and the C functions of torques; `march_layout` the arrays.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
                  of the next
         every    a state is kept after each `every` steps
     Changed
-        state    (14,) as in solution.step, over the principal axes in ascending order
+        state    (14,) as in step, over the principal axes in ascending order
     Filled
         kept     (steps // every, 14)
     Returned
@@ -174,8 +174,7 @@ def kicks(c, models, states, times, lengths, cubes, given, out):
     return layout.FINE, 0.0, 0.0
 
 
-# --------------------------------------------------------------------------------------------------
-# The loop of a splitting integrator with fixed steps over many states of one or many bodies.
+# ---- The loop of a splitting integrator with fixed steps over many states of one or many bodies
 
 
 @entry_point
@@ -192,7 +191,7 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         given    (steps n + 1, columns) samples at the kicks of whole steps
         within   (T, n + 1, columns) samples at the kicks of the parts
     Changed
-        states   (N, 14) as in solution.step, over the principal axes in ascending order
+        states   (N, 14) as in step, over the principal axes in ascending order
     Filled
         out      (N, T, 7) wxyz and angular velocity
     Returned

@@ -1,4 +1,4 @@
-"""Layouts of the arrays of `solution.torqued_step` and its loops: each entry by its name.
+"""Layouts of the arrays of `torqued_step` and its loops: each entry by its name.
 
 Indices count entries of 8 bytes, doubles or whole numbers of 64 bits.
 """
@@ -41,7 +41,7 @@ WXYZ_LOW: Final = slice(7, 11)  # what the doubles of WXYZ leave out
 OMEGA_LOW: Final = slice(11, 14)
 STATE_ENTRIES: Final = 14
 
-# Scratch memory of the torques: 13 of the 16 doubles of `compilation.pointers.scratch`.
+# Scratch memory of the torques: 13 of the 16 doubles of `pointers.scratch`.
 INPUT_WXYZ: Final = 0  # (4) attitude at which a torque is evaluated, body to inertial
 INPUT_OMEGA: Final = 4  # (3) angular velocity over the body axes; for SLOPE the vector y
 TORQUE: Final = 7  # (3) sum of the torques, over the body axes
@@ -69,7 +69,7 @@ USUAL: Final = 8  # error of recent steps over the power of their length
 ROUGH: Final = 9  # sum of the errors of steps at which the torque is not smooth
 ROUGH_TURNED: Final = 10  # sum of these errors times TURNED at their steps
 LIMIT: Final = 11  # steps end where the estimate of the error of paired motions exceeds it, rad
-FINE_PIECE: Final = 12  # longest pieces of free motions in halves: see `two_flights`
+FINE_PIECE: Final = 12  # longest pieces of free motions in halves: see `step.advance_two`
 WHOLE_PIECE: Final = 13  # in whole steps
 CLOCK_ENTRIES: Final = 14
 

@@ -1,6 +1,10 @@
-"""A symmetric tensor made diagonal by Jacobi's rotations, in integers of 448 bits.
+"""Principal axes of full inertia tensors, to 115 digits.
 
-Golub & Van Loan, Matrix Computations, section 8.5.  `solution.principal` states why so many digits.
+Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
+axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
+suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations (Golub &
+Van Loan, Matrix Computations, section 8.5) run in integers of 448 bits; a tensor is diagonalised
+once, in 11 us.
 """
 
 from __future__ import annotations
@@ -53,7 +57,7 @@ VALUES, COLUMNS, KEPT = 0, 3, 12
 MATRIX, AXES, SCRATCH, NEEDED = 0, 9, 18, 27
 
 
-# The functions of `compilation.wide` as subroutines: inlined, their hundreds of instructions would
+# The functions of `wide` as subroutines: inlined, their hundreds of instructions would
 # be compiled for a minute.
 
 
@@ -300,11 +304,9 @@ def _component(kept, axis, i):
     return math.ldexp(as_double(load(kept, COLUMNS + 3 * axis + i)), -BITS)
 
 
-# --------------------------------------------------------------------------------------------------
-# The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers.
-#
+# ---- The start of a diagonalisation: axes in doubles, made exactly orthogonal in wide integers
 # Jacobi's rotations of doubles bring the elements off the diagonal to 1e-16 of the moments; few
-# rotations of wide integers (`solution.diagonal`) are left.
+# rotations of wide integers are left.
 
 _SWEEPS_IN_DOUBLES = 12
 # Elements below this part of the largest moment are left to the wide integers.
@@ -408,13 +410,7 @@ def _turn_matrix(w):
             store(w, MATRIX + 3 * i + k, total)
 
 
-# --------------------------------------------------------------------------------------------------
-# Principal axes of full inertia tensors, to 115 digits.
-#
-# Beside the separatrix D2 is 1e-16 of its terms, or 1e-32 for a body that spins about its middle
-# axis, and 1e9 revolutions multiply its relative error by 1e9: moments and axes to 31 digits do not
-# suffice.  The doubles of a tensor are integers over a power of two, so Jacobi's rotations run in
-# integers of 448 bits (`solution.diagonal`); a tensor is diagonalised once, in 11 us.
+# ---- Principal axes of many bodies
 
 # Asymmetry of a tensor, relative to its largest entry, that counts as rounding.
 ASYMMETRY: float = 1e-13
@@ -533,7 +529,7 @@ class PrincipalAxes(NamedTuple):
     Attributes
     ----------
     words : (B, 7 KEPT) array
-        The moments and the axes to 115 digits, integers of `compilation.wide`.
+        The moments and the axes to 115 digits, integers of `wide`.
     moments : (B, 3, 2) array
         Pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor its diagonal.
         A least moment that is zero within rounding is 0; the body is then a rod.

@@ -1,7 +1,7 @@
-"""The constants of one motion: a record of numbers.
+"""The constants of one motion, and its derivatives: records of numbers.
 
-The stages of `solution.motion` fill it, `solution.kernel` reads it.  Rates are in turns per second,
-phases in turns, pairs are (hi, lo).
+`constants` fills the first, `sensitivity` the second; `kernel` and `tangents` read them.  Rates are
+in turns per second, phases in turns, pairs are (hi, lo).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CONSTANTS: np.dtype[np.void] = np.dtype(
         # internal pair (alpha, beta) to the attitude of the given axes; columns w, x, y, z
         # (uniform: row 0 is q(0), row 1 q(0) times the unit axis)
         ("frame", "f8", (4, 4)),
-        # series of alpha and beta: see solution.coefficients
+        # series of alpha and beta: see constants
         ("alpha", "f8", (2, 4)),
         ("beta", "f8", (2, 4)),
         ("decay", "f8"),  # hyperbolic: exp(-2|y|) = 2**(-decay |dx|)
@@ -48,7 +48,7 @@ CONSTANTS: np.dtype[np.void] = np.dtype(
         # and the internal axes in the given ones
         ("rates", "f8", (4, 5)),
         ("axes", "f8", (3, 3)),
-        # for solution.regimes and the methods of a motion
+        # for regimes and the methods of a motion
         ("psi_rate", "f8"),  # mean turns per second of the third Euler angle (3-1-3), signed
         ("phi_rate", "f8"),  # and of the first
         ("m", "f8"),
@@ -59,9 +59,7 @@ CONSTANTS: np.dtype[np.void] = np.dtype(
 )
 
 
-# --------------------------------------------------------------------------------------------------
-# The derivatives of one motion: a record of numbers beside `solution.record`.
-#
+# ---- The derivatives of one motion: a record of numbers beside `CONSTANTS`
 # The change of attitude at t is a rotation vector over inertial axes.  For motions that tumble, and
 # the column of one parameter,
 #
@@ -117,7 +115,7 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("offset", "f8", (3, COLUMNS)),
         # axes with z along the momentum, in which the solution is written, to inertial axes
         ("invariant", "f8", (3, 3)),
-        # series of solution.tangent_series, and z of the three vectors of the trigonometric form
+        # series of tangents, and z of the three vectors of the trigonometric form
         ("series", "f8", (8, 5)),
         ("upright", "f8", 3),
         # angular momentum, inertial axes; inverse inertia, principal axes
@@ -125,7 +123,7 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("inverse", "f8", 3),
         ("principal", "f8", (3, 3)),
         # uniform rotation: turns per second of half the oscillation of a wobble, negative squared
-        # where it grows, and what the scalars of solution.uniform_tangents multiply
+        # where it grows, and what the scalars of uniform_tangents multiply
         ("wobble", "f8", 2),
         ("grows", "f8"),
         ("uniform", "f8", (10, 3, COLUMNS)),

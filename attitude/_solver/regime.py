@@ -324,7 +324,7 @@ def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
 
 
 def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
-    """Rows (B,) of `solution.regimes.REGIME`, from moments (B, 3, 2), pairs, and constants (B,)."""
+    """Rows (B,) of `regimes.REGIME`, from moments (B, 3, 2), pairs, and constants (B,)."""
     from attitude._solver.regimes import REGIME, regimes_all
 
     rows = np.zeros(len(constants), REGIME)

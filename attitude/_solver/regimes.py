@@ -1,4 +1,4 @@
-"""Periods, ranges and times of motions.
+"""Periods, ranges and times of motions, and the motion of given periods; compiled loops.
 
 Symbols: A <= B <= C the moments, D = L^2/2E the dynamic inertia.  In Jacobi order (section 3 of van
 Zon & Schofield 2006) the third axis is the one about which the momentum circulates: that of A in
@@ -53,7 +53,7 @@ _TAIL = 42.0
 
 @sized_entry_point
 def modes_all(constants, modes):
-    """Fill the codes (B,) of the modes of B states with D2 (solution.classify)."""
+    """Fill the codes (B,) of the modes of B states with D2 (constants)."""
     for b in range(len(constants)):
         c = constants[b]
         if c.form != codes.UNIFORM:
@@ -67,7 +67,7 @@ def regimes_all(moments, constants, out):
 
     Given
         moments    (B, 3, 2) pairs, from which the constants were computed
-        constants  (B,) records (solution.record)
+        constants  (B,) records (records.CONSTANTS)
     Filled
         out        (B,) of REGIME
     """
@@ -264,9 +264,7 @@ def mean_speeds(regimes, out):
         out[b] = size * total / weights
 
 
-# --------------------------------------------------------------------------------------------------
-# The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis.
-#
+# ---- The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis
 # Symbols: A <= B <= C the moments.
 
 # y = (1 + exp(-z))^-1 measures D between the separatrix (0) and rotation about the axis (1).

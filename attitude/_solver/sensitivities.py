@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of attitudes and angular velocities of B bodies, as arrays.
-#
+# ---- Derivatives of attitudes and angular velocities of B bodies, as arrays
 # The nine parameters of a motion are the rotation vector of its first attitude (3, rad, inertial
 # axes), its angular velocity at the epoch (3, rad/s, body axes) and its principal moments (3).
 
@@ -136,7 +134,7 @@ def _short_of(constants, tangents, t, edges, rates):
 
 
 def _triangular(constants, tangents, factors):
-    """Factors W Q with an orthogonal Q, and records with the zeros of solution.triangular."""
+    """Factors W Q with an orthogonal Q, and records with the zeros of columns."""
     turned, order = factors.copy(), _order()
     members = np.flatnonzero(constants["form"] != codes.UNIFORM)
     if members.size:

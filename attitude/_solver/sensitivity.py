@@ -1,9 +1,9 @@
-"""Loops over bodies, blocks of epochs and columns: sensitivities in arrays.
+"""Set-up and loops of sensitivities: bodies, blocks of epochs, columns.
 
 Given
-    constants  (B,) of solution.record; those of another form are skipped
-    tangents   (B,) of solution.tangent_record
-    short      (B,) of solution.short_times, or (0,) if no epoch is within its reach
+    constants  (B,) of records.CONSTANTS; those of another form are skipped
+    tangents   (B,) of records.TANGENTS
+    short      (B,) of short_times, or (0,) if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
     t_low      a second double of the seconds, in the same shape, or (1, 0) where there is none:
                None would be another type, for which each loop would be compiled anew
@@ -88,8 +88,7 @@ from attitude._solver.uniform_tangents import (
     unit_vector,
 )
 
-# --------------------------------------------------------------------------------------------------
-# Set-up of the sensitivity: one record of solution.tangent_record for each motion.
+# ---- Set-up of the sensitivity: one record of `TANGENTS` for each motion
 
 
 @slowly_compiled
@@ -112,10 +111,10 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
         moments    (B, 3, 2) principal moments, pairs, all above zero
         wxyz       (B, 4) body to inertial at the epoch, of any length
         principal  (1 or B, 4) principal axes to given body axes
-        constants  (B,) of solution.record.CONSTANTS
+        constants  (B,) of records.CONSTANTS.CONSTANTS
         block      (ROWS BLOCK,) working memory
     Filled
-        tangents   (B,) of solution.tangent_record.TANGENTS, zeros at first
+        tangents   (B,) of records.TANGENTS, zeros at first
     """
     for b in range(len(constants)):
         c, d = constants[b], tangents[b]

@@ -15,9 +15,7 @@ from attitude._compilation.decorators import force_inlined
 from attitude._compilation.instructions import as_bits, descending_fma, from_bits, loop_fma, rint
 from attitude._solver.twofloat import two_sum
 
-# --------------------------------------------------------------------------------------------------
-# Phases in turns: linear in time without loss, and their sine and cosine.
-#
+# ---- Phases in turns: linear in time without loss, and their sine and cosine
 # Everything that grows with time is a phase f t + x0.  In turns, its whole part is removed exactly;
 # in two doubles, its fraction has an error of 1e-16 of a turn up to 1e15 turns, and 1e-14 at
 # LONGEST.

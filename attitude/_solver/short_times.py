@@ -1,7 +1,7 @@
 """Sensitivity at epochs near that of the state, by Taylor series of Euler's equations.
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
-strongly with the moments, and the columns of solution.columns are small differences of large
+strongly with the moments, and the columns of columns are small differences of large
 numbers.  Within a quarter of the radius of convergence, K'/wp, or less, the changes are polynomials
 in t:
 
@@ -222,7 +222,7 @@ def _sum(series, row, j, x):
 
 @force_inlined
 def near_column(d, s, j, block, x, y, z):
-    """Replace the change of attitude at the epochs within reach (solution.columns)."""
+    """Replace the change of attitude at the epochs within reach (columns)."""
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)

@@ -1,6 +1,6 @@
 """The exact free rotation over a short time, for integrators that split torques off.
 
-The constants of `solution.constants` take a microsecond, and differ between regimes.  A splitting
+The constants of `constants` take a microsecond, and differ between regimes.  A splitting
 scheme needs one epoch from every state: this form of the exact solution has no constants, no
 regimes and no elliptic integrals, and is the same arithmetic from a sphere to a needle and across
 the separatrix.
@@ -59,9 +59,7 @@ from attitude._solver.kernel import product
 from attitude._solver.series import sincos, sincos_of_eighth
 from attitude._solver.twofloat import quick_two_sum, two_prod, two_sum
 
-# --------------------------------------------------------------------------------------------------
-# The state of an integration: attitude and angular velocity as compensated sums.
-#
+# ---- The state of an integration: attitude and angular velocity as compensated sums
 # A state is a tuple of wxyz (4), the angular velocity (3), and the lower halves of both (4), (3),
 # which the rounded sums leave out.  Its numbers are doubles, or SIMD vectors of a lane for each
 # body.
@@ -136,7 +134,8 @@ def _add(x, low, change):
 
 
 # The largest change of the state over one increment, as an angle (see `pieces`).
-# Truncation there is below 5e-17 of the angle; tests/test_splitting.py walks across the limit.
+# Truncation there is below 5e-17 of the angle; tests/torques/test_splitting.py walks across the
+# limit.
 LONGEST_PIECE: Final = 0.1
 # Momenta below the square root of this (moments at most 1) turn a body so little in any time that
 # the square of the angle is below a rounding.
@@ -430,10 +429,8 @@ def advance(moments, k, h, state):
         rate = rates(k, state[1])
 
 
-# --------------------------------------------------------------------------------------------------
-# The exact free rotation of two bodies over short times, computed together.
-#
-# Formulas of `solution.step` in SIMD vectors of two lanes: two bodies in the time of one.
+# ---- The exact free rotation of two bodies over short times, computed together
+# The formulas above in SIMD vectors of two lanes: two bodies in the time of one.
 
 # The square of an eighth of a turn, and the bits of two lanes.
 _EIGHTH: Final = 0.015625
@@ -447,7 +444,7 @@ def advance_two(moments, k, h, state, squares):
     """Free motions of two bodies of the same moments.
 
     Given
-        h, state   as in `step.advance`; SIMD vectors, of a lane for each body
+        h, state   as in `advance`; SIMD vectors, of a lane for each body
         squares    of the longest pieces of both (see `step.LONGEST_PIECE`)
     Returned
         the state, and whether it is right: not for bodies at rest, and turns by more than a right

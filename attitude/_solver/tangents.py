@@ -7,10 +7,10 @@ A change (A', b') of the pair is the rotation vector (axes with z along the mome
 with N = |A|^2 + |b|^2 and the phase Phi of the precession; the normalisation of the pair drops out.
 
 Given
-    c, d       records of solution.record and solution.tangent_record
+    c, d       records of CONSTANTS and TANGENTS (`records`)
     t, t_low   (n,) seconds, n <= BLOCK; `t_low` may be None
 Filled
-    block      (ROWS BLOCK,) rows of solution.tangent_record: seconds, three vectors over inertial
+    block      (ROWS BLOCK,) rows of records.TANGENTS: seconds, three vectors over inertial
                axes, the number of the passage, and the arguments from which the attitudes and the
                angular velocities follow
 """
@@ -369,9 +369,7 @@ def _store_changes(axes, by_phase, w, change, block, i):
     _store(block, BY_NOME + i, _applied(axes, change))
 
 
-# --------------------------------------------------------------------------------------------------
-# Series of the changes of attitude with nutation phase, amplitude and ellipticity.
-#
+# ---- Series of the changes of attitude with nutation phase, amplitude and ellipticity
 # The pair of docs/derivation.md is A = theta4(w | Q), b = -theta1(w | Q) with exp(2 i w) = X E^2, E
 # = exp(i v) and Q = s X^2 = q^2, s = rho^4.  By the heat equation its derivatives at constant v are
 # those by w,
@@ -472,7 +470,7 @@ def fill_hyperbolic(c, d, series, upright):
     Filled
         series   the sum in N and, first and last, that over it in 2 R -+ 2; real and imaginary
                  parts of V by N E, and of V' / 4 by N and by F/E or G E^3.  F and G as in
-                 `solution.series`
+                 `series`
         upright  z of the first vector, and what 2 R is multiplied by in the third
     """
     nome, square = d.nome, d.nome * d.nome
@@ -502,7 +500,7 @@ def fill_hyperbolic(c, d, series, upright):
 
 @subroutine
 def fill_rates(c, d):
-    """Fill what the derivatives of the angular velocity need (solution.tangent_record).
+    """Fill what the derivatives of the angular velocity need (records.TANGENTS).
 
     The factors of the series of cn, sn and dn depend on their nome as the amplitudes do: their
     changes are added to those of the amplitudes.

@@ -16,7 +16,7 @@ of seconds since the epoch, the attitude body to inertial, the angular velocity 
 the samples for that epoch (such as a position) and its parameters; it fills the torque over the
 body axes.  A function that returns without filling it, because of an exception, leaves NaN.
 
-The loops pass addresses to the functions they call, never arrays (`compilation.pointers`).
+The loops pass addresses to the functions they call, never arrays (see `pointers`).
 """
 
 from __future__ import annotations

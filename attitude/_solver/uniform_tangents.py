@@ -94,7 +94,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
     """Fill what the scalars of `uniform_block` multiply.
 
     Given
-        c, d       records of solution.record and, filled but for this, solution.tangent_record
+        c, d       records of records.CONSTANTS and, filled but for this, records.TANGENTS
         moments    (3) principal moments
         wxyz, principal  attitude at the epoch, and principal to given body axes
     """
@@ -176,7 +176,7 @@ def _put_turn(d, j, row, turns, moments, axis, change):
 def uniform_block(c, d, t, t_low, block):
     """Fill seconds, cosine and sine of the turn, S and V of a block.
 
-    Arguments as in solution.tangents.
+    Arguments as in tangents.
     """
     gh, gl = c.precession[0], c.precession[1]
     for i in range(len(t)):
@@ -221,7 +221,7 @@ def _sum(u, k, j, first, swing, lift, seconds):
 
 @force_inlined
 def uniform_column(d, j, block, x, y, z):
-    """Fill the change of attitude over inertial axes with parameter j (solution.columns)."""
+    """Fill the change of attitude over inertial axes with parameter j (columns)."""
     u = d.uniform
     for i in range(len(x)):
         seconds, swing, lift = block[SECONDS + i], block[SWING + i], block[LIFT + i]

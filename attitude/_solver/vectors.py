@@ -1,4 +1,4 @@
-"""Vectors turned by attitudes, and angles between vectors, compiled.
+"""Vectors turned by attitudes, angles between vectors, and states from labelled axes, compiled.
 
 All arrays are component-major, (4, N) for attitudes and (3, N) for vectors, so that LLVM vectorises
 the loops; a vector (3, 1) is the same for all epochs.  `attitude.frames.quaternion.rotate` does
@@ -132,9 +132,7 @@ def _from_each(ax, ay, az, bx, by, bz, near, far):
         far[k] = math.sqrt(x * x + y * y + z * z)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes and rates of bodies from pole and angles of labelled axes, as papers give them.
-#
+# ---- Attitudes and rates of bodies from pole and angles of labelled axes, as papers give them
 # The labels L and S of the axes, and the order of the turns, are those of
 # `attitude.motions._conventions`.
 
@@ -155,7 +153,7 @@ def rates_all(moments, long_axis, long_labels, branches, places, momenta, angles
         long_axis, long_labels   (N,) booleans: long-axis mode, else short-axis; labels L, else S
         branches   (N,) theta up to 90 degrees: ACUTE, above: OBTUSE, or UNKNOWN, which is ACUTE
                    where psi circulates
-        places     (N, >= 2) y and 1 - y of `place_of_d`
+        places     (N, >= 2) y and 1 - y of `regimes`
         momenta    (N,) magnitude of the angular momentum, unit of the moments times rad/s
         angles     (N, 5) whose last column is psi, rad
     Filled

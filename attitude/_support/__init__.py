@@ -1,1 +1,13 @@
-"""What every subject needs: checks of input, arrays, pairs of doubles, blocks, text of numbers."""
+"""What every subject needs: checks of input, arrays, pairs of doubles, blocks, text of numbers.
+
+annotations     types of public parameters and results
+validation      checks of the numbers that callers give; arguments that do not exist
+quantity_text   numbers followed by a unit, as text
+quoting         how sentences of errors quote input
+arrays          read-only arrays, immutable classes, memory for results
+pairs           sums and products in two doubles, in numpy
+blocks          division of work into blocks and threads, reports of progress
+tables          astropy's tables, written with a column for each component
+markup          HTML and SVG for notebooks
+constants       physical constants
+"""

@@ -1,4 +1,6 @@
-"""Values that do not change: read-only arrays, also after copying, pickling and unpickling.
+"""Values that do not change: read-only arrays, immutable classes; memory for results.
+
+An immutable object stays so after copying, pickling and unpickling.
 
 A class whose constructor converts its arguments (text, Quantities and lists to arrays in SI units)
 writes its ``__init__`` and annotates it with the types that callers pass; the attributes in the
@@ -122,8 +124,7 @@ def _refrozen(value: Any) -> Any:
     return frozen(value) if isinstance(value, np.ndarray) else value
 
 
-# --------------------------------------------------------------------------------------------------
-# Memory for results, of large pages where that is cheaper, and views with other orders of axes.
+# ---- Memory for results, of large pages where that is cheaper, and views with other orders of axes
 
 # Bytes of a large page, and the least size of an array for which numpy requests such pages.
 _PAGE = 1 << 21

@@ -128,8 +128,7 @@ def in_rectangles(
     in_blocks(rectangles, pieces * -(-bodies // size), 1, threads, progress)
 
 
-# --------------------------------------------------------------------------------------------------
-# A line on standard error that says how far a long computation is.
+# ---- A line on standard error that says how far a long computation is
 
 # Seconds before the line appears, and between two changes of it.
 _PATIENCE, _INTERVAL = 1.0, 0.2

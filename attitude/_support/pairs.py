@@ -1,7 +1,7 @@
 """Sums and products of float64 arrays in two doubles, exact or to 2 eps squared.
 
 A pair (hi, lo) stands for hi + lo with |lo| at most half a unit in the last place of hi; hi and lo
-are floats or arrays.  `solution.twofloat` has the same functions for compiled code.
+are floats or arrays.  `attitude._solver.twofloat` has the same functions for compiled code.
 
 Source: Dekker, Numer. Math. 18, 224 (1971); Knuth, The Art of Computer Programming 2, 4.2.2.
 """

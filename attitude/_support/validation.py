@@ -1,4 +1,4 @@
-"""Check the numbers that callers give, once: shape, unit, finiteness.
+"""Check the numbers and arguments that callers give, once: shape, unit, finiteness, names.
 
 All other code works on float64 arrays in SI units and radians.  No function here changes a value
 except by converting it to the unit of the result.
@@ -307,8 +307,7 @@ def shown(value: object) -> str:
     return quoted(value)
 
 
-# --------------------------------------------------------------------------------------------------
-# Calls that fail: of arguments that do not exist, and of packages that are not installed.
+# ---- Calls that fail: of arguments that do not exist, and of packages that are not installed
 
 # What pip installs, and where: no package index has the package before its release.  From then on
 # "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.

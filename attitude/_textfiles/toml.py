@@ -1,4 +1,4 @@
-"""TOML files: reading, and errors for broken syntax, unknown keys and wrong values."""
+"""TOML files, JSON values and rows of CSV; errors for broken syntax, unknown keys, wrong values."""
 
 from __future__ import annotations
 
@@ -112,8 +112,7 @@ def _syntax_error(message, text, origin):
     return f"{origin}, {where}: is not valid TOML: {what[:1].lower() + what[1:]}."
 
 
-# --------------------------------------------------------------------------------------------------
-# JSON text of plain values and arrays; numbers that are not finite become null.
+# ---- JSON text of plain values and arrays; numbers that are not finite become null
 
 
 def written(value: Any, *, indent: int | None = None) -> str:
@@ -149,8 +148,7 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-# --------------------------------------------------------------------------------------------------
-# JSON values, and rows of CSV as records of named fields.
+# ---- JSON values, and rows of CSV as records of named fields
 
 _GUARD = re.compile(r"^'(?=[=+@-])")
 

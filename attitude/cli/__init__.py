@@ -5,15 +5,11 @@ A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below th
 wrong input.
 
 propagate, describe, geometry, lightcurve, invert, periods, fold, plot, view, convert, check,
-warm_up         the commands
-target          the motion of a file or of an entry of the catalogue
-grid            equally spaced epochs
-orbit           the option --orbit
-output          the option --output
-view_source     what view shows
-table           rows of CSV and ECSV
-curve_figure    the figure of a light curve
-observed        the option --observed
+warm_up     the commands
+_options    the motion of a file or of an entry of the catalogue; equally spaced epochs; ``--orbit``
+_output     the option ``--output``; rows of CSV and ECSV
+_selftest   what ``check`` measures
+_warm_up    what ``warm-up`` compiles
 """
 
 from __future__ import annotations

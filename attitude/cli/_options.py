@@ -1,8 +1,8 @@
-"""Equally spaced epochs of any number, computed block by block.
+"""Arguments that several commands have: the motion, equally spaced epochs, ``--orbit``.
 
-If start or stop is a date, the steps are seconds of UTC (leap seconds count), so that 00:00 is
-followed by 01:00; if both count from the epoch, they are seconds of TDB, as in
-``motion.at(seconds)``.  The two differ by microseconds.
+Epochs are computed block by block.  If start or stop is a date, the steps are seconds of UTC (leap
+seconds count), so that 00:00 is followed by 01:00; if both count from the epoch, they are seconds
+of TDB, as in ``motion.at(seconds)``.  The two differ by microseconds.
 """
 
 from __future__ import annotations
@@ -227,8 +227,7 @@ def _leading(fraction: Fraction) -> float:
     return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
 
 
-# --------------------------------------------------------------------------------------------------
-# ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit.
+# ---- ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit
 
 
 def add_orbit_arguments(parser: argparse.ArgumentParser) -> None:
@@ -300,8 +299,7 @@ def _kind(file: str) -> str:
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# The motion that a command is run for: that of a file, or a completed entry of the catalogue.
+# ---- The motion that a command is run for: that of a file, or a completed entry of the catalogue
 
 # Option of the command line, keyword of catalog.load, unit, help.
 _NUMBERS = (

@@ -1,4 +1,4 @@
-"""The output of a command: a file, its format by its ending, or standard output."""
+"""The output of a command: a file, its format by its ending, or standard output; rows of CSV."""
 
 from __future__ import annotations
 
@@ -59,8 +59,7 @@ def opened(name: str | None) -> AbstractContextManager[Any]:
     return written_whole(name, "--output")
 
 
-# --------------------------------------------------------------------------------------------------
-# Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times).
+# ---- Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times)
 
 
 def header(kind: str, motion: FreeRotation, *, rates: bool, sigma: bool = False) -> str:

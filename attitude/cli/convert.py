@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from attitude.motions._table import AttitudeTable
     from attitude.paths._path import Path
 
+__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
-# --------------------------------------------------------------------------------------------------
-# The options of ``attitude convert``.
+
+# ---- The options of ``attitude convert``
 
 HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
 EPILOG: str = """\
@@ -83,8 +84,6 @@ def options() -> list[Option]:
     """The options that the registered formats add to the command."""
     return [option for each in formats().values() for option in each.options]
 
-
-__all__ = ["EPILOG", "HELP", "add_arguments", "run"]
 
 # Ratio of the rms of two fits from which the principal axes are fitted too.
 _BETTER = 0.9
@@ -218,7 +217,7 @@ def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
     return AttitudeTable.from_history(history, rates=records.has_rates)
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def _write_motion(

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from attitude.scene._view import View
 
 
-# --------------------------------------------------------------------------------------------------
-# The figure of a light curve: magnitude and phase angle against time.
+# ---- The figure of a light curve: magnitude and phase angle against time
 
 _CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
 # Points of a curve that a figure of 1500 pixels resolves; longer ones are drawn by their extremes.
@@ -140,8 +139,7 @@ def _runs(flags: BoolArray) -> IntArray:
     return edges.reshape(-1, 2)
 
 
-# --------------------------------------------------------------------------------------------------
-# ``--observed CURVE.csv``: the light curve of a mission against observations.
+# ---- ``--observed CURVE.csv``: the light curve of a mission against observations
 
 _DAY = 86400.0
 
@@ -349,7 +347,7 @@ class _Curve:
             self._keep(view, self._magnitude.of(view))
 
     def draw(self, file: IO[bytes], kind: str) -> None:
-        """Save the figure to a binary file in one of the formats of `output.PICTURES`."""
+        """Save the figure to a binary file in one of the formats of `PICTURES`."""
 
         names = [name for name in self._parts[0] if name not in _DAMIT]
         kept = {name: self._joined(name) for name in names}

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# What ``attitude view`` shows: the motion or scene of a file, or of a name in the catalogue.
+# ---- What ``attitude view`` shows: the motion or scene of a file, or of a name in the catalogue
 
 # Keys of a spin file; a TOML with others is a mission file.
 _OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors"}

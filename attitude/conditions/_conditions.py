@@ -1,4 +1,4 @@
-"""Channels: functions of time whose sign changes a search finds."""
+"""Channels, conditions (trees of and, or, not over the signs of channels) and observables."""
 
 from __future__ import annotations
 
@@ -103,9 +103,7 @@ class Level(Channel):
         return hash(self._key())
 
 
-# --------------------------------------------------------------------------------------------------
-# How the signs of channels decide a condition: trees of and, or, not over the signs.
-#
+# ---- How the signs of channels decide a condition: trees of and, or, not over the signs
 # Trees are made of classes of this module, which can be pickled; closures cannot.
 
 
@@ -196,8 +194,7 @@ def undecided(logic: Logic, signs: Sequence[IntArray]) -> BoolArray:
     return true & false
 
 
-# --------------------------------------------------------------------------------------------------
-# Conditions: true or false at every epoch, combined by &, | and ~.
+# ---- Conditions: true or false at every epoch, combined by &, | and ~
 
 
 class Joinable:
@@ -316,8 +313,7 @@ def condition_of(given: object, name: str = "f") -> Condition:
     return given.condition
 
 
-# --------------------------------------------------------------------------------------------------
-# Observables: numbers at every epoch, with extrema, and conditions by comparison.
+# ---- Observables: numbers at every epoch, with extrema, and conditions by comparison
 
 # Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
 _SPACING = 0.05

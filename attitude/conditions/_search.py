@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
 
 
-# --------------------------------------------------------------------------------------------------
-# How far a search in time is, as a bar on a terminal.
+# ---- How far a search in time is, as a bar on a terminal
 
 
 class Advance:
@@ -72,8 +71,7 @@ class Advance:
         self._bar(self._rounds, self._rounds)
 
 
-# --------------------------------------------------------------------------------------------------
-# Zeros within brackets, many at once, to the resolution of a double of time.
+# ---- Zeros within brackets, many at once, to the resolution of a double of time
 
 _MOST_STEPS = 120
 
@@ -134,9 +132,7 @@ def _next(x1, x2, x3, f1, f2, f3):
     return np.where(trusted & np.isfinite(inverse), inverse, 0.5)
 
 
-# --------------------------------------------------------------------------------------------------
-# Upper bounds of the derivatives of body-fixed directions over the parts of a search.
-#
+# ---- Upper bounds of the derivatives of body-fixed directions over the parts of a search
 # For a free rotation and for each arc of a chain the bounds are proven (`Motion.rate_bounds`); for
 # other motions they are estimated from samples.
 

@@ -1,23 +1,14 @@
 """Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
 
-ensemble      `Ensemble`: the states of N members
-attitudes     attitudes at epochs, and blocks of them
-lit           brightness and magnitudes; `light`, their blocks; `light_loops`, the compiled loop
-collection    construction, members, parts and joined ensembles
-described     modes, periods, ranges and invariants
-sources       published periods, tables and files, random draws
-tables, draws columns of tables; draws from covariances and distributions
-answer        `EnsembleHistory`, the attitudes
-arguments     rows, names and numbers of members that agree
-rows          the epochs of a call: a grid, or ragged rows
-epoch         epochs of members, and seconds since them
-inertia       moments and tensors of the members
-members       states as the compiled solution takes them
-reduced       percentiles, histograms and coverage; `quantities`, of what; `views`, of scenes
-arcs          `ArcsEnsemble`: N states with the same impulses
-torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
-evaluate      blocks of members and rows, in threads
-partitioned   `PartitionedEnsemble`: members in the partitions of dask
+_ensemble      `Ensemble`: the states of N members, and what they answer
+_evaluation    the epochs of a call (grid or rows), blocks and threads; `EnsembleHistory`
+_quantities    `AngleTo` and other quantities, for percentiles, histograms and coverage
+_partitioned   `PartitionedEnsemble`: members in the partitions of dask
+_members       epochs, inertia and states of the members as the compiled solution takes them
+_light         brightness and magnitudes, block by block
+_tables        columns of tables; random draws
+_arcs          `ArcsEnsemble`: N states with the same impulses
+_torqued       `TorquedEnsemble`: N states under torques, one scheme and one step
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Many states under the same instantaneous changes: impulses and changes of inertia."""
+"""`ArcsEnsemble`: many states under the same impulses and changes of inertia."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from attitude.ensemble._ensemble import Ensemble
 
 
-# --------------------------------------------------------------------------------------------------
-# Chains of free arcs of the members of an ensemble that change alike, compiled over members.
+# ---- Chains of free arcs of the members of an ensemble that change alike, compiled over members
 
 
 class Failed(Exception):
@@ -184,7 +183,7 @@ class ArcsEnsemble(Immutable):
     ensemble : Ensemble
         States at one epoch.
     changes : Impulse, InertiaChange, or sequence of them
-        As of `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
+        As in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
         given momenta are compiled over members, 0.1 ms a member and change; events and
         functions are resolved member by member.
 

@@ -1,11 +1,11 @@
-"""Many freely rotating bodies, each evaluated at epochs of its own or at shared ones."""
+"""`Ensemble`: many freely rotating bodies, each evaluated at its own or at shared epochs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -45,39 +45,14 @@ if TYPE_CHECKING:
     from attitude.torques._schemes import Scheme
 
 
-# --------------------------------------------------------------------------------------------------
-# The states of N freely rotating bodies: construction, members, parts and joined ensembles.
-
+# The attributes that are pickled.
 _KEPT = (
     *("wxyz", "angular_velocity", "frame", "names", "on_error"),
     *("_inertia", "_members", "_low", "_start", "_bad"),
 )
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes of the members of an ensemble: whole answers and blocks of them.
-
-
-def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
-    """The name of member k of a part whose first member is `first`."""
-    return label(first + k)
-
-
-# --------------------------------------------------------------------------------------------------
-# Modes, periods, ranges and invariants of the members of an ensemble, as arrays.
-
-
-def _periods(rates: FloatArray) -> FloatArray:
-    with np.errstate(divide="ignore"):
-        return frozen(np.abs(1.0 / rates))
-
-
-# --------------------------------------------------------------------------------------------------
-# Brightness and magnitudes of the members of an ensemble.
-
-
-# --------------------------------------------------------------------------------------------------
-# Percentiles, histograms and coverage of quantities, without an array of members and epochs.
+# ---- Percentiles, histograms and coverage of quantities, without an array of members and epochs
 
 # Numbers held at a time: 8 MB for each thread.
 _HELD = 1 << 20
@@ -150,8 +125,17 @@ def _covered(within: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
     return fraction, np.maximum(gap, final)
 
 
-# --------------------------------------------------------------------------------------------------
-# Where ensembles come from and go to: published periods, tables and files, random draws.
+# ---- The ensemble
+
+
+def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
+    """The name of member k of a part whose first member is `first`."""
+    return label(first + k)
+
+
+def _periods(rates: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return frozen(np.abs(1.0 / rates))
 
 
 def _listed_names(names: Any) -> list[str] | None:
@@ -217,16 +201,6 @@ class Ensemble(Immutable):
     >>> tops[0].mode.name, tops.period_psi.round(6)
     ('SHORT_AXIS', array([ 2.347113, 55.168519]))
     """
-
-    def arcs(self, changes: Any) -> ArcsEnsemble:
-        """The same states with impulses or changes of inertia: an `ArcsEnsemble`."""
-        return ArcsEnsemble(self, changes)
-
-    def torqued(
-        self, torques: Any, step: Real, scheme: str | Scheme = "kick-rotate-kick"
-    ) -> TorquedEnsemble:
-        """The same states under torques, with one scheme and one step: a `TorquedEnsemble`."""
-        return TorquedEnsemble(self, torques, step, scheme)
 
     wxyz: FloatArray
     angular_velocity: FloatArray
@@ -319,12 +293,7 @@ class Ensemble(Immutable):
             more = f" Of the {len(self)} members {others} more are wrong." if others else ""
             raise AttitudeError(f"{self.label(first)}: {self._members.fault(first)}{more}")
 
-    @classmethod
-    def _of(cls, **values: Any) -> Self:
-        """An ensemble with given attributes, which are those of checked members."""
-        made = cls.__new__(cls)
-        made.__setstate__(values)
-        return made
+    # ---- Construction
 
     @classmethod
     def of(cls, motions: Iterable[FreeRotation], names: Sequence[str] | None = None) -> Self:
@@ -367,14 +336,169 @@ class Ensemble(Immutable):
         made._fill(found, wxyz, second, rates, start, frame, names, "raise")
         return made
 
-    def _with_low(self, low: FloatArray) -> Self:
-        """The same members, whose attitudes of unit length have second doubles (N, 4)."""
-        if not low.any():
-            return self
-        made, attitude = self[:], _members.to_icrf(self.frame, self.wxyz, low)
-        made._set("_low", frozen(low))
-        made._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
-        return made
+    @classmethod
+    def from_periods(
+        cls,
+        body: Body | None = None,
+        *,
+        epoch: Epochs,
+        pole: Reals,
+        phi0: Reals,
+        mode: Any = None,
+        convention: Any = None,
+        P_psi: Reals | None = None,
+        P_phi: Reals | None = None,
+        psi0: Reals | None = None,
+        theta_branch: Any = None,
+        P: Reals | None = None,
+        frame: str = "ecliptic",
+        moments: Reals | None = None,
+        relative: bool = True,
+        names: Sequence[str] | None = None,
+        on_error: str = "raise",
+    ) -> Self:
+        """Members from published spin states, each as by `Spin.from_periods`.
+
+        Parameters
+        ----------
+        body : Body
+            Of all members; or moments=.
+        moments : (3,) or (N, 3) array_like
+            Principal moments about the body axes.
+        relative : bool
+            Whether the unit of the moments is unknown; of a body, its own.
+        epoch, pole, phi0, mode, convention, P_psi, P_phi, psi0, theta_branch, P
+            As in `Spin.from_periods`; each one value, or one for each member: pole (N, 2).  P is
+            NaN for members that tumble; P_psi, P_phi and psi0 are NaN for relaxed rotators.
+        frame, names, on_error
+            As in `Ensemble`.
+
+        Raises
+        ------
+        AttitudeError
+            For the first member that no motion has, with its possible range, unless
+            on_error="nan"; and as `Ensemble`.
+        """
+        if (body is None) == (moments is None):
+            raise AttitudeError("from_periods takes either body= or moments= (N, 3).")
+        known = _listed_names(names)
+        states = _published.states_from_periods(
+            body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
+            convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
+            P=P, names=known, on_error=on_error,
+        )  # fmt: skip
+        return cls(
+            body, states.wxyz, states.angular_velocity, epoch, frame, known,
+            moments=moments, relative=relative if body is None else False, on_error=on_error,
+        )  # fmt: skip
+
+    @classmethod
+    def from_table(
+        cls,
+        table: Any,
+        *,
+        frame: str | None = None,
+        relative: bool | None = None,
+        on_error: str = "raise",
+    ) -> Self:
+        """Members from the rows of a table or a file.
+
+        Parameters
+        ----------
+        table : astropy QTable or Table, pandas DataFrame, pyarrow Table, mapping, or file name
+            One row is one member; files end in .parquet, .ecsv, .fits or .csv.  Columns:
+
+            ``name``     optional
+            ``epoch``    a Time column, dates as text (UTC), or ``epoch_seconds`` and
+            ``epoch_low``: TDB seconds past J2000 in two doubles
+            ``wxyz``     or ``w, x, y, z``: body to `frame`
+            ``angular_velocity``  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
+            ``moments``  or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
+            ``tensor``   or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
+        frame, relative : optional
+            By default those of the meta data of the table, else "icrf" and False.
+        on_error
+            As in `Ensemble`.
+
+        Raises
+        ------
+        AttitudeError
+            For columns that are missing or cannot be read, and as `Ensemble`.
+        """
+        origin = _tables.origin_of(table)
+        given = table if origin is None else tables.columns_of(origin)
+        origin = origin or "the table"
+        columns, meta = _tables.columns_of(given, origin)
+        unknown = bool(meta.get("relative", False)) if relative is None else relative
+        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin)
+        axes = str(meta.get("frame", "icrf")) if frame is None else frame
+        low = found.pop("low", None)
+        try:
+            made = cls(**found, frame=axes, relative=unknown, on_error=on_error)
+        except AttitudeError as err:
+            raise AttitudeError(f"{origin}: {err}") from err
+        return made if low is None else made._with_low(low)
+
+    @classmethod
+    def sample(
+        cls,
+        motion: FreeRotation,
+        count: int,
+        seed: int | np.random.Generator = 0,
+        *,
+        covariance: Reals | Mapping[str, Reals] | None = None,
+        distributions: Mapping[str, Any] | None = None,
+    ) -> Self:
+        """Members drawn about a motion.
+
+        Parameters
+        ----------
+        motion : FreeRotation
+        count : int
+            0 or more.
+        seed : int or numpy Generator
+        covariance : (9, 9) or (6, 6) array_like, or mapping, optional
+            As in `Spin`, over the axes of the spin's frame; by default that of the spin.
+        distributions : mapping, optional
+            In place of a covariance: by name a function of (generator, n) or an object with
+            ``rvs(size=, random_state=)``, such as of scipy.stats, that draws n rows of
+
+            ``attitude``   rotation vectors (n, 3), rad, over the axes of the spin's frame
+            ``wxyz``       attitudes (n, 4) in the frame, in place of `attitude`
+            ``angular_velocity``  (n, 3), rad/s over the body axes
+            ``moments``    (n, 3) principal moments
+
+            What is not named is that of the motion.
+
+        Returns
+        -------
+        Ensemble
+            Its frame is "icrf".  Draws whose moments are no body's are drawn anew.
+
+        Raises
+        ------
+        AttitudeError
+            Without a covariance and distributions, for draws of other shapes, and if 9 of 10 draws
+            are no body's moments.
+        """
+        if not isinstance(motion, FreeRotation):
+            raise AttitudeError(f"motion is {validation.shown(motion)}; give a FreeRotation.")
+        number = validation.count(count, "count", 0)
+        if covariance is not None and distributions is not None:
+            raise AttitudeError("covariance and distributions are both given; give one of them.")
+        drawn = _tables.drawn(motion, number, seed, covariance, distributions)
+        body = motion.body
+        shared: dict[str, Any] = {
+            "epoch": motion.spin.epoch,
+            "wxyz": drawn.wxyz,
+            "angular_velocity": drawn.rates,
+        }
+        if drawn.moments is None:
+            return cls(body, **shared)
+        if body.has_given_axes:
+            return cls(moments=drawn.moments, relative=body.relative, **shared)
+        tensors = _tables.tensors(body, drawn.moments)
+        return cls(tensors=tensors, relative=body.relative, **shared)
 
     @classmethod
     def concatenated(cls, ensembles: Iterable[Self]) -> Self:
@@ -414,8 +538,23 @@ class Ensemble(Immutable):
             _bad=wrong,
         )
 
-    def __add__(self, other: Self) -> Self:
-        return type(self).concatenated([self, other])
+    @classmethod
+    def _of(cls, **values: Any) -> Self:
+        """An ensemble with given attributes, which are those of checked members."""
+        made = cls.__new__(cls)
+        made.__setstate__(values)
+        return made
+
+    def _with_low(self, low: FloatArray) -> Self:
+        """The same members, whose attitudes of unit length have second doubles (N, 4)."""
+        if not low.any():
+            return self
+        made, attitude = self[:], _members.to_icrf(self.frame, self.wxyz, low)
+        made._set("_low", frozen(low))
+        made._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
+        return made
+
+    # ---- Members
 
     def __len__(self) -> int:
         return len(self.wxyz)
@@ -472,6 +611,16 @@ class Ensemble(Immutable):
         found: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
         return found
 
+    def _member(self, k: int) -> FreeRotation:
+        if k in self._bad:
+            raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
+        given = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
+        spin = Spin(*given)
+        if self._low is not None:
+            spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
+            spin._set("wxyz", frozen(self.wxyz[k].copy()))
+        return FreeRotation(self._inertia.body(k), spin)
+
     def number(self, member: int | str) -> int:
         """The number of a member of a number (below 0: from the end) or a name.
 
@@ -510,15 +659,22 @@ class Ensemble(Immutable):
         where = f"member {k} of {len(self)}"
         return where if self.names is None else f"{where} ({str(self.names[k])!r})"
 
-    def _member(self, k: int) -> FreeRotation:
-        if k in self._bad:
-            raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
-        given = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
-        spin = Spin(*given)
-        if self._low is not None:
-            spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
-            spin._set("wxyz", frozen(self.wxyz[k].copy()))
-        return FreeRotation(self._inertia.body(k), spin)
+    def __add__(self, other: Self) -> Self:
+        return type(self).concatenated([self, other])
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: self.__dict__[name] for name in _KEPT}
+
+    def __repr__(self) -> str:
+        start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
+        return f"<{type(self).__name__} of {len(self)} members, from {start}>"
+
+    # ---- Epochs
+
+    @property
+    def epoch(self) -> _instants.Instant | None:
+        """The epoch that all members share, or None."""
+        return self.epoch_of(0) if self._start.shape[1] == 1 else None
 
     def epoch_of(self, k: int) -> _instants.Instant:
         """The epoch from which the seconds of member k count."""
@@ -530,14 +686,11 @@ class Ensemble(Immutable):
         return self._start[0][which], self._start[1][which]
 
     @property
-    def epoch(self) -> _instants.Instant | None:
-        """The epoch that all members share, or None."""
-        return self.epoch_of(0) if self._start.shape[1] == 1 else None
-
-    @property
     def start_of_seconds(self) -> _instants.Instant:
         """The epoch that all members share, or J2000."""
         return self.epoch_of(0) if self._start.shape[1] == 1 else _instants.Instant(0.0)
+
+    # ---- States, periods and invariants
 
     @property
     def is_physical(self) -> NDArray[np.bool_]:
@@ -545,284 +698,6 @@ class Ensemble(Immutable):
         found = np.ones(len(self), dtype=bool)
         found[self._bad] = False
         return found
-
-    if TYPE_CHECKING:
-
-        def grid_of(self, t: Any, low: Any = None) -> MemberGrid:
-            """Defined by `attitudes.Evaluated`."""
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: self.__dict__[name] for name in _KEPT}
-
-    def __repr__(self) -> str:
-        start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
-        return f"<{type(self).__name__} of {len(self)} members, from {start}>"
-
-    def at(
-        self,
-        t: Epochs,
-        member: ArrayLike | None = None,
-        *,
-        low: ArrayLike | None = None,
-        angular_velocity: bool = False,
-        threads: int = 1,
-        out: FloatArray | None = None,
-        rates_out: FloatArray | None = None,
-    ) -> EnsembleHistory:
-        """The attitudes of the members at some epochs.
-
-        Parameters
-        ----------
-        t : (T,) or (N, T) array_like; with `member` of any shape S
-            Seconds since the epoch of the member, or epochs, as for `FreeRotation.at`.  Arrays of
-            float64 are not copied: leave them unchanged as long as the answer is in use.
-        member : int, name, or array_like of shape S, optional
-            The member of each epoch: numbers 0 to N - 1, or names.  Rows of one member that stand
-            together are fastest; rows in another order take 0.1 us more each.
-        low : array_like, optional
-            With plain seconds: a second double; t + low are the seconds.
-        angular_velocity : bool
-            Compute `EnsembleHistory.angular_velocity` in the same pass.
-        threads : int
-            Number of threads; the bits of the answer do not depend on it.
-        out, rates_out : float64 arrays (S, 4) and (S, 3), optional
-            Filled with attitudes and angular velocities; S is (N, T) without `member`.  Arrays
-            whose memory is component-major, (N, 4, T) or (4, *S), are filled in place.
-
-        Returns
-        -------
-        EnsembleHistory
-            Of shape (N, T), (N,) for a single epoch, or S.
-
-        Raises
-        ------
-        AttitudeError
-            For epochs that cannot be read or lie more than 5e16 turns away, shapes that do not fit,
-            members out of range.
-        """
-        found = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
-        outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
-        return self._history(found, outs, threads)
-
-    def sensitivity_at(
-        self,
-        t: Epochs,
-        member: ArrayLike | None = None,
-        *,
-        low: ArrayLike | None = None,
-        angular_velocity: bool = False,
-        threads: int = 1,
-        out: FloatArray | None = None,
-        rates_out: FloatArray | None = None,
-    ) -> FloatArray | tuple[FloatArray, FloatArray]:
-        """The derivatives of attitudes by the states and the moments, in closed form.
-
-        Parameters
-        ----------
-        t, member, low, threads
-            As of `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
-        angular_velocity : bool
-            Whether the derivatives of the angular velocity are returned too.
-        out, rates_out : float64 arrays (S, 3, 9), optional
-            Filled; as of `at`.
-
-        Returns
-        -------
-        attitude : (S, 3, 9) array
-            Rotation vector (rad, ICRF axes) of the change of attitude for a unit change of the
-            attitude at the epoch (3, rotation vector, rad, ICRF axes), the angular velocity
-            (3, rad/s, body axes) and the principal moments (3, in the unit of the member).
-        omega : (S, 3, 9) array
-            Of the angular velocity, body axes; only with `angular_velocity`.
-
-        Raises
-        ------
-        AttitudeError
-            As `at`, and for rods; with ``on_error="nan"`` their derivatives are NaN.
-
-        Notes
-        -----
-        The bits and the accuracy of `FreeRotation.sensitivity_at`.
-        """
-        found = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
-        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
-        memory = [found.memory(*each, 3, sensitivities.PARAMETERS) for each in outs]
-        filled = memory[0], memory[1] if both else None
-        changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
-        if isinstance(found, MemberGrid):
-            changes.grid(found.t, found.t_low, *filled, threads)
-        else:
-            _evaluation.ragged(changes, *found.flat(), found.order, *filled, threads)
-        views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
-        return (views[0], views[1]) if both else views[0]
-
-    def blocks(
-        self,
-        t: Epochs,
-        member: ArrayLike | None = None,
-        *,
-        low: ArrayLike | None = None,
-        rows: int = 1 << 18,
-        angular_velocity: bool = False,
-        threads: int = 1,
-    ) -> Iterator[tuple[Any, EnsembleHistory]]:
-        """The answer of `at` in parts of at most `rows` attitudes, made one after the other.
-
-        Parameters
-        ----------
-        t, member, low, angular_velocity, threads
-            As of `at`.
-        rows : int
-            An attitude takes 32 bytes, 56 with its rates.
-
-        Yields
-        ------
-        place : slice, or pair of slices
-            ``history.wxyz`` is ``at(t, member).wxyz[place]``.
-        history : EnsembleHistory
-
-        Raises
-        ------
-        AttitudeError
-            As `at`.
-        """
-        found = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity")
-        outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
-        parts = found.parts(validation.count(rows, "rows"))
-        return ((place, self._history(part, outs, threads)) for place, part in parts)
-
-    def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
-        """The history of some epochs, in the output arrays (out, name, width) if they are given."""
-        memory = [found.memory(*each) for each in outs]
-        self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
-        views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        whole = cast("Ensemble", self)
-        history = EnsembleHistory(whole, found.member, found.seconds, found.low, views[0])
-        if len(views) > 1:
-            history.__dict__["angular_velocity"] = views[1]
-        return history
-
-    def evaluated(
-        self, member: IntArray, seconds: FloatArray, low: FloatArray | None
-    ) -> FloatArray:
-        """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
-        found = MemberRows(len(self), member, seconds, low)
-        wxyz, rates = (np.empty((width, seconds.size)) for width in (4, 3))
-        self._fill_rows(found, wxyz, rates, 1)
-        return found.shaped(rates, None)
-
-    def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
-        """The epochs of all members, given as for `at`; AttitudeError for a single epoch."""
-        found = self._epochs(t, low, None)
-        if not isinstance(found, MemberGrid) or found.scalar:
-            raise AttitudeError("t is one epoch; give (T,) or (N, T).")
-        return found
-
-    def _epochs(self, t: Any, low: Any, member: ArrayLike | None) -> MemberGrid | MemberRows:
-        """The epochs of all members, or of the rows of given ones."""
-        if member is None:
-            return MemberGrid(len(self), *_members.shared(self._start, t, low, len(self)))
-        known, in_runs = self._members_of(member)
-        seconds, lows, who = _members.of_rows(self._start, t, low, known)
-        return MemberRows(len(self), who, seconds, lows, in_runs)
-
-    def _fill_rows(
-        self,
-        found: MemberGrid | MemberRows,
-        wxyz: FloatArray,
-        rates: FloatArray | None,
-        threads: int,
-    ) -> None:
-        """Fill component-major memory with attitudes and, unless it is None, rates."""
-        raises = self.on_error == "raise"
-        if isinstance(found, MemberGrid):
-            members, label, epochs = self._members, self.label, (found.t, found.t_low)
-            if found.count < len(members):
-                members = members.taken(slice(found.first, found.first + found.count))
-                label = partial(_shifted, self.label, found.first)
-            _evaluation.grid(members, label, *epochs, wxyz, rates, threads, raises)
-        else:
-            runs = _evaluation.Runs(self._members, self.label, raises)
-            _evaluation.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
-
-    def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
-        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
-
-        AttitudeError for those out of range.
-        """
-        try:
-            array = np.asarray(member)
-        except ValueError as err:
-            raise AttitudeError("member is ragged; give one number or name for each row.") from err
-        if array.dtype.kind == "U" or (array.dtype == object and array.size):
-            names = [self.number(each) for each in array.ravel().tolist()]
-            array = np.array(names, dtype=np.int64).reshape(array.shape)
-        if array.size == 0:
-            return np.zeros(array.shape, dtype=np.int64), True
-        if array.dtype.kind not in "iu":
-            raise AttitudeError(
-                f"member is {validation.shown(member)}; give whole numbers or names of members."
-            )
-        found: IntArray = np.asarray(array, dtype=np.int64, order="C")
-        least, greatest, in_runs = _evaluation.survey(found.reshape(-1))
-        if least < 0 or greatest >= len(self):
-            flat = found.reshape(-1)
-            row = int(np.argmax((flat < 0) | (flat >= len(self))))
-            raise AttitudeError(
-                f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
-                f"members, 0 to {len(self) - 1}."
-            )
-        return found, in_runs
-
-    @cached_property
-    def _summary(self) -> tuple[NDArray[Any], FloatArray]:
-        """Rows (N,) of the regimes, and turns per second (2, N) of psi and phi."""
-        rows, rates = None, np.empty((2, len(self)))
-        for first in range(0, max(len(self), 1), BLOCK):
-            part = slice(first, min(first + BLOCK, len(self)))
-            constants, bad = self._members.prepared(part)
-            rates[:, part] = constants["psi_rate"], constants["phi_rate"]
-            found = solver_regime.rows_of(self._members.states(part)[0], constants)
-            for name in found.dtype.names or ():
-                found[name][bad] = NO_MODE if found.dtype[name].kind == "i" else np.nan
-            rows = np.empty(len(self), found.dtype) if rows is None else rows
-            rows[part] = found
-        assert rows is not None
-        return rows, rates
-
-    @cached_property
-    def regime(self) -> Regime:
-        """The `Regime` (N,) of the members: periods, ranges and times in both conventions."""
-        return Regime(self._summary[0].copy())
-
-    @property
-    def mode(self) -> NDArray[np.int64]:
-        """(N,) codes of `Mode`; -1 for a member that is not physical."""
-        found: NDArray[np.int64] = self.regime.mode
-        return found
-
-    @cached_property
-    def period_psi(self) -> FloatArray:
-        """(N,) periods, s, of the rotation about the axis about which the momentum circulates."""
-        return _periods(self._summary[1][0])
-
-    @cached_property
-    def period_phi(self) -> FloatArray:
-        """(N,) mean periods, s, of the axis of `period_psi` about the momentum."""
-        return _periods(self._summary[1][1])
-
-    @property
-    def energy_ratio(self) -> FloatArray:
-        """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
-        found: FloatArray = self.regime.energy_ratio
-        return found
-
-    def nutation(self, convention: str) -> FloatArray:
-        """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
-        return self.regime.nutation(convention)
 
     @property
     def wxyz_icrf(self) -> FloatArray:
@@ -861,6 +736,275 @@ class Ensemble(Immutable):
         rates = rates if rates.ndim == 2 else rates[..., 0]
         return frozen(0.5 * np.sum(self.principal_moments * rates**2, axis=-1))
 
+    @cached_property
+    def regime(self) -> Regime:
+        """The `Regime` (N,) of the members: periods, ranges and times in both conventions."""
+        return Regime(self._summary[0].copy())
+
+    @property
+    def mode(self) -> NDArray[np.int64]:
+        """(N,) codes of `Mode`; -1 for a member that is not physical."""
+        found: NDArray[np.int64] = self.regime.mode
+        return found
+
+    @cached_property
+    def period_psi(self) -> FloatArray:
+        """(N,) periods, s, of the rotation about the axis about which the momentum circulates."""
+        return _periods(self._summary[1][0])
+
+    @cached_property
+    def period_phi(self) -> FloatArray:
+        """(N,) mean periods, s, of the axis of `period_psi` about the momentum."""
+        return _periods(self._summary[1][1])
+
+    @property
+    def energy_ratio(self) -> FloatArray:
+        """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
+        found: FloatArray = self.regime.energy_ratio
+        return found
+
+    def nutation(self, convention: str) -> FloatArray:
+        """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
+        return self.regime.nutation(convention)
+
+    @cached_property
+    def _summary(self) -> tuple[NDArray[Any], FloatArray]:
+        """Rows (N,) of the regimes, and turns per second (2, N) of psi and phi."""
+        rows, rates = None, np.empty((2, len(self)))
+        for first in range(0, max(len(self), 1), BLOCK):
+            part = slice(first, min(first + BLOCK, len(self)))
+            constants, bad = self._members.prepared(part)
+            rates[:, part] = constants["psi_rate"], constants["phi_rate"]
+            found = solver_regime.rows_of(self._members.states(part)[0], constants)
+            for name in found.dtype.names or ():
+                found[name][bad] = NO_MODE if found.dtype[name].kind == "i" else np.nan
+            rows = np.empty(len(self), found.dtype) if rows is None else rows
+            rows[part] = found
+        assert rows is not None
+        return rows, rates
+
+    # ---- Attitudes
+
+    def at(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        angular_velocity: bool = False,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        rates_out: FloatArray | None = None,
+    ) -> EnsembleHistory:
+        """The attitudes of the members at some epochs.
+
+        Parameters
+        ----------
+        t : (T,) or (N, T) array_like; with `member` of any shape S
+            Seconds since the epoch of the member, or epochs, as for `FreeRotation.at`.  Arrays of
+            float64 are not copied: leave them unchanged as long as the answer is in use.
+        member : int, name, or array_like of shape S, optional
+            The member of each epoch: numbers 0 to N - 1, or names.  Rows of one member that stand
+            together are fastest; rows in another order take 0.1 us more each.
+        low : array_like, optional
+            With plain seconds: a second double; t + low are the seconds.
+        angular_velocity : bool
+            Compute `EnsembleHistory.angular_velocity` in the same pass.
+        threads : int
+            Number of threads; the bits of the answer do not depend on it.
+        out, rates_out : float64 arrays (S, 4) and (S, 3), optional
+            Filled with attitudes and angular velocities; S is (N, T) without `member`.  Arrays
+            whose memory is component-major, (N, 4, T) or ``(4, *S)``, are filled in place.
+
+        Returns
+        -------
+        EnsembleHistory
+            Of shape (N, T), (N,) for a single epoch, or S.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs that cannot be read or lie more than 5e16 turns away, shapes that do not fit,
+            members out of range.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
+        return self._history(found, outs, threads)
+
+    def blocks(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        rows: int = 1 << 18,
+        angular_velocity: bool = False,
+        threads: int = 1,
+    ) -> Iterator[tuple[Any, EnsembleHistory]]:
+        """The answer of `at` in parts of at most `rows` attitudes, made one after the other.
+
+        Parameters
+        ----------
+        t, member, low, angular_velocity, threads
+            As in `at`.
+        rows : int
+            An attitude takes 32 bytes, 56 with its rates.
+
+        Yields
+        ------
+        place : slice, or pair of slices
+            ``history.wxyz`` is ``at(t, member).wxyz[place]``.
+        history : EnsembleHistory
+
+        Raises
+        ------
+        AttitudeError
+            As `at`.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity")
+        outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
+        parts = found.parts(validation.count(rows, "rows"))
+        return ((place, self._history(part, outs, threads)) for place, part in parts)
+
+    def sensitivity_at(
+        self,
+        t: Epochs,
+        member: ArrayLike | None = None,
+        *,
+        low: ArrayLike | None = None,
+        angular_velocity: bool = False,
+        threads: int = 1,
+        out: FloatArray | None = None,
+        rates_out: FloatArray | None = None,
+    ) -> FloatArray | tuple[FloatArray, FloatArray]:
+        """The derivatives of attitudes by the states and the moments, in closed form.
+
+        Parameters
+        ----------
+        t, member, low, threads
+            As in `at`.  In parts of bounded memory: `history.sensitivity` of `blocks`.
+        angular_velocity : bool
+            Whether the derivatives of the angular velocity are returned too.
+        out, rates_out : float64 arrays (S, 3, 9), optional
+            Filled; as in `at`.
+
+        Returns
+        -------
+        attitude : (S, 3, 9) array
+            Rotation vector (rad, ICRF axes) of the change of attitude for a unit change of the
+            attitude at the epoch (3, rotation vector, rad, ICRF axes), the angular velocity
+            (3, rad/s, body axes) and the principal moments (3, in the unit of the member).
+        omega : (S, 3, 9) array
+            Of the angular velocity, body axes; only with `angular_velocity`.
+
+        Raises
+        ------
+        AttitudeError
+            As `at`, and for rods; with ``on_error="nan"`` their derivatives are NaN.
+
+        Notes
+        -----
+        The bits and the accuracy of `FreeRotation.sensitivity_at`.
+        """
+        found = self._epochs(t, low, member)
+        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
+        memory = [found.memory(*each, 3, sensitivities.PARAMETERS) for each in outs]
+        filled = memory[0], memory[1] if both else None
+        changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
+        if isinstance(found, MemberGrid):
+            changes.grid(found.t, found.t_low, *filled, threads)
+        else:
+            _evaluation.ragged(changes, *found.flat(), found.order, *filled, threads)
+        views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
+        return (views[0], views[1]) if both else views[0]
+
+    def evaluated(
+        self, member: IntArray, seconds: FloatArray, low: FloatArray | None
+    ) -> FloatArray:
+        """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
+        found = MemberRows(len(self), member, seconds, low)
+        wxyz, rates = (np.empty((width, seconds.size)) for width in (4, 3))
+        self._fill_rows(found, wxyz, rates, 1)
+        return found.shaped(rates, None)
+
+    def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
+        """The epochs of all members, given as for `at`; AttitudeError for a single epoch."""
+        found = self._epochs(t, low, None)
+        if not isinstance(found, MemberGrid) or found.scalar:
+            raise AttitudeError("t is one epoch; give (T,) or (N, T).")
+        return found
+
+    def _epochs(self, t: Any, low: Any, member: ArrayLike | None) -> MemberGrid | MemberRows:
+        """The epochs of all members, or of the rows of given ones."""
+        if member is None:
+            return MemberGrid(len(self), *_members.shared(self._start, t, low, len(self)))
+        known, in_runs = self._members_of(member)
+        seconds, lows, who = _members.of_rows(self._start, t, low, known)
+        return MemberRows(len(self), who, seconds, lows, in_runs)
+
+    def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
+
+        AttitudeError for those out of range.
+        """
+        try:
+            array = np.asarray(member)
+        except ValueError as err:
+            raise AttitudeError("member is ragged; give one number or name for each row.") from err
+        if array.dtype.kind == "U" or (array.dtype == object and array.size):
+            names = [self.number(each) for each in array.ravel().tolist()]
+            array = np.array(names, dtype=np.int64).reshape(array.shape)
+        if array.size == 0:
+            return np.zeros(array.shape, dtype=np.int64), True
+        if array.dtype.kind not in "iu":
+            raise AttitudeError(
+                f"member is {validation.shown(member)}; give whole numbers or names of members."
+            )
+        found: IntArray = np.asarray(array, dtype=np.int64, order="C")
+        least, greatest, in_runs = _evaluation.survey(found.reshape(-1))
+        if least < 0 or greatest >= len(self):
+            flat = found.reshape(-1)
+            row = int(np.argmax((flat < 0) | (flat >= len(self))))
+            raise AttitudeError(
+                f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
+                f"members, 0 to {len(self) - 1}."
+            )
+        return found, in_runs
+
+    def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
+        """The history of some epochs, in the output arrays (out, name, width) if they are given."""
+        memory = [found.memory(*each) for each in outs]
+        self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
+        views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
+        history = EnsembleHistory(self, found.member, found.seconds, found.low, views[0])
+        if len(views) > 1:
+            history.__dict__["angular_velocity"] = views[1]
+        return history
+
+    def _fill_rows(
+        self,
+        found: MemberGrid | MemberRows,
+        wxyz: FloatArray,
+        rates: FloatArray | None,
+        threads: int,
+    ) -> None:
+        """Fill component-major memory with attitudes and, unless it is None, rates."""
+        raises = self.on_error == "raise"
+        if isinstance(found, MemberGrid):
+            members, label, epochs = self._members, self.label, (found.t, found.t_low)
+            if found.count < len(members):
+                members = members.taken(slice(found.first, found.first + found.count))
+                label = partial(_shifted, self.label, found.first)
+            _evaluation.grid(members, label, *epochs, wxyz, rates, threads, raises)
+        else:
+            runs = _evaluation.Runs(self._members, self.label, raises)
+            _evaluation.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
+
+    # ---- Brightness
+
     def brightness(
         self,
         t: Epochs,
@@ -881,14 +1025,14 @@ class Ensemble(Immutable):
         Parameters
         ----------
         t, member, low
-            The epochs at which light leaves the body, as of `at`.
+            The epochs at which light leaves the body, as in `at`.
         sun, observer : (..., 3) array_like
             Vectors from the body in ICRF, of any length above zero, that broadcast to (S, 3);
             NaN gives NaN.
         shape : Ellipsoid, Mesh, N of them, or (3,) or (N, 3) array_like
             Arrays are semi-axes of ellipsoids along the body axes, m.
         law, shadows
-            As of `light_curve.brightness`: ellipsoids need a law with a closed form.
+            As in `light_curve.brightness`: ellipsoids need a law with a closed form.
         threads : int
             Number of threads; the bits of the answer do not depend on it.
         out : (S) float64 array in C order, optional
@@ -927,7 +1071,7 @@ class Ensemble(Immutable):
     ) -> FloatArray:
         """Magnitudes (S) at 1 au from Sun and observer: V(1, 1, alpha); inf where nothing is seen.
 
-        Arguments as of `brightness`; `sun_magnitude` is that of the Sun at 1 au, by default in
+        Arguments as in `brightness`; `sun_magnitude` is that of the Sun at 1 au, by default in
         Johnson V.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
@@ -945,10 +1089,12 @@ class Ensemble(Immutable):
     ) -> FloatArray:
         """Apparent magnitudes (S), for vectors to Sun and observer in m or Quantities.
 
-        Arguments as of `reduced_magnitude`.
+        Arguments as in `reduced_magnitude`.
         """
         band = validation.number(sun_magnitude, "sun_magnitude", unit="mag")
         return self.brightness(t, member, sun, observer, _magnitudes=(band, True), **options)
+
+    # ---- Percentiles, histograms, coverage
 
     def percentiles(
         self,
@@ -969,7 +1115,7 @@ class Ensemble(Immutable):
             "aspect_angle" ...); an `AngleTo(axis, target)`; or a function that takes an
             EnsembleHistory (n, T) and returns numbers (n, T).
         t : (T,) or (N, T)
-            As of `at`; with a scene (T,), the epochs at which light is received.
+            As in `at`; with a scene (T,), the epochs at which light is received.
         percentages : (P,) array_like
             0 to 100; between two members the numbers are interpolated linearly, as by numpy.
         scene : Scene, optional
@@ -1026,7 +1172,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         quantity, t, scene, low
-            As of `percentiles`.
+            As in `percentiles`.
         edges : (B + 1,) array_like
             Ascending, in the unit of the quantity; a bin holds its lower edge, the last one both.
 
@@ -1070,7 +1216,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         quantity, t, scene, low
-            As of `percentiles`; epochs ascend, and are so close that no crossing is lost.
+            As in `percentiles`; epochs ascend, and are so close that no crossing is lost.
         least, greatest : float
             Bounds, which are within; in the unit of the quantity.  NaN is not within.
         threads : int
@@ -1119,109 +1265,26 @@ class Ensemble(Immutable):
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
         lows = None if low is None else np.broadcast_to(low, (count, length))
         seconds = np.broadcast_to(t, (count, length))
-        whole = cast("Ensemble", self)
-        history = EnsembleHistory(whole, numbers, seconds, lows, np.moveaxis(wxyz, 1, 2))
+        history = EnsembleHistory(self, numbers, seconds, lows, np.moveaxis(wxyz, 1, 2))
         found: FloatArray = known.measured(history, epochs)
         return found
 
-    @classmethod
-    def from_periods(
-        cls,
-        body: Body | None = None,
-        *,
-        epoch: Epochs,
-        pole: Reals,
-        phi0: Reals,
-        mode: Any = None,
-        convention: Any = None,
-        P_psi: Reals | None = None,
-        P_phi: Reals | None = None,
-        psi0: Reals | None = None,
-        theta_branch: Any = None,
-        P: Reals | None = None,
-        frame: str = "ecliptic",
-        moments: Reals | None = None,
-        relative: bool = True,
-        names: Sequence[str] | None = None,
-        on_error: str = "raise",
-    ) -> Self:
-        """Members from published spin states, each as by `Spin.from_periods`.
+    # ---- Impulses and torques
 
-        Parameters
-        ----------
-        body : Body
-            Of all members; or moments=.
-        moments : (3,) or (N, 3) array_like
-            Principal moments about the body axes.
-        relative : bool
-            Whether the unit of the moments is unknown; of a body, its own.
-        epoch, pole, phi0, mode, convention, P_psi, P_phi, psi0, theta_branch, P
-            As of `Spin.from_periods`; each one value, or one for each member: pole (N, 2).  P is
-            NaN for members that tumble; P_psi, P_phi and psi0 are NaN for relaxed rotators.
-        frame, names, on_error
-            As of `Ensemble`.
+    def arcs(self, changes: Any) -> ArcsEnsemble:
+        """The same states with impulses or changes of inertia: an `ArcsEnsemble`."""
+        return ArcsEnsemble(self, changes)
 
-        Raises
-        ------
-        AttitudeError
-            For the first member that no motion has, with its possible range, unless
-            on_error="nan"; and as `Ensemble`.
-        """
-        if (body is None) == (moments is None):
-            raise AttitudeError("from_periods takes either body= or moments= (N, 3).")
-        known = _listed_names(names)
-        states = _published.states_from_periods(
-            body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
-            convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
-            P=P, names=known, on_error=on_error,
-        )  # fmt: skip
-        return cls(
-            body, states.wxyz, states.angular_velocity, epoch, frame, known,
-            moments=moments, relative=relative if body is None else False, on_error=on_error,
-        )  # fmt: skip
+    def torqued(
+        self, torques: Any, step: Real, scheme: str | Scheme = "kick-rotate-kick"
+    ) -> TorquedEnsemble:
+        """The same states under torques, with one scheme and one step: a `TorquedEnsemble`."""
+        return TorquedEnsemble(self, torques, step, scheme)
 
-    @classmethod
-    def from_table(
-        cls,
-        table: Any,
-        *,
-        frame: str | None = None,
-        relative: bool | None = None,
-        on_error: str = "raise",
-    ) -> Self:
-        """Members from the rows of a table or a file.
-
-        Parameters
-        ----------
-        table : astropy QTable or Table, pandas DataFrame, pyarrow Table, mapping, or file name
-            With the columns of `attitude.ensemble._tables`; files end in .parquet, .ecsv, .fits or
-            .csv.
-        frame, relative : optional
-            By default those of the meta data of the table, else "icrf" and False.
-        on_error
-            As of `Ensemble`.
-
-        Raises
-        ------
-        AttitudeError
-            For columns that are missing or cannot be read, and as `Ensemble`.
-        """
-        origin = _tables.origin_of(table)
-        given = table if origin is None else tables.columns_of(origin)
-        origin = origin or "the table"
-        columns, meta = _tables.columns_of(given, origin)
-        unknown = bool(meta.get("relative", False)) if relative is None else relative
-        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin)
-        axes = str(meta.get("frame", "icrf")) if frame is None else frame
-        low = found.pop("low", None)
-        try:
-            made = cls(**found, frame=axes, relative=unknown, on_error=on_error)
-        except AttitudeError as err:
-            raise AttitudeError(f"{origin}: {err}") from err
-        return made if low is None else made._with_low(low)
+    # ---- Tables
 
     def table(self) -> QTable:
-        """The members as an astropy QTable with the columns of `attitude.ensemble._tables`."""
+        """The members as an astropy QTable with the columns that `from_table` reads."""
         from astropy.table import QTable
 
         arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}
@@ -1248,64 +1311,3 @@ class Ensemble(Immutable):
             For another ending, and a file that cannot be written.
         """
         tables.write_columns(path, self.table())
-
-    @classmethod
-    def sample(
-        cls,
-        motion: FreeRotation,
-        count: int,
-        seed: int | np.random.Generator = 0,
-        *,
-        covariance: Reals | Mapping[str, Reals] | None = None,
-        distributions: Mapping[str, Any] | None = None,
-    ) -> Self:
-        """Members drawn about a motion.
-
-        Parameters
-        ----------
-        motion : FreeRotation
-        count : int
-            0 or more.
-        seed : int or numpy Generator
-        covariance : (9, 9) or (6, 6) array_like, or mapping, optional
-            As of `Spin`, over the axes of the spin's frame; by default that of the spin.
-        distributions : mapping, optional
-            In place of a covariance: by name a function of (generator, n) or an object with
-            ``rvs(size=, random_state=)``, such as of scipy.stats, that draws n rows of
-
-            ``attitude``   rotation vectors (n, 3), rad, over the axes of the spin's frame
-            ``wxyz``       attitudes (n, 4) in the frame, in place of `attitude`
-            ``angular_velocity``  (n, 3), rad/s over the body axes
-            ``moments``    (n, 3) principal moments
-
-            What is not named is that of the motion.
-
-        Returns
-        -------
-        Ensemble
-            Its frame is "icrf".  Draws whose moments are no body's are drawn anew.
-
-        Raises
-        ------
-        AttitudeError
-            Without a covariance and distributions, for draws of other shapes, and if 9 of 10 draws
-            are no body's moments.
-        """
-        if not isinstance(motion, FreeRotation):
-            raise AttitudeError(f"motion is {validation.shown(motion)}; give a FreeRotation.")
-        number = validation.count(count, "count", 0)
-        if covariance is not None and distributions is not None:
-            raise AttitudeError("covariance and distributions are both given; give one of them.")
-        drawn = _tables.drawn(motion, number, seed, covariance, distributions)
-        body = motion.body
-        shared: dict[str, Any] = {
-            "epoch": motion.spin.epoch,
-            "wxyz": drawn.wxyz,
-            "angular_velocity": drawn.rates,
-        }
-        if drawn.moments is None:
-            return cls(body, **shared)
-        if body.has_given_axes:
-            return cls(moments=drawn.moments, relative=body.relative, **shared)
-        tensors = _tables.tensors(body, drawn.moments)
-        return cls(tensors=tensors, relative=body.relative, **shared)

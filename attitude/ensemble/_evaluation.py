@@ -1,4 +1,4 @@
-"""Attitudes of members at epochs: grids of members and epochs, and ragged rows."""
+"""Epochs of a call (grid or rows), and attitudes and derivatives of members at them."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Runs:
     Parameters
     ----------
     members, label, raises
-        As of `grid`.
+        As in `grid`.
     """
 
     def __init__(self, members: Members, label: Callable[[int], str], raises: bool = True) -> None:
@@ -250,8 +250,7 @@ def compiled() -> Any:
     return chains
 
 
-# --------------------------------------------------------------------------------------------------
-# The epochs of a call: a grid of members and epochs, or rows each of one member.
+# ---- The epochs of a call: a grid of members and epochs, or rows each of one member
 
 
 class Piece(NamedTuple):
@@ -375,7 +374,7 @@ class MemberRows:
     seconds, low : (S) arrays
         Seconds + low since the epoch of the member; low may be None.
     in_runs : bool, optional
-        Whether rows of one member stand together, in long runs (`evaluate.survey`), if known.
+        Whether rows of one member stand together, in long runs (`survey`), if known.
     """
 
     def __init__(
@@ -451,8 +450,7 @@ class MemberRows:
         return np.moveaxis(memory, -1, 0).reshape(*self.shape, *width)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes of the members of an ensemble at epochs.
+# ---- Attitudes of the members of an ensemble at epochs
 
 
 class EnsembleHistory(AttitudeHistory):
@@ -562,8 +560,7 @@ class EnsembleHistory(AttitudeHistory):
         return EnsembleHistory(self.ensemble, *given, wxyz)
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of the attitudes of members of an ensemble at epochs.
+# ---- Derivatives of the attitudes of members of an ensemble at epochs
 
 # Rows in a piece of work: some milliseconds.
 _ROWS = 1 << 15
@@ -641,7 +638,7 @@ class MemberDerivatives:
         omega: FloatArray | None,
         edges: IntArray | None,
     ) -> None:
-        """Fill the derivatives of a few members `who`; `edges` as of `columns.evaluate`."""
+        """Fill the derivatives of a few members `who`; `edges` as in `sensitivities.evaluate`."""
         which = consecutive(who)
         constants, bad = self._members.prepared(which)
         moments, wxyz, _ = self._members.states(which)

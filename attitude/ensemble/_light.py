@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loop from states to the brightness of ellipsoids, without an array of attitudes.
+# ---- The compiled loop from states to the brightness of ellipsoids, without an array of attitudes
 
 # Rows that are evaluated at a time: their attitudes and directions stay in the first-level cache.
 PIECE = 248
@@ -48,7 +47,7 @@ def ellipsoid_runs(
     """Brightness, over the solar irradiance, of B runs of rows of ellipsoids.
 
     Given
-        constants  (B,) records (solution.record), one of each run
+        constants  (B,) records (attitude._solver.records.CONSTANTS), one of each run
         starts     (B + 1,) the rows of run b are starts[b] to starts[b + 1]
         t, t_low   (1, R) seconds since the epoch of the state; t_low may be None
         sun, observer  flat memory of vectors from the body, ICRF, of any length above zero:
@@ -123,7 +122,7 @@ def _shine(work, ia, ib, ic, scale, count):
 
 @reduction_inlined
 def _in_body(w, x, y, z, a, b, c):
-    """The vector q* v q, as `solution.vectors.to_body` has it."""
+    """The vector q* v q, as `attitude._solver.vectors.to_body` has it."""
     d = 2.0 * (y * c - z * b)
     e = 2.0 * (z * a - x * c)
     f = 2.0 * (x * b - y * a)
@@ -149,7 +148,7 @@ class Light:
         Of `known_shapes`.
     law : str or Law
     shadows : bool or Visibility
-        As of `light_curve.brightness`.
+        As in `light_curve.brightness`.
     raises : bool
         Whether epochs beyond the reach of a member are refused; otherwise they give NaN.
     """

@@ -1,4 +1,4 @@
-"""The states of N members, as the compiled solution takes them, in ICRF."""
+"""States of N members as the compiled solution takes them: epochs, inertia, attitudes in ICRF."""
 
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray, Reals
 
 
-# --------------------------------------------------------------------------------------------------
-# Epochs of members, and the epochs at which they are evaluated, as TDB seconds.
+# ---- Epochs of members, and the epochs at which they are evaluated, as TDB seconds
 
 _DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64"
 
@@ -158,8 +157,7 @@ def _dates(
     return _inputs.past_j2000(t, "t")
 
 
-# --------------------------------------------------------------------------------------------------
-# The inertia of N bodies as arrays, one row for all of them or one each.
+# ---- The inertia of N bodies as arrays, one row for all of them or one each
 
 _IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 # Tensors whose principal axes are computed in one call, in 10 ms, between two signals.
@@ -234,7 +232,7 @@ class Inertia:
     Attributes
     ----------
     given, relative, bodies
-        As of `Given`.
+        As in `Given`.
     moments : (1 or N, 3, 2) array
         Principal moments in pairs of doubles.
     axes : (1 or N, 3, 3) array
@@ -552,8 +550,7 @@ def to_icrf(
     return turned, second
 
 
-# --------------------------------------------------------------------------------------------------
-# Arguments of ensembles: rows, names, and numbers of members that agree.
+# ---- Arguments of ensembles: rows, names, and numbers of members that agree
 
 
 def listed(given: Any) -> Iterable[Any]:

@@ -1,4 +1,4 @@
-"""Numbers that follow from the attitudes of members at epochs, for percentiles and conditions."""
+"""Numbers that follow from attitudes of members, for percentiles and conditions."""
 
 from __future__ import annotations
 
@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
 
 
-# --------------------------------------------------------------------------------------------------
-# A scene in which members of an ensemble take the place of its motion.
+# ---- A scene in which members of an ensemble take the place of its motion
 
 
 class MemberView(View):
@@ -144,8 +143,7 @@ def bound(
     return base, MemberGrid(len(ensemble), hi, lo, False)
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops of angles between a body axis and directions, and of order statistics.
+# ---- The compiled loops of angles between a body axis and directions, and of order statistics
 
 # Bins of leading bits, of which each holds few numbers of a row.
 BINS = 4096

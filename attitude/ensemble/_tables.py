@@ -1,4 +1,4 @@
-"""Ensembles in tables: astropy, pandas, arrow, and files.
+"""Ensembles in tables (astropy, pandas, arrow, files), and random draws about a motion.
 
 One row is one member.  Columns, of which either form of each may be given:
 
@@ -157,8 +157,7 @@ def _lower(meta: Any) -> dict[str, Any]:
     return {str(key).lower(): value for key, value in dict(meta).items()}
 
 
-# --------------------------------------------------------------------------------------------------
-# Random states about a motion: draws from a covariance or from distributions, kept physical.
+# ---- Random states about a motion: draws from a covariance or from distributions, kept physical
 
 # States that are checked together.
 _BLOCK = 4096
@@ -190,7 +189,7 @@ def drawn(
     covariance: Any,
     distributions: Mapping[str, Any] | None,
 ) -> Drawn:
-    """States drawn about a motion; arguments as of `Ensemble.sample`."""
+    """States drawn about a motion; arguments as in `Ensemble.sample`."""
     generator = validation.generator(seed)
     if distributions is None:
         draw = _of_covariance(motion, covariance, generator)

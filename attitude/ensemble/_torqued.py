@@ -1,4 +1,4 @@
-"""Many states under the same torques, integrated with one scheme and one step."""
+"""`TorquedEnsemble`: many states under the same torques, with one scheme and one step."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ class TorquedEnsemble(Immutable):
     ensemble : Ensemble
         States at one epoch; their frame, bodies and names.
     torques : Torque, or sequence of them
-        As of `TorquedRotation`.
+        As in `TorquedRotation`.
     step : float or Quantity
         s, of all members.
     scheme : str or Scheme
-        As of `TorquedRotation`.
+        As in `TorquedRotation`.
 
     Raises
     ------

@@ -48,11 +48,10 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epoch, Epochs, FloatArray
 
+__all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]
 
-# --------------------------------------------------------------------------------------------------
-# The kind of the epochs that a caller gives (text, Time, datetime, seconds ...), and their list.
-#
-# `attitude.epochs._inputs` has a reader for each kind.
+
+# ---- The kind of the epochs that a caller gives (text, Time, datetime, seconds ...)
 
 # Kinds that are lengths of time; the others are epochs.
 LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
@@ -156,8 +155,7 @@ def _kind(value: Any) -> str | None:
     return "astropy Time" if module is not None and isinstance(value, module.Time) else None
 
 
-# --------------------------------------------------------------------------------------------------
-# A reader for each kind of epoch: a flat list of entries to TDB in two doubles.
+# ---- A reader for each kind of epoch: a flat list of entries to TDB in two doubles
 
 # Modified Julian date of 1970-01-01.
 _MJD_OF_1970 = 40587
@@ -173,7 +171,7 @@ def read(
     Returns
     -------
     hi, lo : arrays
-        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `kinds.LENGTHS`,
+        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `LENGTHS`,
         seconds from `start`, and lo may be None.
     """
     reader = _READERS[kind]
@@ -230,7 +228,7 @@ def _with_unit(data, unit):
     return Quantity(np.asarray(data), unit)
 
 
-# Lengths of time: list of entries -> seconds from the start ---------------------------------------
+# ---- Lengths of time: list of entries -> seconds from the start
 
 
 def _numbers(leaves, name):
@@ -297,7 +295,7 @@ def _time_delta(start, delta, name):
     return support_pairs.add((hi, lo), change)
 
 
-# Epochs: list of entries -> TDB seconds past J2000 in two doubles ---------------------------------
+# ---- Epochs: list of entries -> TDB seconds past J2000 in two doubles
 
 
 def _instants(leaves, name):
@@ -462,8 +460,6 @@ def _refuse_far_years(jd, name):
             "scales; give an epoch within it, or plain seconds since one."
         )
 
-
-__all__ = ["Instant", "instant", "past_j2000", "plain_seconds", "seconds_since", "times"]
 
 _DATES = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '

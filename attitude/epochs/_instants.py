@@ -1,4 +1,4 @@
-"""One epoch: TDB seconds past J2000 in two doubles."""
+"""`Instant`, one epoch: TDB seconds past J2000 in two doubles; dates as text."""
 
 from __future__ import annotations
 
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 
-# --------------------------------------------------------------------------------------------------
-# Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601.
+# ---- Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601
 
 # Time scales that may follow a date.
 SCALES: tuple[str, ...] = ("utc", "tai", "gps", "tt", "tdb", "tcg", "tcb", "ut1")

@@ -11,15 +11,12 @@
 `find_discrete`, `find_maxima` and `find_minima` are called as in skyfield: with two epochs and a
 condition or an observable.
 
-conditions     of axes, facets and mirrors; `attitude.conditions` has `Condition` and `Observable`
-channels       the functions whose signs they take; `directions` that are compared with body axes
-discrete       `find_discrete`, of conditions and of plain functions; `combined`, of several kinds
-extrema        `find_maxima`, `find_minima`; `peaks`, of a plain function
-windows        intervals in which a condition holds; `passes` over a site, `glints` of a mesh
-timetable      their rows, as tables; `tops`, the greatest values within intervals
-search         all sign changes of channels; `rate_bounds` of the motion, `root_finding` in brackets
-levels         the epochs at which quantities pass thresholds
-events         `Events`, the result; `sources`, what is searched
+_search     `find_discrete`, `Events`, `shadow_state`, `stream`; thresholds of observables
+_extrema    `find_maxima`, `find_minima`; the observables `separation` and `brightness`
+_channels   `illuminated`, `visible`, `glint` and other conditions of axes, facets and mirrors
+_windows    `windows`, `passes`, `glints`: intervals in which conditions hold, as a `Timetable`
+
+`attitude.conditions` has `Condition`, `Observable` and the search for sign changes.
 """
 
 import warnings

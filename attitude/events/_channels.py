@@ -1,7 +1,7 @@
-"""The channels of body axes and directions: smooth functions of time.
+"""Channels of body axes and directions, and the conditions that are made of them.
 
-Each channel knows upper bounds of its first two derivatives, from the rates of the motion and the
-drift of its directions.
+A channel is a smooth function of time that knows upper bounds of its first two derivatives, from
+the rates of the motion and the drift of its directions.
 """
 
 from __future__ import annotations
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     AnyDirection: TypeAlias = Reals | Direction | SearchDirection | VectorFunction
 
 
-# --------------------------------------------------------------------------------------------------
-# The directions that a search compares with body axes: fixed, moving, or those of a scene.
+# ---- The directions that a search compares with body axes: fixed, moving, or those of a scene
 
 
 class Fixed(SearchDirection):
@@ -386,8 +385,7 @@ def chord_squared(u: FloatArray, a: FloatArray) -> FloatArray:
     return x * x + y * y + z * z
 
 
-# --------------------------------------------------------------------------------------------------
-# The conditions of body axes, facets and mirrors, searched by `find_discrete`.
+# ---- The conditions of body axes, facets and mirrors, searched by `find_discrete`
 
 
 def in_cone(motion: AnyMotion, axis: Reals, direction: AnyDirection, half_angle: Real) -> Condition:

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
     ValueFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
 
 
-# --------------------------------------------------------------------------------------------------
-# Local maxima of a function from its values alone.
+# ---- Local maxima of a function from its values alone
 
 _BLOCK = 8192
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)

@@ -1,10 +1,11 @@
-"""The epochs at which observables pass thresholds: by bounds of derivatives, or by samples.
+"""The epochs at which conditions begin and cease: `find_discrete`, and its result `Events`.
 
-A threshold of a smooth observable is searched as the channels of axes are, between knots that are
-its `spacing` apart and with bounds of its derivatives from the differences of the knots (1.5 times
-the largest first, twice the largest second one), so that two changes between neighbouring knots are
-found too; an observable with a stated `rate` is searched with that bound of its first derivative.
-Others are divided between samples of different state: two changes within a spacing are missed.
+Thresholds of observables are searched first, by bounds of derivatives or by samples.  A threshold
+of a smooth observable is searched as the channels of axes are, between knots that are its `spacing`
+apart and with bounds of its derivatives from the differences of the knots (1.5 times the largest
+first, twice the largest second one), so that two changes between neighbouring knots are found too;
+an observable with a stated `rate` is searched with that bound of its first derivative.  Others are
+divided between samples of different state: two changes within a spacing are missed.
 """
 
 from __future__ import annotations
@@ -170,12 +171,10 @@ def _sectioned(
     return b, rising
 
 
-# --------------------------------------------------------------------------------------------------
-# Sign changes of the channels of conditions, each searched only where it can decide one.
-#
-# First the thresholds of observables (`levels`) are found over the whole span.  Between their
+# ---- Sign changes of the channels of conditions, each searched only where it can decide one
+# First the thresholds of observables (`changes`) are found over the whole span.  Between their
 # changes the conditions are open or decided whatever the other channels are; those are searched
-# (`search`) in the open parts only: glints above the horizon at night cost the time of the nights.
+# in the open parts only: glints above the horizon at night cost the time of the nights.
 
 
 def one_source(conditions: Sequence[Condition]) -> Source:
@@ -327,8 +326,7 @@ def changed(
     return kept, states
 
 
-# --------------------------------------------------------------------------------------------------
-# The source of a search that a caller gives: a motion, an object with ``.at(t)``, or a Scene.
+# ---- The source of a search that a caller gives: a motion, an object with ``.at(t)``, or a Scene
 
 
 def source_of(given: AnyMotion) -> Source:
@@ -343,8 +341,7 @@ def source_of(given: AnyMotion) -> Source:
     return OfReception(given)
 
 
-# --------------------------------------------------------------------------------------------------
-# The result of a search: epochs in two doubles, and what happens at each.
+# ---- The result of a search: epochs in two doubles, and what happens at each
 
 
 class Events(Immutable):
@@ -494,8 +491,7 @@ class Events(Immutable):
         return f"<{len(self)} Events, seconds{start}>"
 
 
-# --------------------------------------------------------------------------------------------------
-# The epochs at which conditions begin and cease.
+# ---- The epochs at which conditions begin and cease
 
 # Samples of a plain function in a block.
 _BLOCK = 8192

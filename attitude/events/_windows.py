@@ -1,4 +1,4 @@
-"""The intervals in which conditions hold, with their totals and gaps."""
+"""The intervals in which conditions hold: windows, passes, glints, as timetables."""
 
 from __future__ import annotations
 
@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import FlatSide
 
 
-# --------------------------------------------------------------------------------------------------
-# Rows of events with named columns: times, numbers with units, names; as tables and files.
+# ---- Rows of events with named columns: times, numbers with units, names; as tables and files
 
 
 class TimetableColumn(NamedTuple):
@@ -161,8 +160,7 @@ class Timetable(Immutable):
         return "\n".join(shown.pformat(max_lines=-1, max_width=-1))
 
 
-# --------------------------------------------------------------------------------------------------
-# The greatest value of a function in each of many intervals, by samples that close in on it.
+# ---- The greatest value of a function in each of many intervals, by samples that close in on it
 
 # Samples in each interval, and rounds: each leaves two of the spacings of the round before.
 _SAMPLES, _ROUNDS = 65, 5
@@ -343,8 +341,7 @@ def _of_edges(
     return Windows(epoch, columns, start, stop)
 
 
-# --------------------------------------------------------------------------------------------------
-# Passes of a body over a ground site: rise, culmination and set.
+# ---- Passes of a body over a ground site: rise, culmination and set
 
 
 class Passes(Timetable):
@@ -494,8 +491,7 @@ def _visible_parts(seen: Windows, owner: IntArray, kept: IntArray) -> dict[str, 
     }
 
 
-# --------------------------------------------------------------------------------------------------
-# The glints of a scene: of all flat sides of its mesh, with the lobes of their materials.
+# ---- The glints of a scene: of all flat sides of its mesh, with the lobes of their materials
 
 # A glint is searched up to this angle from the mirror direction, rad.
 _WIDEST = 1.55
@@ -554,7 +550,7 @@ def glints(
     where : Condition, optional
         Any other condition of the scene.
     velocity : optional
-        As of `glint`: "center" for the aberration by the motion of the body.
+        As in `glint`: "center" for the aberration by the motion of the body.
 
     Raises
     ------

@@ -1,15 +1,9 @@
 """The free rotation through measurements, by least squares with derivatives in closed form.
 
-``attitudes``, ``rates``, ``directions``
-    `fit`, `fit_rates`, `fit_directions`: attitudes, angular velocities alone, directions.
-``model``
-    The motion of parameters and its derivatives.
-``observations``, ``losses``
-    Residuals of each kind of records; robust losses.
-``first_guess``, ``sightings``, ``minimum``
-    Where the iteration starts, and how it goes on.
-``result``
-    `Fit`: the motion, its covariance, residuals.
+_attitudes      `fit`, `fit_rates`, `fit_directions`, and the first guesses of each
+_minimum        `Fit`, the result; the iteration on growing spans, robust losses
+_model          the motion of parameters and its derivatives
+_observations   residuals of each kind of records
 """
 
 from attitude.fitting._attitudes import fit, fit_directions, fit_rates

@@ -1,4 +1,4 @@
-"""The free rotation through measured attitudes, by least squares."""
+"""`fit`, `fit_rates`, `fit_directions`: the free rotation through measurements."""
 
 from __future__ import annotations
 
@@ -35,9 +35,7 @@ if TYPE_CHECKING:
     from attitude.motions._free_rotation import FreeRotation
 
 
-# --------------------------------------------------------------------------------------------------
-# First guesses: the inertia from what a free rotation conserves, and the first state.
-#
+# ---- First guesses: the inertia from what a free rotation conserves, and the first state
 # With attitudes, R I w = L at every record, which is linear in the inertia I and in L.  With
 # angular velocities alone, Euler's equations integrated over time, I w + integral of w x I w, do
 # not change. Either way the tensor is that for which the vectors vary least; a sphere where none is
@@ -354,8 +352,7 @@ def _observed(
     return Observations(epoch, (seconds - seconds[0]) + (low - low[0]), kinds)
 
 
-# --------------------------------------------------------------------------------------------------
-# The free rotation through measured angular velocities, by least squares.
+# ---- The free rotation through measured angular velocities, by least squares
 
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
@@ -449,9 +446,7 @@ def fit_rates(
     return result(model, observed, _minimum.found(model, observed, how, point, first))
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes and angular velocities from directions: Davenport's method, at epochs and over spans.
-#
+# ---- Attitudes and angular velocities from directions, by Davenport's method
 # The attitude that fits weighted directions best is the eigenvector of the greatest eigenvalue of a
 # 4 x 4 matrix that is linear in the products of their components.  Over a span in which the angular
 # velocity counts as constant, the directions are turned to its middle first: all angular velocities
@@ -550,8 +545,7 @@ def _davenport(sums: FloatArray) -> FloatArray:
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# The free rotation through measured directions (stars, the Sun), by least squares.
+# ---- The free rotation through measured directions (stars, the Sun), by least squares
 
 # Directions of the first stage, at least.
 _FEWEST = 12

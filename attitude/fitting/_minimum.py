@@ -1,6 +1,7 @@
-"""The point of least loss: Levenberg and Marquardt's iteration, on growing spans.
+"""The least squares of a fit, by Levenberg and Marquardt's iteration, and its result.
 
-Derivatives are in closed form, and each trial point is evaluated with them: most are accepted.
+Spans grow from the first records to all.  Derivatives are in closed form, and each trial point is
+evaluated with them: most are accepted.
 """
 
 from __future__ import annotations
@@ -26,9 +27,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-# --------------------------------------------------------------------------------------------------
-# Robust losses: how much a record counts whose residual is large.
-#
+# ---- Robust losses: how much a record counts whose residual is large
 # A loss rho is a function of z, the square of a residual over that of its standard error times
 # `f_scale`; rho(z) is z for small z.  The names are those of scipy.optimize.least_squares, but a
 # residual is the whole vector of a record, so that a result does not depend on the axes.
@@ -326,8 +325,7 @@ def _reach(model: Model, observed: Observations, stage: Linearised, count: int) 
     return int(ahead[beyond[0]]) if len(beyond) else len(observed)
 
 
-# --------------------------------------------------------------------------------------------------
-# What a fit returns: the motion, its errors, and the residuals.
+# ---- What a fit returns: the motion, its errors, and the residuals
 
 # Errors of the directions of principal axes, rad, from which they count as those of a symmetric
 # body, whose motion does not depend on them.

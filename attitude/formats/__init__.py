@@ -1,20 +1,24 @@
-"""Files of attitudes and motions: one module or package for each format, imported on its own.
+"""Files of attitudes and motions: one module for each format, imported on its own.
 
-spin_file        spin files (TOML): a body and its spin; `spin_sections` reads their sections
-mission          mission files (TOML): a scene, times and columns; `photometry` reads their
-                 sections on shape, scattering and magnitudes
-aem, apm, acm    CCSDS Attitude Ephemeris, Parameter and Comprehensive Messages
-cic              attitude files of CIC, the dialect of CNES and VTS
-stk              STK attitude files
-ck               SPICE C-kernels
-damit            spin files and light curves of DAMIT
-quat             plain tables of quaternions
-tables           astropy QTable, ECSV, FITS, CSV, parquet; with `csv_table`, `csv_rows`, `parquet`
-detect           any of these by content or ending: `read`, `opened`, `write`, `write_motion`
+spin_file           spin files (TOML): a body and its spin
+mission             mission files (TOML): a scene, times and columns
+aem, apm, acm       CCSDS Attitude Ephemeris, Parameter and Comprehensive Messages
+cic                 attitude files of CIC, the dialect of CNES and VTS
+stk                 STK attitude files
+ck                  SPICE C-kernels
+damit               spin files of DAMIT
+damit_light_curve   light curves of DAMIT
+quat                plain tables of quaternions
+tables              astropy QTable, ECSV, FITS, CSV, parquet
+detect              any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
-ccsds            time codes, attitude types and axes of CCSDS messages
-recipes          settings of writers for a tool that shall read the file
-sampling         a motion to records within a tolerance
-rows             records read from a file -> AttitudeTable; history -> columns
-sources          what a writer is given -> segments, evaluated piece by piece
+_aem_message        an AEM or CIC file as segments, read and to be written
+_aem_notations      the same in KVN and XML
+_attitude_types     attitude types of CCSDS messages: their columns and rates
+_ccsds_epochs       time codes of CCSDS messages
+_ck_files           files, clock and records of C-kernels; SPICE's pool
+_recipes            settings of writers for a tool that shall read the file
+_format             the contract of a format, and the registry of formats
+_records            rows of a file to an AttitudeTable, and a history to rows
+_sampling           a motion to records within a tolerance; what a writer is given, as segments
 """

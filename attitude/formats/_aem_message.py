@@ -1,8 +1,9 @@
-"""What `aem.read(lenient=True)` assumes of files of operators that leave parts of the standard out.
+"""The content of an AEM or CIC file: header and segments, read and to be written.
 
-Definitive attitude of the MMS mission (GSFC) has the header of an AEM, and 21 columns: the epoch,
-elapsed seconds, the quaternion (scalar last) from J2000 to the body, its rates in deg/s over the
-body axes, phases, poles and a flag of quality.  The quaternion and the rates are read.
+`aem.read(lenient=True)` fills what files of operators leave out.  Definitive attitude of the MMS
+mission (GSFC) has the header of an AEM, and 21 columns: the epoch, elapsed seconds, the quaternion
+(scalar last) from J2000 to the body, its rates in deg/s over the body axes, phases, poles and a
+flag of quality.  The quaternion and the rates are read.
 """
 
 from __future__ import annotations
@@ -77,8 +78,7 @@ def of_mms(tokens: Sequence[bytes]) -> list[bytes]:
     return [tokens[k] for k in _READ]
 
 
-# --------------------------------------------------------------------------------------------------
-# The segments of a message that belong to one object, as one table.
+# ---- The segments of a message that belong to one object, as one table
 
 # Attitudes of two segments at one epoch contradict each other beyond this many times the tolerance
 # of the length of quaternions: interpolation and few digits explain less.
@@ -161,11 +161,9 @@ def _refuse_contradictions(tables, path, most):
             )
 
 
-# --------------------------------------------------------------------------------------------------
-# Header and segments of an Attitude Ephemeris Message, in either notation and version.
-#
-# The readers of KVN and XML collect keywords and rows; this module checks them and makes them an
-# AttitudeTable.  For the conventions see `attitude_types`.
+# ---- Header and segments of an Attitude Ephemeris Message, in either notation and version
+# The readers of KVN and XML collect keywords and rows; `Message` checks them and makes them an
+# AttitudeTable.  For the conventions see `_attitude_types`.
 
 # Version -> keywords of a segment, in the order in which they are written.
 META: dict[str, tuple[str, ...]] = {
@@ -258,7 +256,7 @@ class Message:
     title: str = ""
 
     def table(self) -> AttitudeTable:
-        """The segments of one object as one AttitudeTable; see `one_object.chosen`."""
+        """The segments of one object as one AttitudeTable; see `chosen`."""
         options = self.options
         return chosen(self.tables, self.path, options.object, options.segment, options.tolerance)
 
@@ -534,8 +532,7 @@ class MessageSegment:
         return method, degree
 
 
-# --------------------------------------------------------------------------------------------------
-# A segment of an Attitude Ephemeris Message to be written: its keywords and its rows.
+# ---- A segment of an Attitude Ephemeris Message to be written: its keywords and its rows
 
 
 def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:
@@ -553,14 +550,14 @@ class WrittenSegment:
     part : Records
     settings : mapping
         Arguments of `aem.write`, by name; `names` are object_name, object_id, center, body_frame;
-        `epochs`, if given, the function that writes epochs, as `ccsds.epochs.texts`.
+        `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
 
     Attributes
     ----------
     kind : str
         Attitude type, under its name in version 2.
     scalar_first, sequence, rates_of_angles : bool, str, bool
-        As of `Convention`.
+        As in `Convention`.
     keywords : dict of str
         Keyword of the meta data -> value, in their order.
     comments, data_comments : sequence of str

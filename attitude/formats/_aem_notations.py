@@ -1,4 +1,4 @@
-"""The elements of an AEM in XML: their names and units."""
+"""Attitude Ephemeris Messages in KVN and XML, read and written."""
 
 from __future__ import annotations
 
@@ -70,8 +70,7 @@ def scalar_first(columns: Sequence[str]) -> list[str]:
     return [n for g in groups for n in ((*g[3:], *g[:3]) if g[3:4] and g[3][:2] == "QC" else g)]
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Ephemeris Messages in KEYWORD = value notation: CCSDS 504.0-B-1, 504.0-B-2 and CIC.
+# ---- Attitude Ephemeris Messages in KEYWORD = value notation: CCSDS 504.0-B-1, 504.0-B-2 and CIC
 
 _BATCH = 16384
 
@@ -235,7 +234,7 @@ def _another_segment(lines):
     return False
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def write_kvn(
@@ -267,9 +266,7 @@ def write_rows(file: IO[str], segment: WrittenSegment) -> None:
         file.write("".join([row % each for each in zip(*lists, strict=True)]))
 
 
-# --------------------------------------------------------------------------------------------------
-# Runs of records in XML that differ in their texts only, read by a pattern instead of a parser.
-#
+# ---- Runs of records in XML that differ in their texts only, read by a pattern instead of a parser
 # The first record of a run is parsed as XML.  The following records that have the same tags,
 # attributes, order and spaces, and plain texts without entities, have the same structure; a regular
 # expression extracts their texts, four times as fast as the parser.  Everything else is parsed.
@@ -318,9 +315,7 @@ def pattern_of(record: bytes, texts: int) -> bytes | None:
     return b"".join(parts)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Ephemeris Messages in XML, read.
-#
+# ---- Attitude Ephemeris Messages in XML, read
 # The elements are those of CCSDS 505.0-B-1 and 505.0-B-2 (section 4.8) for version 1.0, and of
 # CCSDS 504.0-B-2, section 7, with CCSDS 505.0-B-3, for version 2.0.
 
@@ -570,8 +565,7 @@ class _AemReader(ElementReader):
             self._rows, self._tokens, self._lines = [], [], []
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Ephemeris Messages in XML, written; for the elements see `xml`.
+# ---- Attitude Ephemeris Messages in XML, written
 
 _SCHEMA = {
     "1.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-2.0.0-master-2.0.xsd",

@@ -40,9 +40,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# What the rates of version 1 of attitude messages are: body rates or derivatives of angles.
-#
+# ---- What the rates of version 1 of attitude messages are: body rates or derivatives of angles
 # CCSDS 504.0-B-1 calls the columns of QUATERNION/RATE and EULER_ANGLE/RATE, and X_RATE, Y_RATE and
 # Z_RATE of an APM, body rates over the axes of RATE_FRAME in some sentences; its figure 3-6 has
 # Y_RATE, X_RATE, Y_RATE under EULER_ROT_SEQ 212, which can only be derivatives of the angles.

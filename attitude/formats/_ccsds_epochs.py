@@ -192,7 +192,7 @@ def days_and_seconds(
     scale: str,
     digits: int = DIGITS,
 ) -> list[str]:
-    """Modified Julian date and seconds of the day of N epochs; parameters as of `texts`."""
+    """Modified Julian date and seconds of the day of N epochs; parameters as in `texts`."""
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
     point = "." if digits else ""

@@ -1,8 +1,9 @@
-"""The head of a SPICE binary kernel, checked: SPICE does not check it and ends the process.
+"""Files of C-kernels through SPICE: loaded kernels, steps, segments, the clock, records.
 
-Source: the DAF Required Reading of SPICE: the file record is the first 1024 bytes; ND and NI
-stand at byte 8, the addresses of the first and last summary records and of the first free double
-word (counted from 1) at byte 76, the byte order at byte 88.
+SPICE does not check the head of a binary kernel and ends the process: `fault` checks it.  Source:
+the DAF Required Reading of SPICE: the file record is the first 1024 bytes; ND and NI stand at byte
+8, the addresses of the first and last summary records and of the first free double word (counted
+from 1) at byte 76, the byte order at byte 88.
 """
 
 from __future__ import annotations
@@ -62,9 +63,7 @@ def fault(path: FilePath) -> str | None:
     return None
 
 
-# --------------------------------------------------------------------------------------------------
-# Kernels loaded in SPICE's pool, which keeps the kernels and variables of the user.
-#
+# ---- Kernels loaded in SPICE's pool, which keeps the kernels and variables of the user
 # SPICE has one pool for the whole process.  `unload` removes the last instance of a name: one call
 # too many removes a kernel that the user has loaded.  When a text kernel is unloaded, SPICE also
 # drops all variables that a program has set (by pdpool, pcpool, pipool); `LoadedKernels.close`
@@ -176,9 +175,7 @@ class LoadedKernels:
         (self._spice.pdpool if kind == "N" else self._spice.pcpool)(name, values)
 
 
-# --------------------------------------------------------------------------------------------------
-# The motion on the clock of a C-kernel, and the step between records.
-#
+# ---- The motion on the clock of a C-kernel, and the step between records
 # At this step the error between records, measured at some places of the span, is a quarter of the
 # tolerances.  The span is divided into stretches where the angular velocity of the motion jumps:
 # records of one stretch hold the state of this stretch up to both its ends, and SPICE interpolates
@@ -203,7 +200,7 @@ class Plan:
     Parameters
     ----------
     motion, start, stop, kind, tolerance, rate_tolerance
-        As of `ck.write`.
+        As in `ck.write`.
     scale : str
         Time scale of the clock, "tdb" or "tt".
 
@@ -420,8 +417,7 @@ def longest(vectors: FloatArray) -> float:
     return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
 
 
-# --------------------------------------------------------------------------------------------------
-# The files of a C-kernel: segments written by SPICE, texts of the frame and clock kernels.
+# ---- The files of a C-kernel: segments written by SPICE, texts of the frame and clock kernels
 
 REFERENCE: str = "J2000"
 # Records of a segment; and records of each neighbour that it repeats, so that the windows of
@@ -607,9 +603,7 @@ SCLK01_COEFFICIENTS_{minus_clock} = ( 0.0 {start} 1.0 )
 """
 
 
-# --------------------------------------------------------------------------------------------------
-# The clock of a C-kernel: one that is written beside it, or that of a mission.
-#
+# ---- The clock of a C-kernel: one that is written beside it, or that of a mission
 # The own clock counts 2^20 ticks a second, of TDB or, for SPICE's own relation between UTC and TDB,
 # of TDT (TT): then SPICE takes an epoch of `str2et` back to TT by the formula by which it made it.
 # With a mission's clock SPICE converts epochs, one double of TDB, to ticks.
@@ -686,9 +680,7 @@ def _clocks(spice: Any) -> list[int]:
     return [int(name.removeprefix(_DATA_TYPE)) for name in names]
 
 
-# --------------------------------------------------------------------------------------------------
-# The records of an AttitudeTable as they are, as segments of a C-kernel.
-#
+# ---- The records of an AttitudeTable as they are, as segments of a C-kernel
 # SPICE interpolates each stretch without gaps as the table does, from the same records: Hermite as
 # type 5, subtype 0; Lagrange as subtype 3 with angular velocities and 1 without; great circles as
 # type 3.  The degree is the greatest of SPICE's (4 n - 1 for Hermite, odd for Lagrange, at most 23)

@@ -16,7 +16,6 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import made_whole
-from attitude.catalog import motion_of
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -37,9 +36,7 @@ if TYPE_CHECKING:
     _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
 
 
-# --------------------------------------------------------------------------------------------------
-# The arguments of writers as segments: histories, tables, or a motion with epochs.
-#
+# ---- The arguments of writers as segments: histories, tables, or a motion with epochs
 # Motions are evaluated piece by piece, so that long files need little memory.  Where the angular
 # velocity of a motion jumps, a segment ends with the state before and the next begins with the
 # state after: readers interpolate within segments.
@@ -73,6 +70,8 @@ def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Recor
 
 def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
     """Names and comments of what a writer was given, and whether it has angular velocities."""
+    from attitude.catalog import motion_of
+
     of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
     if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
         return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
@@ -82,6 +81,8 @@ def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], 
 
 def one_motion(source: AttitudeSource) -> Motion:
     """The motion that a writer was given to write to a tolerance."""
+    from attitude.catalog import motion_of
+
     if isinstance(source, (Records, AttitudeHistory, list, tuple)):
         raise AttitudeError(
             f"{type(source).__name__} is given with tolerance=; give the motion or the "
@@ -220,12 +221,16 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
 
 
 def _of_history(history):
+    from attitude.catalog import motion_of
+
     if len(history.shape) != 1:
         raise AttitudeError(f"the epochs have shape {history.shape}; give a row of epochs, (N,).")
     return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
 
 
 def _of_motion(motion, t):
+    from attitude.catalog import motion_of
+
     motion = motion_of(motion, "source")
     seconds, low = _inputs.seconds_since(motion.epoch, t)
     if seconds.ndim != 1:
@@ -369,6 +374,8 @@ def write(
         For a tolerance out of range or that cannot be reached, a span without both ends, several
         stretches in a format of one, and as `write_records`.
     """
+    from attitude.catalog import motion_of
+
     number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
     if not (number and _LEAST <= tolerance <= _GREATEST):
         raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
@@ -406,6 +413,8 @@ def count_of_stretches(
     source: HasAttitudes, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
 ) -> int:
     """The number of stretches without jumps and gaps from start to stop; see `write`."""
+    from attitude.catalog import motion_of
+
     return len(_stretches(motion_of(source, "source"), start, stop))
 
 
@@ -552,7 +561,7 @@ def _apart(p: FloatArray, q: FloatArray) -> float:
 def stated(
     method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
 ) -> tuple[str, int]:
-    """Method and degree of the interpolation that a file will state; see `interpolation.settled`.
+    """Method and degree of the interpolation that a file will state; see `_table.settled`.
 
     By default those of a table, else Hermite with angular velocities and Lagrange without.
     """

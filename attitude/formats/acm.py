@@ -62,10 +62,10 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
 
+__all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]
 
-# --------------------------------------------------------------------------------------------------
-# Keywords, units and elements of XML of Attitude Comprehensive Messages.
-#
+
+# ---- Keywords, units and elements of XML of Attitude Comprehensive Messages
 # Source: CCSDS 504.0-B-2, section 5; names of elements as in Orekit and ccsds-ndm.  The columns of
 # covariances are variances: the message holds no correlations.
 
@@ -132,8 +132,7 @@ UNITS: dict[str, tuple[str, ...]] = {
 }
 
 
-# --------------------------------------------------------------------------------------------------
-# Maneuvers of an Attitude Comprehensive Message, as impulses and torques.
+# ---- Maneuvers of an Attitude Comprehensive Message, as impulses and torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,8 +233,7 @@ class Maneuver:
         return torque
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Comprehensive Messages in KVN and XML, read into blocks of keywords and rows.
+# ---- Attitude Comprehensive Messages in KVN and XML, read into blocks of keywords and rows
 
 _USER = "USER_DEFINED_"
 
@@ -420,7 +418,7 @@ def _marked(message, mark, where, open_blocks, line):
     return "data"
 
 
-# XML ----------------------------------------------------------------------------------------------
+# ---- XML
 
 _OUTER = ("acm", "ndm", "header", "body", "segment", "metadata", "data")
 
@@ -497,8 +495,7 @@ class _AcmReader(ElementReader):
         return text if unit is None else f"{text} [{unit}]"
 
 
-# --------------------------------------------------------------------------------------------------
-# The content of an Attitude Comprehensive Message.
+# ---- The content of an Attitude Comprehensive Message
 
 
 @dataclass(frozen=True, eq=False)
@@ -636,11 +633,9 @@ class Comprehensive:
         return Arcs(self.body, spin, [each.impulse() for each in later])
 
 
-# --------------------------------------------------------------------------------------------------
-# Rows of attitudes and covariances of an Attitude Comprehensive Message.
-#
-# Conventions are those of `attitude_types` for version 2.  A direction cosine matrix is that from A
-# to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
+# ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
+# Conventions are those of `_attitude_types` for version 2.  A direction cosine matrix is that from
+# A to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
 
 
 class TimeTags:
@@ -902,8 +897,7 @@ def covariance(message: CollectedAcm, block: AcmBlock, tags: TimeTags) -> Attitu
     return AttitudeCovariance(epoch, seconds, low, kind, variances, frame, meta)
 
 
-# --------------------------------------------------------------------------------------------------
-# The meaning of the blocks of an Attitude Comprehensive Message.
+# ---- The meaning of the blocks of an Attitude Comprehensive Message
 
 _INERTIA = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
 _DATES = ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH")
@@ -1110,8 +1104,7 @@ def _after(tags, seconds):
     return Instant(float(hi[0]), float(lo[0]))
 
 
-# --------------------------------------------------------------------------------------------------
-# Blocks of an Attitude Comprehensive Message to be written, in KVN and XML.
+# ---- Blocks of an Attitude Comprehensive Message to be written, in KVN and XML
 
 # Texts of epochs, and columns, of some rows.
 RowPieces: TypeAlias = Iterator[tuple[list[str], Any]]
@@ -1176,7 +1169,7 @@ def covariances(
 
 
 def physics(body: Body, frame: str, products: str | None) -> AcmBlockOut:
-    """The block PHYS of a body in kg m2; `products` as of `acm.read`."""
+    """The block PHYS of a body in kg m2; `products` as in `acm.read`."""
     names = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
     values = apm.inertia_values(body.tensor, apm.known_products(products, "2.0"))
     entries = [("INERTIA_REF_FRAME", frame)]
@@ -1307,9 +1300,9 @@ def read(
     path : str or path
         KVN or XML, recognized by the content.
     tolerance, frame, orbit
-        As of `aem.read`.
+        As in `aem.read`.
     products : str, optional
-        As of `apm.read`; by default the entry of the inertia tensor is -IXY.
+        As in `apm.read`; by default the entry of the inertia tensor is -IXY.
 
     Raises
     ------
@@ -1354,16 +1347,16 @@ def write(
     Parameters
     ----------
     path, source, t, frame, time_system, object_name, object_id, center
-        As of `aem.write`.
+        As in `aem.write`.
     body_frame, originator, comments, creation_date, digits, orbit
-        As of `aem.write`.
+        As in `aem.write`.
     xml : bool
         XML instead of KVN.
     covariance : bool, optional
         Write variances; by default if the spin of the motion has a covariance (that of a
         `Fit.motion` has).
     products : str, optional
-        As of `read`.
+        As in `read`.
 
     Raises
     ------
@@ -1436,12 +1429,6 @@ def _has_covariance(part):
 def _text_of(tags, instant, digits):
     """Seconds from EPOCH_TZERO to an Instant, as text."""
     return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
-
-
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Comprehensive Messages.
-
-__all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]
 
 
 def _opened(path, *, segment, **keywords):

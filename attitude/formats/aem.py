@@ -11,7 +11,7 @@
 >>> table.wxyz.shape, table.method, table.degree, table.epoch.utc_iso
 ((3, 4), 'hermite', 5, '2026-01-01T00:00:00')
 
-For the conventions see `attitude_types`.  Quaternions are written with 17 digits and come back
+For the conventions see `_attitude_types`.  Quaternions are written with 17 digits and come back
 with the same bits, epochs within half a picosecond; the motion between records is not in the file.
 """
 
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.paths._path import Path
 
+__all__ = ["read", "write"]
+
 
 def read(
     path: FilePath,
@@ -60,7 +62,8 @@ def read(
     tolerance : float
         Largest deviation from 1 of the length of a quaternion; quaternions are made unit.
     frame : str, optional
-        The external axes of the file, if their name in the file is not known (see `axes`).
+        The external axes of the file, if their name in the file is not known; names that are
+        known stand in motions/_axes.py.
     orbit : Path, optional
         Path of the body about its center, for attitudes relative to LVLH or RTN.
     rates : str, optional
@@ -142,10 +145,10 @@ def write(
     tolerance : float, optional
         Instead of `t`: largest angle, rad, between the motion and the attitudes that a reader
         interpolates by the method that the file states; the epochs of the records follow from it
-        (see `sampling`).
+        (see `_sampling`).
     for_ : str, optional
         The tool that shall read the file: "gmat", "orekit", "stk" or "brahe".  Settings that are
-        left open become those that the tool accepts (see `recipes`).
+        left open become those that the tool accepts (see `_recipes`).
     version : str, optional
         "2.0" by default, or "1.0" (what GMAT and others read).
     xml : bool
@@ -154,13 +157,12 @@ def write(
         The attitude type, by its name in version 2: "QUATERNION/ANGVEL" by default, in version 1
         "QUATERNION/DERIVATIVE"; "QUATERNION" for tables without angular velocities.
     frame : str, optional
-        The external axes, by default those of the file that a table was read from, or "ICRF"; see
-        `axes`.
+        The external axes, by default those of the file that a table was read from, or "ICRF".
     time_system : str, optional
         UTC, TAI, TT, TDB or GPS; by default that of the file that a table was read from, or UTC.
     rates : str, optional
         Version 1.0 with the types QUATERNION/RATE and EULER_ANGLE/RATE, whose readers disagree:
-        "body" or "euler", as of `read`.
+        "body" or "euler", as in `read`.
     rates_over : str
         "body" or "frame": the axes of angular velocities.
     sequence : str, optional
@@ -250,12 +252,6 @@ def write(
         write_records=write_records,
         read=lambda target: read(target, orbit=orbit, rates=rates),
     )
-
-
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Ephemeris Messages.
-
-__all__ = ["read", "write"]
 
 
 _OPTIONS = (

@@ -1,9 +1,9 @@
 """CCSDS Attitude Parameter Messages, versions 1.0 and 2.0, KVN and XML: one state and the inertia.
 
 An APM with inertia and angular velocity determines a Body and a Spin; a FreeRotation is written as
-one APM.  Conventions of quaternions, angles, rates and spin are those of `attitude_types`; the sign
-of the products of inertia is that of each version's book unless `products` is given (see
-`inertia`).  Maneuvers are kept among the keywords only.
+one APM.  Conventions of quaternions, angles, rates and spin are those of `_attitude_types`; the
+sign of the products of inertia is that of each version's book unless `products` is given (see
+`known_products`).  Maneuvers are kept among the keywords only.
 
 If a message has the attitude in several forms, the first of quaternion, Euler angles and spin is
 used, and for the rates the first of ANGVEL, derivatives of the quaternion, of the angles, spin.
@@ -44,10 +44,10 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.paths._path import Path
 
+__all__ = ["Parameters", "read", "write"]
 
-# --------------------------------------------------------------------------------------------------
-# Keywords, units and elements of XML of the blocks of Attitude Parameter Messages.
-#
+
+# ---- Keywords, units and elements of XML of the blocks of Attitude Parameter Messages
 # Version 1 has other names for the keywords of version 2.
 
 # Keywords of the meta data.
@@ -122,19 +122,12 @@ XML_NAMES: dict[str, dict[str, str]] = {
 }
 
 
-# --------------------------------------------------------------------------------------------------
-# The sign of the products of inertia in an Attitude Parameter Message.
-#
+# ---- The sign of the products of inertia in an Attitude Parameter Message
 # "tensor"    IXY (I12) is the entry of the inertia tensor, -integral of x y dm.  Version 1: "the
 #             inertia cross products used for this message assume a negative double integral", CCSDS
 #             504.0-B-1, 3.2.5.2.5.  Orekit reads both versions with this sign.
 # "integral"  IXY is the integral of x y dm, and the entry of the tensor is -IXY: the matrix of
 #             version 2, CCSDS 504.0-B-2, annex F6.  brahe reads version 2 with this sign.
-#
-# >>> tensor((10.0, 20.0, 26.0, 0.5, 0.0, 0.0), "integral")
-# array([[10. , -0.5,  0. ],
-#        [-0.5, 20. ,  0. ],
-#        [ 0. ,  0. , 26. ]])
 
 _SIGNS = {"tensor": 1.0, "integral": -1.0}
 _OF_VERSION = {"1.0": "tensor", "2.0": "integral"}
@@ -151,7 +144,13 @@ def known_products(products: str | None, version: str) -> str:
 
 
 def tensor(values: Sequence[float], products: str) -> FloatArray:
-    """The inertia tensor (3, 3), kg m2, from IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2."""
+    """The inertia tensor (3, 3), kg m2, from IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2.
+
+    >>> tensor((10.0, 20.0, 26.0, 0.5, 0.0, 0.0), "integral")
+    array([[10. , -0.5,  0. ],
+           [-0.5, 20. ,  0. ],
+           [ 0. ,  0. , 26. ]])
+    """
     found = np.zeros((3, 3))
     for (i, j), value in zip(_PLACES, values, strict=True):
         found[i, j] = found[j, i] = value if i == j else _signed(value, products)
@@ -168,8 +167,7 @@ def _signed(value, products):
     return _SIGNS[products] * value + 0.0  # -0.0 becomes 0.0
 
 
-# --------------------------------------------------------------------------------------------------
-# An Attitude Parameter Message while it is read: its blocks, with the keywords of version 2.
+# ---- An Attitude Parameter Message while it is read: its blocks, with the keywords of version 2
 
 _Choice = TypeVar("_Choice")
 
@@ -297,9 +295,7 @@ def one_of(
     return choices[value.upper()]
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Parameter Messages in KVN and XML, read into blocks with the keywords of version 2.
-#
+# ---- Attitude Parameter Messages in KVN and XML, read into blocks with the keywords of version 2
 # Version 1 has other keywords, and no marks around its blocks in KVN.
 
 
@@ -432,8 +428,7 @@ class _ApmReader(ElementReader):
         self.message.put(self._block, tag, value, self.line)
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude, rates and inertia from the blocks of an Attitude Parameter Message.
+# ---- Attitude, rates and inertia from the blocks of an Attitude Parameter Message
 
 _DIRECTIONS = {"A2B": True, "B2A": False}
 
@@ -445,7 +440,7 @@ class Interpreted:
     ----------
     message : Collected
     tolerance, frame, orbit, products, rates
-        As of `apm.read`.
+        As in `apm.read`.
 
     Attributes
     ----------
@@ -738,8 +733,7 @@ class Interpreted:
         return None
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitude Parameter Messages to be written: their blocks, in either notation and version.
+# ---- Attitude Parameter Messages to be written: their blocks, in either notation and version
 
 # Name of a block, and its entries: keyword, value and unit ("" for none).
 WrittenBlock: TypeAlias = tuple[str, list[tuple[str, str | float, str]]]
@@ -992,12 +986,12 @@ def read(
     Parameters
     ----------
     path, tolerance, frame, orbit
-        As of `aem.read`.
+        As in `aem.read`.
     products : str, optional
         "tensor" if IXY is the entry of the inertia tensor, "integral" if the entry is -IXY; by
-        default as in the book of the message's version (see `inertia`).
+        default as in the book of the message's version (see `tensor`).
     rates : str, optional
-        What X_RATE, Y_RATE, Z_RATE of version 1 are, as of `aem.read`.
+        What X_RATE, Y_RATE, Z_RATE of version 1 are, as in `aem.read`.
 
     Raises
     ------
@@ -1047,7 +1041,7 @@ def write(
     inertia : bool
         False leaves the inertia out (relative moments have no unit and cannot be written).
     products : str, optional
-        As of `read`: the sign of the products of inertia.
+        As in `read`: the sign of the products of inertia.
     rates : str, optional
         Version 1.0: write the block of Euler angles (321) too, with "body" or "euler" rates.
 
@@ -1109,12 +1103,6 @@ def write(
         kvn.refuse_line_breaks(text)
     with written_whole(path, "the APM") as file:
         (write_xml if xml else write_kvn)(file, message)
-
-
-# --------------------------------------------------------------------------------------------------
-# CCSDS Attitude Parameter Messages.
-
-__all__ = ["Parameters", "read", "write"]
 
 
 def _opened(path, **keywords):

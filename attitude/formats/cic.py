@@ -67,7 +67,7 @@ def read(
     Parameters
     ----------
     path, tolerance, frame, orbit, rates, object, segment
-        As of `aem.read`.
+        As in `aem.read`.
     lenient : bool
         Leave out keywords that are not known, and assume those that are missing.
 
@@ -105,11 +105,11 @@ def write(
     Parameters
     ----------
     path, source, t, start, stop, tolerance
-        As of `aem.write`; one segment.
+        As in `aem.write`; one segment.
     frame : str
         The external axes: VTS knows EME2000, which is the default, not that of a table read.
     time_system, object_name, object_id, body_frame, originator, comments, creation_date, digits
-        As of `aem.write`.
+        As in `aem.write`.
     orbit : Path, optional
         Path of the body about its center, for axes of an orbit.
 

@@ -46,9 +46,10 @@ if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
     from attitude.motions._motion import HasAttitudes
 
+__all__ = ["KernelAttitude", "Written", "write"]
 
-# --------------------------------------------------------------------------------------------------
-# The attitude of a frame from any C-kernel, through SPICE.
+
+# ---- The attitude of a frame from any C-kernel, through SPICE
 
 _REFERENCE = "J2000"
 
@@ -180,9 +181,6 @@ class KernelAttitude(Motion):
         ) from reason
 
 
-__all__ = ["KernelAttitude", "Written", "write"]
-
-
 @dataclass(frozen=True)
 class Written:
     """The files that `write` made, and their errors.
@@ -234,7 +232,7 @@ def write(
     motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
     start, stop : epochs, or TDB seconds since the epoch of the motion
         Both are required, but for a table: without both its records are written as they are, a
-        segment for each stretch without gaps (see `table_segments`).
+        segment for each stretch without gaps (see `_ck_files.TableSegments`).
     t : None
         Refused: the tolerance determines the epochs of the records.
     kind : int
@@ -373,12 +371,6 @@ def _check_names(path, name, instrument, clock, center):
             raise AttitudeError(f"{what} is {number!r}; give a negative NAIF number.")
     if not (isinstance(center, int) and abs(center) < 2**31):
         raise AttitudeError(f"center is {center!r}; give the NAIF number of a body, 399 for Earth.")
-
-
-# --------------------------------------------------------------------------------------------------
-# SPICE C-kernels.
-
-__all__ = ["KernelAttitude", "Written", "write"]
 
 
 def _opened(path, *, body, kernels):

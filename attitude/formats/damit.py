@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FilePath
 
+__all__ = ["RelaxedRotator", "read", "write"]
+
 
 _HOUR = 3600.0
 # Largest angle, rad, between angular velocity and body z that is accepted as rounding.
@@ -190,12 +192,6 @@ def _jd(epoch):
     return map(
         float, _time_scales.jd_from_seconds(np.float64(epoch.seconds), np.float64(epoch.low))
     )
-
-
-# --------------------------------------------------------------------------------------------------
-# Files of DAMIT, the database of asteroid models.
-
-__all__ = ["RelaxedRotator", "read", "write"]
 
 
 def _opened(path):

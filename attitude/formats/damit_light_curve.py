@@ -1,4 +1,4 @@
-"""One light curve of an asteroid with its geometry, in the units of DAMIT."""
+"""Light curves of asteroids with their geometry, in files of DAMIT (lc.txt)."""
 
 from __future__ import annotations
 
@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Reals
+
+__all__ = [
+    "DamitLightCurve",
+    "from_positions",
+    "read_damit_light_curves",
+    "write_damit_light_curves",
+]
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -222,9 +229,7 @@ def _icrf_units(vectors):
     return turned / np.sqrt(np.sum(turned * turned, axis=-1, keepdims=True))
 
 
-# --------------------------------------------------------------------------------------------------
-# Light curves in the format of DAMIT (lc.txt) and of its inversion programs.
-#
+# ---- Light curves in the format of DAMIT (lc.txt) and of its inversion programs
 #     2                                   number of light curves
 #     3 1                                 points; 1: calibrated, 0: relative
 #     2454035.6182 1.0421 -1.2 0.3 0.1 -0.4 0.9 0.1
@@ -240,12 +245,6 @@ def _icrf_units(vectors):
 # (https://astro.troja.mff.cuni.cz/projects/damit); Durech, Sidorin, Kaasalainen, A&A 513, A46,
 # 2010.
 
-__all__ = [
-    "DamitLightCurve",
-    "from_positions",
-    "read_damit_light_curves",
-    "write_damit_light_curves",
-]
 
 # What DAMIT's programs hold (constants.h of convexinv): points of a curve, curves, and points.
 POINTS_OF_A_CURVE: Final = 1000

@@ -184,7 +184,7 @@ def write(
     path : str or path
         Appears whole or not at all.
     source, t
-        As of `aem.write`.
+        As in `aem.write`.
     settings
         Further arguments of the writer of the format, such as start=, stop= and tolerance=.
 
@@ -218,8 +218,7 @@ def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
     found.write(path, motion, **settings)
 
 
-# --------------------------------------------------------------------------------------------------
-# A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file.
+# ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file
 
 
 class State(NamedTuple):

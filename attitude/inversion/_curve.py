@@ -1,4 +1,4 @@
-"""A light curve: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
+"""`LightCurve`: epochs, magnitudes or flux, errors, and the directions of Sun and observer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.photometry import _files
 from attitude.photometry._curve import numbered
 from attitude.photometry._samples import HasSamples, Samples
 
@@ -390,14 +389,15 @@ def _known_zero_points(given, sessions):
     return validation.positive(given, "zero_points", unit="mag")
 
 
-# --------------------------------------------------------------------------------------------------
-# Light curves with geometry, for the inversion, from any file that `photometry.read` reads.
+# ---- Light curves with geometry, for the inversion, from any file that `photometry.read` reads
 
 _PLACES = ("sun", "observer", "frame")
 
 
 def columns(path: FilePath, given: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Keywords of `LightCurve` from a file, replaced by those given, and the notes of the file."""
+    from attitude.photometry import _files
+
     found = _files.opened(path, bad="refuse")
     if found.time_of in ("barycenter", "heliocenter"):
         raise AttitudeError(

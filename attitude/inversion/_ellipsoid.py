@@ -1,4 +1,4 @@
-"""Magnitudes of a rotating ellipsoid in closed form, with all derivatives, compiled.
+"""Magnitudes of a rotating ellipsoid with all derivatives, and its fit from many starts.
 
 The brightness of `attitude.light_curve._sums` as a function of the three products of the
 directions of Sun and observer with the matrix of the ellipsoid, P^2, Q^2 and p.q.
@@ -70,7 +70,7 @@ class EllipsoidCurve:
         self._u[:count, : len(problem)] = problem.u
 
     def rows(self, states: FloatArray, with_slopes: bool) -> Iterator[tuple[slice, FloatArray]]:
-        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as of `residuals`.
+        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as in `residuals`.
 
         The rows are overwritten by those of the next states.
         """
@@ -122,7 +122,7 @@ def _along(x, y, z, array, at, n):
 
 @reduction_within
 def _dimming(u, y):
-    """G and its derivative by u, y = 1 - u; see `light_curve.closed_form`."""
+    """G and its derivative by u, y = 1 - u; see `light_curve._sums`."""
     s = at_most(u, 0.0625)
     x = root(at_least(u, 0.0625))
     atanh = (0.5 * math.log(2.0)) * binary_logarithm((1.0 + x) * (1.0 + x) / y)
@@ -149,7 +149,7 @@ def residuals(states, t, sun, observer, y, weight, r, g, rows):
     """Residuals y - magnitude of S states (S, 16), times weight, and derivatives of magnitudes.
 
     Into rows (S 12 N,): residuals, then the Jacobian, times weight; or into rows (S N,) residuals
-    alone, if g is empty.  r and g are as of `normal_form_series.attitudes`; sun and observer (3 N,)
+    alone, if g is empty.  r and g are as in `_motions.attitudes`; sun and observer (3 N,)
     are unit vectors by components, t, y, weight (N,); N is a multiple of eight.
     """
     n = t.size
@@ -265,9 +265,7 @@ def _products(rows, found, size):
                         found[each, column + k, row + 1] = made[4 + k]
 
 
-# --------------------------------------------------------------------------------------------------
-# Levenberg and Marquardt's iteration from many starts, for the ellipsoid.
-#
+# ---- Levenberg and Marquardt's iteration from many starts, for the ellipsoid
 # A start is a row of 16 numbers: five elements, the orientation (9) of the axes along the momentum,
 # and two logarithms of squared ratios of axes, ln (c/a)^2 and ln (c/b)^2.  Terms in which the
 # magnitude is linear are projected out of each residual and derivative.
@@ -461,8 +459,7 @@ def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
     return EllipsoidCurve(problem).costs(starts)
 
 
-# --------------------------------------------------------------------------------------------------
-# Ellipsoids from many starts: for given rates, random orientations, phases and shapes.
+# ---- Ellipsoids from many starts: for given rates, random orientations, phases and shapes
 
 # ln rho of rotation about an axis, which is then fixed with f, the phase and X.
 AXIAL = -20.0
@@ -493,7 +490,7 @@ _DISTINCT = 1e-3
 
 
 class Pool(NamedTuple):
-    """States (S, 16) of `many_starts`, the best first, and their costs (S,)."""
+    """States (S, 16) of `_ellipsoid`, the best first, and their costs (S,)."""
 
     cost: FloatArray
     states: FloatArray

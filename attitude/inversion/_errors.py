@@ -1,11 +1,12 @@
-"""Covariances that contain the error of the model: the delete-group jackknife.
+"""Covariances that contain the error of the model: the jackknife, and posterior densities.
 
-Residuals of one night, one observer or one part of the span are correlated where the model errs, so
-that the curvature alone gives errors that are too small.  Each group of points is left out in turn.
-What the parameters then change by follows from one step of Newton's, or, where that is more than
-one standard error, from another fit.  Directions in which the jackknife's variance exceeds that of
-the curvature, by more than the largest eigenvalue of a sample covariance does by chance (Marchenko
-& Pastur: (1 + sqrt(P/G))^2 for P parameters and G groups), take the jackknife's.
+The delete-group jackknife: residuals of one night, one observer or one part of the span are
+correlated where the model errs, so that the curvature alone gives errors that are too small.  Each
+group of points is left out in turn.  What the parameters then change by follows from one step of
+Newton's, or, where that is more than one standard error, from another fit.  Directions in which the
+jackknife's variance exceeds that of the curvature, by more than the largest eigenvalue of a sample
+covariance does by chance (Marchenko & Pastur: (1 + sqrt(P/G))^2 for P parameters and G groups),
+take the jackknife's.
 
 Source: Cameron & Miller, Journal of Human Resources 50, 317 (2015), section VI; Shaby, J. Comput.
 Graph. Stat. 23, 801 (2014) for the adjustment of samples.
@@ -44,7 +45,7 @@ class Modelled(Protocol):
 
     @property
     def magnitude(self) -> FloatArray:
-        """Of each point."""
+        """The predicted magnitude of each point (N,)."""
 
     @property
     def jacobian(self) -> FloatArray:
@@ -182,9 +183,7 @@ def _nights(emission: FloatArray) -> IntArray:
     return number
 
 
-# --------------------------------------------------------------------------------------------------
-# The covariance of a posterior density that is not normal: population Monte Carlo.
-#
+# ---- The covariance of a posterior density that is not normal: population Monte Carlo
 # Near a solution the curvature describes the density; some standard errors away it falls more
 # slowly, and in eight dimensions most of the mass lies there.  Samples of Student's distribution,
 # weighted by the density over their own, give second moments, from which the next samples are
@@ -240,9 +239,7 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
     return found - float(np.sum(np.log(np.abs(np.diag(factor)))))
 
 
-# --------------------------------------------------------------------------------------------------
-# The posterior density of the parameters of a motion, with the shape that fits each best.
-#
+# ---- The posterior density of the parameters of a motion, with the shape that fits each best
 # Areas follow a motion as they do to first order, and from there by one Gauss-Newton step: without
 # the former, a motion three standard errors away has a step so long that its predicted gain is 6
 # too large.
@@ -307,8 +304,7 @@ def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
     return _ellipsoid.moved(state, step)
 
 
-# --------------------------------------------------------------------------------------------------
-# Magnitudes and costs of many states of a free rotation of known shape, side by side.
+# ---- Magnitudes and costs of many states of a free rotation of known shape, side by side
 
 # Rows (states times points) that are computed together.
 BLOCK = 40_000
@@ -353,9 +349,7 @@ def of_magnitudes(problem: CurveProblem, magnitude: FloatArray) -> Costs:
     return Costs(np.sum(r * r, axis=1) - np.sum(along * along, axis=1), r, along)
 
 
-# --------------------------------------------------------------------------------------------------
-# The posterior density of a free rotation of known shape: attitude and rates.
-#
+# ---- The posterior density of a free rotation of known shape: attitude and rates
 # Shadows of facets have steps, so that the density has many narrow peaks near a solution.  The
 # curvature is that of one of them; second moments are those of all.
 

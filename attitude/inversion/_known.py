@@ -1,4 +1,4 @@
-"""The states of a body of known shape and moments from brightness alone: spans that grow.
+"""The states of a body of known shape and moments from brightness alone, searched and ranked.
 
 Random attitudes and rates are screened on the points of a short span; the best are refined on it
 and on spans that grow to the whole curve, each time with the best of them and samples of their
@@ -143,7 +143,7 @@ class PassSearch:
         self.found, self.origin = best, origin
 
     def _mean_square(self) -> float:
-        """Of the residuals of the best state over their errors, without the worst of them."""
+        """That of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
         here = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
         squares = np.sort((here.residual - here.along @ problem.u)[0] ** 2)
@@ -327,8 +327,7 @@ def _joined(*given: States) -> States:
     return States(*(np.concatenate(each) for each in zip(*given, strict=True)))
 
 
-# --------------------------------------------------------------------------------------------------
-# Ranked spin states of a body of known shape: a search, and least squares from its best states.
+# ---- Ranked spin states of a body of known shape: a search, and least squares from its best states
 
 # States of the search that are fitted, and the cost behind the best beyond which none is.
 _FITTED, _BEHIND = 12, 150.0

@@ -35,7 +35,7 @@ class Candidate(NamedTuple):
 
 
 def tables(problem: CurveProblem, count: int) -> Tables:
-    """The tables of `pair_scan` up to the grid frequency `count`."""
+    """The tables of `_spectrum` up to the grid frequency `count`."""
     return _spectrum.tables(
         problem.t, problem.root**2, problem.detrended, 1.0 / OVERSAMPLING, count + 1
     )

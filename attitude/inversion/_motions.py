@@ -1,4 +1,4 @@
-"""Attitudes of a free rotation from its five elements, and their derivatives, for many epochs.
+"""Attitudes and moments of inertia from the five elements of a free rotation, compiled.
 
 The series of docs/derivation.md (section 15) with four terms, eight epochs at a time.  Elements
 here are per unit of time of the epochs: precession and nutation in turns (lambda / 2 pi, f), the
@@ -126,9 +126,9 @@ def three(array, at, n):
 
 @reduction
 def attitudes(elements, k, t, r, g):
-    """Matrices as of `SeriesAttitudes`, into r (S 9 N,), and tangents, into g (S 9 N,) or ().
+    """Matrices as in `SeriesAttitudes`, into r (S 9 N,), and tangents, into g (S 9 N,) or ().
 
-    elements (S, 3): precession, nutation, phase; k (S, 4, 4, 2) as of `coefficients`; t (N,), where
+    elements (S, 3): precession, nutation, phase; k (S, 4, 4, 2) as in `coefficients`; t (N,), where
     `LANES` divides N.
     """
     n = t.size
@@ -188,11 +188,9 @@ def attitudes(elements, k, t, r, g):
             put_three(g, here + 6 * n, n, *turned)
 
 
-# --------------------------------------------------------------------------------------------------
-# Ratios of the moments of inertia of a body from the elements of its motion, in closed form.
-#
-# With the tilts of the third axis from rho and X (`sensitivities.elements`) follow l, m, n of the
-# solution, and nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
+# ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form
+# With the tilts of the third axis from rho and X (`elements`) follow l, m, n of the solution, and
+# nu = -n.  In units of I1, with r = I3/I1 and the rate w = 4 K f,
 #
 #     I2 = r (1 + nu)/(r + nu),        L = w r sqrt(1 + nu)/(|1 - r| l),
 #     lambda = L/(2 r) (1 - (1 - r) c),        c = Pi(n|m)/K - l (pi/2)/(K sqrt(1 + nu)),

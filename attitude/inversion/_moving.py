@@ -1,7 +1,8 @@
-"""Motions with parameters: a free rotation, one that impulses divide, or one under torques.
+"""Motions with parameters, and their least squares with a shape to a light curve.
 
-A point has a body whose principal axes are its axes, a spin, and changes with numbers to find: the
-momentum of each impulse (3), a torque that is fixed in the body (3), the strength of sunlight (1).
+A motion is a free rotation, one that impulses divide, or one under torques.  A point has a body
+whose principal axes are its axes, a spin, and changes with numbers to find: the momentum of each
+impulse (3), a torque that is fixed in the body (3), the strength of sunlight (1).
 """
 
 from __future__ import annotations
@@ -271,8 +272,7 @@ def _with_numbers(torque: Torque, values: FloatArray) -> Torque:
     return torque
 
 
-# --------------------------------------------------------------------------------------------------
-# Least squares of a motion with parameters and a shape, convex or known, to a light curve.
+# ---- Least squares of a motion with parameters and a shape, convex or known, to a light curve
 
 # Shares of the points, those nearest in time to the epoch of the start, that are fitted first.
 _STAGES = (0.25, 0.4, 0.6, 0.8)
@@ -301,7 +301,7 @@ class MovingModel:
 
 @dataclass(frozen=True, eq=False)
 class MovingFound:
-    """A state near its least cost; attributes as of `refinement.Refined`."""
+    """A state near its least cost; attributes as in `Refined`."""
 
     state: MovingState
     cost: float

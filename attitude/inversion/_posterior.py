@@ -1,8 +1,8 @@
 """Samples of the motion from its posterior density, by emcee, from all competing solutions.
 
-The eight parameters of the motion are sampled (`density_of_motion`).  Solutions that compete are
+The eight parameters of the motion are sampled (`_errors.log_density`).  Solutions that compete are
 sampled one by one, and weighted by their evidence and the volume of their errors.  The density is
-that of independent errors; its samples are widened as the covariance is, see `jackknife`.
+that of independent errors; its samples are widened as the covariance is, see `_errors`.
 """
 
 from __future__ import annotations

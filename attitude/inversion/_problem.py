@@ -151,8 +151,7 @@ class CurveProblem:
         return float(r @ r - along @ along)
 
 
-# --------------------------------------------------------------------------------------------------
-# The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many.
+# ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many
 
 # Standard deviation of the fitted zero points, mag, above which they are taken as free.
 _UNCALIBRATED = 0.15

@@ -42,7 +42,7 @@ class Refinement(CurveFit):
     Attributes
     ----------
     curve, weighted, evidence
-        As of `CurveFit`.
+        As in `CurveFit`.
     point : MovingPoint
         The state and the changes of the motion.
     rank, relation : int, str
@@ -74,7 +74,7 @@ class Refinement(CurveFit):
     def covariance(self) -> FloatArray:
         """(P, P): turn (rad, ICRF), rates (rad/s), ln of two ratios of moments, the changes.
 
-        As of `Solution.covariance`, with the error of the model by `jackknife` and the spread of
+        As in `Solution.covariance`, with the error of the model by the jackknife and the spread of
         `rivals`; with impulses, torques or a shape that is found too, the covariance is that of the
         curvature in place of second moments.
         """
@@ -94,7 +94,7 @@ class Refinement(CurveFit):
         return made.covariance + _errors.spread(made.covariance, self.rivals)
 
     def _second_moments(self) -> FloatArray | None:
-        """Of the density of a free rotation of known shape; None for others."""
+        """Those of the density of a free rotation of known shape; None for other motions."""
         fit, problem = self._fit, self.weighted.problem
         if fit.known is None or self.changes:
             return None
@@ -218,7 +218,7 @@ def refine(
     law : str or Law, optional
         Of a known mesh.
     moments
-        As of `spin_states`; moments that are given, and those of the start with a known mesh, stay.
+        As in `spin_states`; moments that are given, and those of the start with a known mesh, stay.
 
     Returns
     -------

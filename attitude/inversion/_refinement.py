@@ -1,8 +1,8 @@
-"""Orientation, elements and convex areas together: Levenberg and Marquardt with exact derivatives.
+"""Least squares of orientation, elements and areas, robust errors, and the evidence.
 
-A state is a start of `many_starts` with the coefficients of the modes of `facets` behind it.  The
-moments of the motion are tied to those of the homogeneous shape; terms in which the magnitude is
-linear are projected out.
+Levenberg and Marquardt's iteration with exact derivatives.  A state is a start of `_ellipsoid` with
+the coefficients of the modes of `_shapes` behind it.  The moments of the motion are tied to those
+of the homogeneous shape; terms in which the magnitude is linear are projected out.
 """
 
 from __future__ import annotations
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
         def gradient(self) -> FloatArray: ...
 
 
-# --------------------------------------------------------------------------------------------------
-# The threads of BLAS: matrices here are so small that several threads only wait for each other.
+# ---- The threads of BLAS: matrices here are so small that several threads only wait for each other
 
 
 def limited(threads: int = 1) -> AbstractContextManager[object]:
@@ -50,8 +49,7 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
     return limits
 
 
-# --------------------------------------------------------------------------------------------------
-# Levenberg and Marquardt's iteration for any model with derivatives.
+# ---- Levenberg and Marquardt's iteration for any model with derivatives
 
 State = TypeVar("State")
 AnyNear = TypeVar("AnyNear", bound="Near")
@@ -207,7 +205,7 @@ def refine(
     ----------
     problem : CurveProblem
     start : (WIDTH,) array
-        Or a start of `many_starts`, whose shape is the ellipsoid.
+        Or a start of `_ellipsoid`, whose shape is the ellipsoid.
     iterations : int
     tie : Tie
         Of the moments of motion and shape.
@@ -286,9 +284,7 @@ def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | 
     return trial if _ellipsoid.are_allowed(trial, is_axial) else None
 
 
-# --------------------------------------------------------------------------------------------------
-# Refinement with Student's distribution of errors, and the error of the model from residuals.
-#
+# ---- Refinement with Student's distribution of errors, and the error of the model from residuals
 # Photometry of many nights and observers has outliers, and a convex body with one scattering law
 # leaves errors of its own.  Weights follow Student's distribution with five degrees of freedom
 # about sigma and a model error in quadrature; the model error is what makes the residuals of the
@@ -302,7 +298,7 @@ class Fitted(Protocol[Found]):
 
     @property
     def state(self) -> Found:
-        """Of the least cost."""
+        """The state of the least cost."""
 
     @property
     def cost(self) -> float:
@@ -314,7 +310,7 @@ class Fitted(Protocol[Found]):
 
     @property
     def magnitude(self) -> FloatArray:
-        """Of the model (N,)."""
+        """Magnitudes of the model (N,)."""
 
 
 FREEDOM = 5.0

@@ -1,5 +1,6 @@
-"""A convex body as areas of facets of given normals: an ellipsoid times a smooth random factor.
+"""Shapes for the inversion: convex bodies by areas of facets, and given meshes.
 
+A convex body is an ellipsoid times a smooth random factor of the areas of facets of given normals.
 The logarithm of the factor is a Gaussian process on the sphere of normals, of which the largest
 modes are kept: areas are positive, smooth where the data say nothing, and a prior follows.  The
 moments of inertia of the homogeneous body are those of the ellipsoid with the same surface tensor,
@@ -157,9 +158,7 @@ def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Const
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness of a convex body from the areas of its facets by normal, with derivatives; compiled.
-#
+# ---- Brightness of a convex body from the areas of its facets by normal, compiled
 # Lommel-Seeliger plus a share of Lambert: S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen
 # facet.
 
@@ -195,9 +194,7 @@ def shares(sun, observer, normals, areas, lambert, parts, by_directions):
         by_directions[i, 3], by_directions[i, 4], by_directions[i, 5] = b0, b1, b2
 
 
-# --------------------------------------------------------------------------------------------------
-# Magnitudes of a convex body of `facets`, with derivatives, and what its shape has to satisfy.
-#
+# ---- Magnitudes of a convex body, with derivatives, and what its shape has to satisfy
 # The parameters of a shape are two of an ellipsoid and the coefficients of the modes of the areas.
 
 # Share of Lambert's law in the scattering, to that of Lommel and Seeliger.
@@ -330,8 +327,7 @@ def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
     return both[::-1] if moments.is_swapped else both
 
 
-# --------------------------------------------------------------------------------------------------
-# Magnitudes of a known shape under a known law, with their derivative by a turn of the body.
+# ---- Magnitudes of a known shape under a known law, with their derivative by a turn of the body
 
 # rad: of the differences.  Lobes of glints are wider by far.
 _STEP_OF_DIFFERENCES = 1e-4
@@ -424,9 +420,7 @@ def _turned(vectors: FloatArray, axis: int, angle: float) -> FloatArray:
     return out
 
 
-# --------------------------------------------------------------------------------------------------
-# The convex polyhedron with given areas and normals of its facets: Minkowski's problem.
-#
+# ---- The convex polyhedron with given areas and normals of its facets: Minkowski's problem
 # The heights h of the planes minimise log(sum a h) - log(V)/3, where V is the volume of the
 # polyhedron (Little, "Extended Gaussian images", 1985; the derivative of V by a height is the area
 # of the facet).  Polyhedra come from the convex hull of their polar duals.

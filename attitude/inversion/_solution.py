@@ -1,4 +1,4 @@
-"""What an inversion returns: solutions, each with motion, errors, shape and residuals."""
+"""What an inversion returns: solutions, each with motion, errors, shape and predictions."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Magnitudes that a solution predicts, with the errors of motion, shape and zero points.
+# ---- Magnitudes that a solution predicts, with the errors of motion, shape and zero points
 
 
 def predicted(
@@ -109,8 +108,7 @@ def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# What every fit to a light curve has: residuals, shape, law, predictions, a spin file.
+# ---- What every fit to a light curve has: residuals, shape, law, predictions, a spin file
 
 
 class CurveFit(ABC):
@@ -160,7 +158,7 @@ class CurveFit(ABC):
 
     @property
     def rms(self) -> float:
-        """Of the residuals, mag."""
+        """Root mean square of the residuals, mag."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
     @property
@@ -212,7 +210,7 @@ class Solution(CurveFit):
     Attributes
     ----------
     curve, weighted, evidence, rank, relation
-        As of `CurveFit`.
+        As in `CurveFit`.
     tie : Tie
         Of the moments of motion and shape.
     """

@@ -280,7 +280,7 @@ def _evidence(found: Weighted) -> float:
 
 
 def _mean_square(problem: CurveProblem) -> float:
-    """Of the magnitudes without the linear terms, over the errors."""
+    """The mean square of the magnitudes without the linear terms, over the errors."""
     return float(np.mean((problem.detrended / problem.sigma) ** 2))
 
 

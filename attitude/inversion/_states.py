@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from attitude.inversion._refinement import Weighted
 
 
-# --------------------------------------------------------------------------------------------------
-# What `moments=` says: the moments of the motion are free, those of the shape, or given.
+# ---- What `moments=` says: the moments of the motion are free, those of the shape, or given
 
 
 def of(moments: str | float | Body | Sequence[float]) -> Tie:
@@ -102,7 +101,7 @@ def is_admissible(state: FloatArray) -> bool:
 def motion(
     state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
 ) -> FreeRotation:
-    """The free rotation of a state, its covariance as of `Spin`; the moments are relative."""
+    """The free rotation of a state, its covariance as in `Spin`; the moments are relative."""
     here = physical(state)
     wxyz = quaternion.from_matrix(here.matrix)
     spin = Spin(epoch, wxyz, here.rates / span, covariance=covariance)

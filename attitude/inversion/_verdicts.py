@@ -1,9 +1,10 @@
-"""Whether a light curve decides the spin state: solved, periods only, or not solved.
+"""Whether a light curve decides the spin state, and how solutions relate to each other.
 
-A solution is accepted if its residuals are as small as the errors (the floor), or, where errors are
-those of a telescope only, if it explains all but a small part of the variance and no other periods
-come near.  Other solutions compete within a difference of evidence.  A rotation about one axis is
-claimed only where a nutation improves the fit by no more than chance.
+The verdicts are: solved, periods only, not solved.  A solution is accepted if its residuals are as
+small as the errors (the floor), or, where errors are those of a telescope only, if it explains all
+but a small part of the variance and no other periods come near.  Other solutions compete within a
+difference of evidence.  A rotation about one axis is claimed only where a nutation improves the fit
+by no more than chance.
 """
 
 from __future__ import annotations
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
     from attitude.inversion._refinement import Weighted
 
 
-# --------------------------------------------------------------------------------------------------
-# How one spin state relates to another that fits the same light curve, in words.
+# ---- How one spin state relates to another that fits the same light curve, in words
 
 # Angles within which poles are related, and frequencies, turns per span.
 _NEAR, _RATE = math.radians(25.0), 0.5

@@ -3,10 +3,8 @@
 Names are those of the Digital Library of Mathematical Functions (dlmf.nist.gov, chapters 19, 20
 and 22), arguments are the parameter m = k^2 and the nome q; all functions take arrays.
 
-integrals   `K`, `E`, `Pi`, `F`, `E_incomplete`, `nome`
-functions   `am`, `sn`, `cn`, `dn`, `theta`
-steps       `steps`: the constants of van Zon & Schofield (2006) for a motion, and its attitude
-loops       the compiled loops, over those of the solution
+_jacobi   `K`, `E`, `Pi`, `F`, `E_incomplete`, `nome`; `am`, `sn`, `cn`, `dn`, `theta`
+_steps    `steps`: the constants of van Zon & Schofield (2006) for a motion, and its attitude
 
 >>> from attitude import jacobi
 >>> float(jacobi.sn(jacobi.K(0.5), 0.5).round(12))

@@ -1,4 +1,4 @@
-"""The compiled loops of elliptic integrals and functions over arrays."""
+"""Elliptic integrals, Jacobi's elliptic functions and theta functions, over arrays."""
 
 from __future__ import annotations
 
@@ -83,8 +83,7 @@ def amplitude(u, mc, out):
         out[k] = phi
 
 
-# --------------------------------------------------------------------------------------------------
-# Elliptic integrals of the parameter m, vectorised: K, E, Pi, F, and the incomplete E.
+# ---- Elliptic integrals of the parameter m, vectorised: K, E, Pi, F, and the incomplete E
 
 
 def K(m: Reals, *, mc: Reals | None = None) -> FloatArray:
@@ -134,7 +133,7 @@ def Pi(n: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     n : array_like
         Characteristic (alpha^2 of DLMF), not above 0.
     m, mc
-        As of `K`, m < 1; n and m are broadcast.
+        As in `K`, m < 1; n and m are broadcast.
 
     Returns
     -------
@@ -172,7 +171,7 @@ def F(phi: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     phi : array_like
         Amplitude, rad, of any size.
     m, mc
-        As of `K`, m < 1; phi and m are broadcast.
+        As in `K`, m < 1; phi and m are broadcast.
 
     Returns
     -------
@@ -247,8 +246,7 @@ def _incomplete(phi: Reals, m: Reals, mc: Reals | None) -> tuple[Any, Any]:
     return found[0][()], found[1][()]
 
 
-# --------------------------------------------------------------------------------------------------
-# Jacobi's elliptic functions am, sn, cn, dn and theta functions, vectorised.
+# ---- Jacobi's elliptic functions am, sn, cn, dn and theta functions, vectorised
 
 # Most terms of a theta function: enough for q up to 0.9999.
 _MOST_TERMS = 800

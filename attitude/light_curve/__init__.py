@@ -4,16 +4,11 @@ Functions take and return arrays; motion, ephemerides and time belong to `scene`
 m2/sr, the intensity that the body sends to the observer over the Sun's irradiance on it; a flat
 white Lambert disc of radius R, face on, has R^2.
 
-brightness   the sum over facets, or the closed form of an ellipsoid, for many directions
-magnitudes   reduced and apparent magnitudes
-orientations the mean over all orientations, for the phase functions of asteroids
-visibility   the table of shadows that a body casts on itself; `painting` and `outline_painting`,
-             its compiled loops; `hierarchy` and `outlines`, boxes around facets and the outlines
-             of groups, for them; `table_files`, tables kept on disk
-raycast      the same shadows by casting rays
-sums         the compiled sums; `clusters`, the layout of facets for them
-closed_form  the compiled brightness of an ellipsoid
-directions   checks of directions; `blocks`, division of the work among threads
+_brightness   `brightness`, `stream`: checks of directions, the choice of the loop, threads
+_magnitudes   reduced and apparent magnitudes; the mean over all orientations
+_visibility   `Visibility`: the table of shadows that a body casts on itself
+_raycast      `brightness_by_rays`: the same shadows by casting rays
+_sums         the compiled sums over facets, and the closed form of an ellipsoid
 """
 
 from attitude.light_curve._brightness import brightness, stream

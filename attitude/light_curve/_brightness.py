@@ -1,32 +1,20 @@
-"""Brightness of a shape under a law, for arrays of directions: input checks, choice of the loop."""
+"""Brightness of a shape under a law: checks of directions, the choice of the loop, blocks."""
 
 from __future__ import annotations
 
 import weakref
-from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._compilation.decorators import reduction_over
-from attitude._compilation.simd import (
-    at_most,
-    bits_set_in_bytes,
-    chosen,
-    eight,
-    every,
-    lanes,
-    positive_bits,
-    summed_up,
-)
 from attitude._support.arrays import read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
+from attitude.light_curve._few_facets import Packs, arranged, packs_of, summed_few_facets
 from attitude.light_curve._sums import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve._visibility import POINTS, Visibility
-from attitude.scattering._law import TERMS, laws
 from attitude.scattering._law import law as known_law
+from attitude.scattering._law import laws
 from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
 
@@ -36,13 +24,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from attitude._compilation.decorators import Compilable, EntryPoint
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# Directions of Sun and observer, checked, as one array per component for the compiled loops.
+# ---- Directions of Sun and observer, checked, as one array per component for the compiled loops
 
 # Tolerance of the squared length of a unit vector.
 _UNIT = 1e-6
@@ -237,9 +223,9 @@ def stream(
 
     Parameters
     ----------
-    shape, law, shadows, threads : as of `brightness`
+    shape, law, shadows, threads : as in `brightness`
     blocks : iterable of pairs (sun, observer)
-        Arrays (..., 3) as of `brightness`.  Only one block is in memory at a time if the iterable
+        Arrays (..., 3) as in `brightness`.  Only one block is in memory at a time if the iterable
         is lazy.
     progress : callable, optional
         Called with the number of epochs done after each block.
@@ -265,7 +251,7 @@ def kernel_of(
 ) -> Callable[..., object]:
     """The function of six components and an output array that evaluates one block.
 
-    Without the phase function of the law; arguments as of `brightness`.
+    Without the phase function of the law; arguments as in `brightness`.
     """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
@@ -340,7 +326,7 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
 
 def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
-    """The indices (N,) of the cells of directions by component (N,), as `sums` takes them."""
+    """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
     from attitude.light_curve import _sums
 
     if resolution == 0:
@@ -417,7 +403,7 @@ def _few_kernel(
 
 
 def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
-    """The `segments` of `sums.gather`, for the row (places,) of each place, -1 if it is empty."""
+    """The `segments` of `_sums.gather`, for the row (places,) of each place, -1 if it is empty."""
     found = []
     of_clusters = which.reshape(-1, SIZE)
     for row in range(rows):
@@ -442,128 +428,3 @@ def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
         arrays[-1][:] *= area
 
     return kernel
-
-
-# --------------------------------------------------------------------------------------------------
-# The sum over a mesh of few facets under a law that is evaluated facet by facet.
-#
-# All facets of an epoch are evaluated, eight at a time, the dark ones too.  Up to some tens of
-# facets that takes less time than to gather those that are both lit and seen, as `sums` does for
-# more: their number changes from epoch to epoch, and the processor guesses branches wrong.
-
-# Packs of eight facets up to which evaluating all of them is faster (benchmarks/light_curve.py).
-MOST_PACKS = 6
-# Numbers of each facet, in rows of SIZE: the normal and the area.
-_ROWS = 4
-_ZEROS = (0.0,) * SIZE
-# Unsigned indices: for signed ones numba adds a test for negative values to every access.
-_PACK = np.uint64(_ROWS * SIZE)
-_Y, _Z, _AREA = (np.uint64(k * SIZE) for k in (1, 2, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class Packs:
-    """Facets in packs of eight that have the same row of a law.
-
-    Attributes
-    ----------
-    facets : (P * 32,) array
-        Pack by pack: x, y and z of the normals, and areas in units of the whole area, 0 in empty
-        places.
-    first : (M + 1,) array of int
-        The packs of row m of the law are first[m] to first[m + 1].
-    order : (P * 8,) array of int
-        The facet in each place, -1 in empty places.
-    """
-
-    facets: FloatArray
-    first: IntArray
-    order: IntArray
-
-
-def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs | None:
-    """The facets of a mesh in packs; None if there are more than `MOST_PACKS`.
-
-    `number` (F,) is the row of the law of each facet; `order` has the facets, -1 in empty places,
-    such that neighbours have similar normals: dark packs are skipped.
-    """
-    counts = np.bincount(number, minlength=rows)
-    packs = -(-counts // SIZE)
-    if np.sum(packs) > MOST_PACKS:
-        return None
-    first = np.concatenate([[0], np.cumsum(packs)])
-    places = np.full(first[-1] * SIZE, -1)
-    near = order[order >= 0]
-    for row in range(rows):
-        own = near[number[near] == row]
-        places[first[row] * SIZE : first[row] * SIZE + len(own)] = own
-    used = places >= 0
-    blocks = np.zeros((_ROWS, len(places)))
-    blocks[:3, used] = mesh.normals[places[used]].T
-    blocks[3, used] = mesh.areas[places[used]] / np.sum(mesh.areas)
-    blocks = np.swapaxes(blocks.reshape(_ROWS, -1, SIZE), 0, 1)
-    return Packs(aligned(blocks), first, places)
-
-
-def arranged(
-    masks: NDArray[np.uint8], packs: Packs, order: IntArray | None = None
-) -> NDArray[np.uint64]:
-    """The masks of `Visibility`, a column for each facet in `order`, as a word for each pack.
-
-    Zeros without an order.
-    """
-    found = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
-    if order is not None:
-        own, column = order >= 0, np.empty(len(order), dtype=np.int64)
-        column[order[own]] = np.flatnonzero(own)
-        used = packs.order >= 0
-        found[:, used] = masks[:, column[packs.order[used]]]
-    words: NDArray[np.uint64] = found.view(np.uint64)
-    words.flags.writeable = False
-    return words
-
-
-@cache
-def summed_few_facets(of_phase: Compilable, elements: Compilable) -> EntryPoint:
-    """The sum of mu0 mu (r / mu0) dA over packs for the functions of a law.
-
-    It is called with the rows of the law (M, W), `first` and `facets` of `Packs`, the masks of
-    `arranged` (one row where nothing casts a shadow), `cells_of` both directions, the components of
-    the directions, the cosines and sines of half the phase angles, and the output, a number for
-    each epoch.
-    """
-
-    @reduction_over(of_phase, elements)
-    def summed(
-        rows, first, facets, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, cosines, sines,
-        out,
-    ):  # fmt: skip
-        terms = np.empty(TERMS)
-        zeros = lanes(_ZEROS)
-        shaded = masks.shape[0] > 1
-        for t in range(out.size):
-            a, b, c, d, e, f = sx[t], sy[t], sz[t], ox[t], oy[t], oz[t]
-            free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
-            total = 0.0
-            for m in range(rows.shape[0]):
-                row = rows[m]
-                of_phase(row, cosines[t], sines[t], terms)
-                part = zeros
-                for n in range(np.uint64(first[m]), np.uint64(first[m + 1])):
-                    i = n * _PACK
-                    x, y, z = eight(facets, i), eight(facets, i + _Y), eight(facets, i + _Z)
-                    weight = eight(facets, i + _AREA)
-                    p, q = x * a + y * b + z * c, x * d + y * e + z * f
-                    if shaded:
-                        free = masks[free_sun, n] & masks[free_eye, n]
-                        weight = weight * (0.125 * bits_set_in_bytes(free))
-                    by = at_most(at_most(p, q), weight)
-                    if positive_bits(by) != 0:
-                        # dark facets have a place where every law is finite, and no weight
-                        p, q = chosen(by, p, every(1.0, p)), chosen(by, q, every(1.0, q))
-                        weight = chosen(by, weight, zeros)
-                        part = part + weight * (p * q) * elements(row, terms, p, q)
-                total += summed_up(part)
-            out[t] = total
-
-    return summed

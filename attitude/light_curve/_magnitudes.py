@@ -1,4 +1,4 @@
-"""Magnitudes from brightness in m2/sr."""
+"""Magnitudes from brightness in m2/sr, and the mean brightness over all orientations."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def apparent_magnitude(
 
     Parameters
     ----------
-    brightness, sun_magnitude : as of `reduced_magnitude`
+    brightness, sun_magnitude : as in `reduced_magnitude`
     sun_distance, observer_distance : (...) array_like
         Distances of the body from Sun and observer, m.
 
@@ -127,9 +127,7 @@ def dimming(lit: Reals) -> FloatArray:
         return -2.5 * np.log10(validation.real(lit, "lit", finite=False))
 
 
-# --------------------------------------------------------------------------------------------------
-# The mean brightness over all orientations, which relates phase functions to shapes.
-#
+# ---- The mean brightness over all orientations, which relates phase functions to shapes
 # H, G and H, G1, G2 give one magnitude for each phase angle; shape and law give the variation about
 # it.  In the mean over all orientations every facet of a convex body contributes alike, so that the
 # body is as bright as a sphere of the same surface area.
@@ -200,7 +198,7 @@ def phased_magnitude(
     ----------
     brightness : (...) array_like
         Brightness of the shape under the law, m2/sr.  Size and albedo cancel in the result.
-    shape, law, alpha : as of `mean_brightness`
+    shape, law, alpha : as in `mean_brightness`
     function : callable
         Reduced magnitude at phase angles in rad, such as
         ``lambda alpha: scattering.hg(alpha, 19.09, 0.24)``.

@@ -1,4 +1,4 @@
-"""Self-shadowing by casting rays: slow and exact, a test oracle of `visibility`."""
+"""Self-shadowing by casting rays: slow and exact, a test oracle of `_visibility`."""
 
 from __future__ import annotations
 

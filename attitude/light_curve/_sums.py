@@ -1,8 +1,8 @@
-"""The compiled sums over facets: epoch by epoch, eight facets at a time.
+"""The compiled sums over facets, eight at a time, and the closed form of an ellipsoid.
 
-`brightness` calls them.  Directions come by component, so that an array in component-major memory
-is read in place.  Facets are those of `clusters`, with rows that the caller has multiplied by
-weights; masks are those of `visibility`, or None where nothing casts a shadow.
+`_brightness` calls them.  Directions come by component, so that an array in component-major memory
+is read in place.  Facets are in clusters, with rows that the caller has multiplied by weights;
+masks are those of `_visibility`, or None where nothing casts a shadow.
 """
 
 from __future__ import annotations
@@ -50,9 +50,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Facets in clusters of similar normals, so that clusters turned away are skipped together.
-#
+# ---- Facets in clusters of similar normals, so that clusters turned away are skipped together
 # A branch for each facet costs three times what it saves, since it breaks the vector instructions;
 # one bit for eight facets does not.  A table of small cells around the sphere gives the clusters
 # that face a direction, as words of bits; the sum runs over the clusters that face both Sun and
@@ -63,7 +61,7 @@ if TYPE_CHECKING:
 # opposites.  Divided by this component, the height, a normal is two slopes and 1: the cosine
 # between normal and direction, over the height, takes two products instead of three.
 
-# Facets in a cluster, one SIMD vector (`compilation.simd`).  Larger ones are skipped less often.
+# Facets in a cluster, one SIMD vector (`simd`).  Larger ones are skipped less often.
 SIZE = 8
 # Numbers of each facet, in rows of SIZE: two slopes, height along the axis, area.
 ROWS = 4
@@ -261,9 +259,7 @@ def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]
     return cells, sky
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness of a Lommel-Seeliger ellipsoid in closed form, compiled.
-#
+# ---- Brightness of a Lommel-Seeliger ellipsoid in closed form, compiled
 # Muinonen & Lumme, A&A 584, A23, 2015, eq. 12, rewritten without cancellation.  With p = s/a and
 # q = o/a by components, P = |p|, Q = |q|, S = P + Q, x = |p + q|/S and y = 1 - x^2,
 #
@@ -489,7 +485,7 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
 
 @reduction
 def cells_of(x, y, z, resolution, out):
-    """Write the indices of the cells of directions on the cube of `visibility`, as doubles.
+    """Write the indices of the cells of directions on the cube of `_visibility`, as doubles.
 
     Eight directions at once, and without branches, which random directions would make the processor
     guess wrong.  The arrays are as long as the first multiple of eight that holds the directions.
@@ -606,7 +602,7 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
     """The sum over gathered facets for the functions of a law, one facet at a time.
 
     It is compiled for each pair, so that the loop over facets has no branch for the law; see
-    `scattering.law`.  Arguments as of `by_sixteen`.
+    `Law`.  Arguments as in `by_sixteen`.
     """
 
     @reduction_over(of_phase, element)

@@ -56,13 +56,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.light_curve._brightness import Packs
+    from attitude.light_curve._few_facets import Packs
     from attitude.light_curve._sums import Clusters
 
 
-# --------------------------------------------------------------------------------------------------
-# Boxes around facets that lie together: whole groups that cannot hide the sky are skipped at once.
-#
+# ---- Boxes around facets that lie together: groups that cannot hide the sky are skipped at once
 # The tree is complete: node k has the children 2 k and 2 k + 1, the root is 1, and the leaves hold
 # LEAF facets each.  Each group is cut across its longest extent, in space or in the directions of
 # its normals: groups that face one way hide the sky by their outlines.
@@ -129,9 +127,7 @@ def _cut(places: FloatArray, leaves: int) -> IntArray:
     return order
 
 
-# --------------------------------------------------------------------------------------------------
-# Outlines of groups of facets: a group that shows its front hides the sky within its outline.
-#
+# ---- Outlines of groups of facets: a group that shows its front hides the sky within its outline
 # An edge between two facets of a group is passed once each way and cancels, so that the outline of
 # some hundred facets has a few dozen edges.
 
@@ -209,9 +205,7 @@ def _fronts(tree: Hierarchy, corners: FloatArray, normals: FloatArray) -> FloatA
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops by which facets, and groups of them, hide the sky within their outlines.
-#
+# ---- The compiled loops by which facets, and groups of them, hide the sky within their outlines
 # A row of cells is crossed by the outline of a group: where it enters the group a count rises by
 # one, where it leaves it falls.  The changes are added up for all groups, and each row is summed
 # once: a cell whose count is not zero is hidden.  The eight points of a facet are the lanes of a
@@ -249,7 +243,7 @@ def axes_of(face):
 def side_shown(boxes, fronts, node, middle):
     """1 if all facets of a group show their fronts to all points about a facet, -1 their backs.
 
-    0 where some may do one, some the other.  `middle` is a row of `painting.surroundings`.
+    0 where some may do one, some the other.  `middle` is a row of `surroundings`.
     """
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
@@ -308,7 +302,7 @@ def draw_groups(
 ):  # fmt: skip
     """Add the changes along the outlines of the nodes found[:groups] to `counts`.
 
-    The points are flat[first : first + 24], as in `painting`.  An edge between two groups that show
+    The points are flat[first : first + 24], as in `paint`.  An edge between two groups that show
     the same side changes nothing, and one between others is drawn once.  `drawn` keeps the first
     row of each face with changes and the one after the last.
     """
@@ -570,11 +564,9 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
         drawn[2 * face], drawn[2 * face + 1] = resolution, 0
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loop of `visibility` over the facets of a mesh and the groups that may hide its sky.
-#
+# ---- The compiled loop over the facets of a mesh and the groups that may hide its sky
 # Groups that show their fronts are drawn by their outlines, others are divided, down to facets that
-# are drawn by their edges (`outline_painting`).
+# are drawn by their edges.
 
 # Heights above the plane of a facet up to this share of the size of the body are rounding: those
 # of neighbours in the same plane.
@@ -591,7 +583,7 @@ def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray
     shift (8, 2) is in cells.
     """
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
-    # the inverse of `sums.evened`
+    # the inverse of `_sums.evened`
     found = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
     return np.ascontiguousarray(found[..., 0]).reshape(-1), found[..., 1].flatten()
 
@@ -728,9 +720,7 @@ def _highest(boxes, node, normal):
     return height
 
 
-# --------------------------------------------------------------------------------------------------
-# Tables of shadows on disk, named by a hash of the mesh: a second process computes none anew.
-#
+# ---- Tables of shadows on disk, named by a hash of the mesh: a second process computes none anew
 # They lie in the folder ``attitude`` of the user's cache folder (``XDG_CACHE_HOME``, by default
 # ~/.cache), or in the folder that the environment variable ``ATTITUDE_CACHE`` names; ``off`` keeps
 # none.  When they exceed LARGEST bytes together, those used longest ago are deleted.
@@ -818,7 +808,7 @@ class Visibility:
     Attributes
     ----------
     masks : (6 n^2, places) uint8 array
-        For each cell of the sky and each place of `clusters`, a bit for each point of the facet:
+        For each cell of the sky and each place of `Clusters`, a bit for each point of the facet:
         1 if the sky is free.
     resolution : int
         n, the number of cells along an edge of the sky.
@@ -873,7 +863,7 @@ class Visibility:
             bar is drawn on standard error, if that is a terminal, after a second.
         keep : bool
             Whether the table is read from and, if it took more than a second, kept in the user's
-            cache folder (`table_files`).
+            cache folder (`file_of`).
 
         Raises
         ------
@@ -912,12 +902,12 @@ class Visibility:
         return cls(masks, resolution, clusters, mesh.corners)
 
     def arranged(self, packs: Packs) -> NDArray[np.uint64]:
-        """The masks as `few_facets.arranged` has them; those of the last packs are kept."""
-        from attitude.light_curve import _brightness
+        """The masks as `_few_facets.arranged` has them; those of the last packs are kept."""
+        from attitude.light_curve import _few_facets
 
         last = self._last[-1:]
         if not last or not np.array_equal(last[0][0], packs.order):
-            found = _brightness.arranged(self.masks, packs, self.clusters.order)
+            found = _few_facets.arranged(self.masks, packs, self.clusters.order)
             self._last[:] = last = [(packs.order, found)]
         words: NDArray[np.uint64] = last[0][1]
         return words

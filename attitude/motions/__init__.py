@@ -1,10 +1,10 @@
 """Motions of a body, and what they answer at epochs: attitudes, rates, periods, derivatives.
 
-_body, _spin       what is given: the inertia, and the state of rotation at an epoch
-_motion, _history  the contract of motions, and the attitudes that they return
-_free_rotation     the exact free rotation; _description, _polhode, _predictability and
-                   _differentiable say more of it
-_table             attitudes that are given at epochs
+_body, _spin       `Body` and `Spin`: the inertia, and the state of rotation at an epoch
+_motion, _history  `Motion`, the contract; `AttitudeHistory`, the attitudes that motions return
+_free_rotation     `FreeRotation`; _description, _polhode, _predictability and _differentiable say
+                   more of it
+_table             `AttitudeTable`: attitudes that are given at epochs
 _propagation       `propagate`: plain arrays in, plain arrays out
 _published         states in the form of papers; _conventions of their angles, _uncertainty
 _axes              attitudes relative to other axes than ICRF

@@ -1,4 +1,4 @@
-"""Reference axes of attitudes in files, by their names.
+"""Reference axes of attitudes in files, by their names; histories relative to them.
 
 Fixed axes lead to ICRF by one quaternion; turning axes (Earth-fixed, of date, of an orbit) by one
 for each epoch, and they have an angular velocity.
@@ -8,9 +8,9 @@ icrf                      ICRF, ICRF1 to ICRF3, GCRF, BCRF
 eme2000                   EME2000, J2000 (in CCSDS and STK: with the frame bias of 23 mas)
 ecliptic                  ECLIPTIC, ECLIPTICJ2000, ECLIPJ2000
 b1950                     B1950, EME1950
-itrf, tirs, cirs, gtod    ITRF, ITRF-97, ..., ITRS; TIRS; CIRS; GTOD, TDR: see `earth_axes`
+itrf, tirs, cirs, gtod    ITRF, ITRF-97, ..., ITRS; TIRS; CIRS; GTOD, TDR: see `frames._earth`
 tod, mod, teme            TOD, TOD_EARTH, TRUEOFDATE; MOD, MOD_EARTH, MEANOFDATE; TEME, TEMEOFDATE
-rtn, lvlh, tnw, ntw, vnc  RTN, RSW, RIC, QSW; LVLH, VVLH; TNW; NTW; VNC: see `orbit_axes`
+rtn, lvlh, tnw, ntw, vnc  RTN, RSW, RIC, QSW; LVLH, VVLH; TNW; NTW; VNC: see below
 ========================  =========================================================================
 
 Axes of an orbit whose names end in _INERTIAL have rates relative to inertial space; the others,
@@ -48,10 +48,10 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Reals
     from attitude._support.tables import FlatTable
 
+__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
 
-# --------------------------------------------------------------------------------------------------
-# Names of reference axes in files, and what each of them means.
-#
+
+# ---- Names of reference axes in files, and what each of them means
 # Three sorts: axes that this package computes (`meaning`), axes that standards name but this
 # package does not compute (`named_elsewhere`), and names that look like one of both but are none
 # (`looks_like`).  None of the three can be the name of a body's own axes.
@@ -149,16 +149,12 @@ def looks_like(name: str) -> str | None:
     return near[0] if near else None
 
 
-# --------------------------------------------------------------------------------------------------
-# Axes of an orbit, from the position and velocity of the body about its center.
-#
-# ====  ============================================================================================
+# ---- Axes of an orbit, from the position and velocity of the body about its center
 # rtn   x away from the center, z along the orbit's momentum
 # lvlh  z to the center, y against the orbit's momentum
 # tnw   x along the velocity, z along the orbit's momentum
 # ntw   y along the velocity, z along the orbit's momentum
 # vnc   x along the velocity, y along the orbit's momentum
-# ====  ============================================================================================
 #
 # Source: SANA registry of orbit-relative reference frames.
 
@@ -224,8 +220,6 @@ def ends(
 def _unit(v):
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
-
-__all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
 
 # Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.
 _STEP = 1.0
@@ -401,8 +395,7 @@ def _one_sided(turned, side):
     return (4.0 * one - two) / (2.0 * step)
 
 
-# --------------------------------------------------------------------------------------------------
-# A history relative to other axes than ICRF: of an orbit, of the Earth, or inertial ones.
+# ---- A history relative to other axes than ICRF: of an orbit, of the Earth, or inertial ones
 
 # Epochs at a time, so that temporary arrays stay in the caches.
 _BLOCK = 1 << 13

@@ -266,12 +266,10 @@ def _separatrix(motion: FreeRotation, errors: _Errors) -> str:
     return f"{distance:.6g}{error}: on the {side} side of the separatrix, which is at 0"
 
 
-# --------------------------------------------------------------------------------------------------
-# Standard deviations of the numbers that describe a motion: periods, angles, momentum, energy.
-#
+# ---- Standard deviations of the numbers that describe a motion: periods, angles, momentum, energy
 # They are computed from motions one standard deviation away along each principal axis of the
-# errors, as `published.uncertainty.spread` does from published numbers: without derivatives, and
-# with the limits that bodies and modes set.
+# errors, as `_uncertainty.spread` does from published numbers: without derivatives, and with the
+# limits that bodies and modes set.
 
 _NAMES = (
     *("spin_rate", "period", "period_psi", "period_phi", "P_phi_L", "P_phi_S"),

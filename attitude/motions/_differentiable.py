@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from attitude.motions._spin import Spin
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives and covariances of the attitudes of one free rotation.
+# ---- Derivatives and covariances of the attitudes of one free rotation
 
 
 class Derivatives(ABC):

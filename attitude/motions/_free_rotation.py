@@ -1,4 +1,4 @@
-"""The free rotation of a body: attitudes at any epoch from the state at one epoch."""
+"""`FreeRotation`: attitudes of a body at any epoch from the state at one epoch."""
 
 from __future__ import annotations
 
@@ -36,12 +36,7 @@ if TYPE_CHECKING:
     from attitude.motions._uncertainty import Uncertain
 
 
-# --------------------------------------------------------------------------------------------------
-# The normal form of a free rotation: its elements, and the motion that has given ones.
-
-
-# --------------------------------------------------------------------------------------------------
-# The state of a motion at another epoch, as a Spin with its covariance.
+# ---- The state of a motion at another epoch, as a Spin with its covariance
 
 
 def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
@@ -69,9 +64,7 @@ def _covariance(motion: Any, hi: FloatArray, lo: FloatArray | None, frame: str) 
     return 0.5 * (found + found.T)
 
 
-# --------------------------------------------------------------------------------------------------
-# Upper bounds of the derivatives of a body-fixed direction, used to prove intervals free of zeros.
-#
+# ---- Upper bounds of the derivatives of a body-fixed direction, to prove intervals free of zeros
 # A body axis a, seen from inertial axes, moves by R a with
 #
 #     |(R a)'| <= |w|,   |(R a)''| <= |w'| + |w|^2,   |(R a)'''| <= |w''| + 3 |w'| |w| + |w|^3.
@@ -111,6 +104,8 @@ def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
             total += gain * gain * squares[j] * squares[k]
     return w * w * float(min(np.sqrt(total), np.sqrt(1.0 / 3.0)))
 
+
+# ---- The motion
 
 # Relative change that counts as rounding of the input: 16 units in the last place.
 _ROUNDING = 16.0 * np.finfo(float).eps
@@ -163,6 +158,8 @@ class FreeRotation(Differentiable):
     body: Body = field()
     spin: Spin = field()
     _value = ("body", "spin")
+    smooth = True
+    _has_closed_form = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
@@ -186,18 +183,91 @@ class FreeRotation(Differentiable):
         )
         self._set("_constants", frozen(constants))
 
+    # ---- Construction
+
+    @classmethod
+    def from_elements(
+        cls,
+        elements: Elements | Sequence[float],
+        *,
+        epoch: Epoch,
+        wxyz: Reals,
+        frame: str = "icrf",
+        largest_moment: Real | None = None,
+    ) -> Self:
+        """The motion with given elements.
+
+        Parameters
+        ----------
+        elements : Elements or five numbers
+            precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
+            `elements`.
+        epoch, wxyz, frame
+            As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
+            (the momentum circulates about the third, the second is the middle one).
+        largest_moment : float or Quantity, optional
+            kg m2.  Without it the moments are relative, the largest being 1.
+
+        Raises
+        ------
+        AttitudeError
+            For elements outside their range, and elements that no body has.
+        """
+        numbers = validation.real(elements, "elements", shape=(5,), finite=False)
+        given = Elements(*numbers.tolist())
+        moments, omega = state_of(given)
+        if largest_moment is not None:
+            moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
+        body = Body(moments=moments, relative=largest_moment is None)
+        return cls(body, Spin(epoch, wxyz, omega, frame))
+
+    def _with(self, body: Body, spin: Spin) -> Self:
+        return type(self)(body, spin)
+
     def __reduce__(self) -> tuple[Any, ...]:
         # The constants are computed anew: their record may change between versions.
         return FreeRotation, (self.body, self.spin)
+
+    # ---- Text
+
+    def __repr__(self) -> str:
+        return f"<FreeRotation: {self.mode.name}, from {self.spin.epoch.utc_iso} UTC>"
+
+    def __str__(self) -> str:
+        from attitude.motions._description import description
+
+        return description(self)
+
+    def _repr_html_(self) -> str:
+        """The description as a table, and the polhode, for notebooks."""
+        return markup.table(*markup.rows_of(str(self)), *_polhode.pictures(self))
+
+    # ---- States at epochs
 
     @property
     def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
-    def rate_bounds(self, seconds: float) -> RateBounds:
-        """`RateBounds` of a body-fixed direction, the same at all epochs."""
-        return of_free_rotation(self.body, self.spin.angular_velocity)
+    def spin_at(self, epoch: EpochOrSeconds) -> Spin:
+        """The state at another epoch: ``FreeRotation(body, motion.spin_at(t))`` is this motion.
+
+        Parameters
+        ----------
+        epoch : epoch or seconds
+            One, as `at` takes it.
+
+        Returns
+        -------
+        Spin
+            In the frame of the spin, with its covariance (to first order) if it has one.
+
+        Raises
+        ------
+        AttitudeError
+            For several epochs, and those that `at` refuses.
+        """
+        return spin_of(self, epoch)
 
     def angular_acceleration_at(
         self,
@@ -230,10 +300,94 @@ class FreeRotation(Differentiable):
         accelerations: FloatArray = np.moveaxis(rate, 0, -1) @ axes.T
         return accelerations
 
+    def rate_bounds(self, seconds: float) -> RateBounds:
+        """`RateBounds` of a body-fixed direction, the same at all epochs."""
+        return of_free_rotation(self.body, self.spin.angular_velocity)
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        shape = seconds.shape
+        # frozen: a new view each, also of the caller's array
+        t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
+        t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
+        wxyz = new_array(1, 4, t.size)
+        omega = new_array(1, 3, t.size) if order else None
+        evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
+        found = [wxyz[0].T.reshape(*shape, 4)]
+        if omega is not None:
+            found.append(omega[0].T.reshape(*shape, 3))
+        if order > 1:
+            found.append(self.angular_acceleration_from(found[1]))
+        return found
+
+    @cached_property
+    def _sensitivity(self) -> Sensitivity:
+        return Sensitivity(self._constants, self.body, self.spin)
+
+    # ---- Mode, periods and invariants
+
     @property
     def mode(self) -> Mode:
         """The `Mode` of the exact doubles given; see also `within_rounding`."""
         return Mode(int(self._constants["mode"][0]))
+
+    @cached_property
+    def within_rounding(self) -> tuple[Mode, ...]:
+        """Modes other than `mode` that rounding of the input by a few last places could produce.
+
+        A rotated tensor of a symmetric body is hardly ever exactly symmetric, and a rate converted
+        from degrees hardly ever exactly on the separatrix.
+        """
+        found = []
+        moments = np.sort(self.body.moments)
+        rates = np.abs(self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0])
+        close = np.diff(moments) <= _ROUNDING * moments[-1]
+        if np.all(close):
+            found.append(Mode.SPHERICAL)
+        elif self.mode is not Mode.AT_REST:
+            if np.sum(rates > _ROUNDING * rates.max()) == 1:
+                found.append(Mode.PRINCIPAL_AXIS)
+            elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
+                found.append(Mode.SEPARATRIX)
+        if np.any(close) and not np.all(close):
+            found.append(Mode.SYMMETRIC)
+        return tuple(mode for mode in found if mode is not self.mode)
+
+    @property
+    def circulates_about(self) -> str | None:
+        """ "long" or "short": the axis about which the momentum circulates; None for neither.
+
+        For symmetric bodies and for rotation about an extreme axis it is the axis of the limit of
+        a vanishing nutation.
+        """
+        axis = int(self._constants["circulates"][0])
+        if axis < 0 or self.mode is Mode.SEPARATRIX:
+            return None
+        moments = self.body.moments
+        others = np.delete(moments, axis)
+        return "long" if moments[axis] <= others.min() else "short"
+
+    @cached_property
+    def separatrix_distance(self) -> float:
+        """1 - 2 E I2 / L^2 for the middle moment I2: 0 on the separatrix, negative in LAM.
+
+        Computed without cancellation: all its digits are significant, even at 1e-16.  NaN at rest.
+        """
+        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
+        moments = self.body.moments
+        if not np.any(rates):
+            return math.nan
+        scale = np.max(np.abs(rates))
+        squares = moments / moments.max() * (rates / scale) ** 2
+        total = np.sum(moments / moments.max() * squares)
+        if self.mode in (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC, Mode.SEPARATRIX):
+            c = self._constants[0]
+            sign = -1.0 if self.circulates_about == "long" else 1.0
+            momentum = c["moments"][:, 0] * c["omega"][:, 0]
+            return float(sign * c["d2"][0] / np.sum(momentum**2))
+        middle = np.sort(moments)[1]
+        return float(np.sum((moments - middle) / moments.max() * squares) / total)
 
     @property
     def period_psi(self) -> float:
@@ -249,6 +403,32 @@ class FreeRotation(Differentiable):
     def regime(self) -> Regime:
         """The `Regime` of the motion: E/E0, periods in both conventions, ranges, times."""
         return regime_of(self.body.moments_as_pairs[None], self._constants)
+
+    @cached_property
+    def momentum(self) -> FloatArray:
+        """Angular momentum (3,) in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
+        in_body = self.body.tensor @ self.spin.angular_velocity
+        return frozen(quaternion.rotate(self.spin.wxyz_icrf, in_body))
+
+    @cached_property
+    def energy(self) -> float:
+        """Kinetic energy in J, or in rad2/s2 times the relative unit of inertia."""
+        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
+        return float(0.5 * np.sum(self.body.moments * rates**2))
+
+    @cached_property
+    def elements(self) -> Elements:
+        """The normal form: rates, phase, amplitude and ellipticity of the motion.
+
+        Raises
+        ------
+        AttitudeError
+            Where no nutation is defined: at rest, spheres, the middle axis, and the equator of a
+            symmetric body.
+        """
+        return elements_of(self._constants[0])
+
+    # ---- Forms of papers, and curves
 
     def published(
         self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
@@ -306,19 +486,39 @@ class FreeRotation(Differentiable):
         momentum = quaternion.rotate(quaternion.conjugate(wxyz), momentum)
         return np.stack(_conventions.angles_of(wxyz, momentum)[1:], axis=-1)
 
+    def obliquity(self, orbit: Any, at: EpochOrSeconds | None = None) -> float:
+        """The angle between the angular momentum and that of an orbit, 0 to pi rad.
+
+        Parameters
+        ----------
+        orbit : Path or skyfield object
+            Of the body about its center; one about the barycentre is taken about the Sun.
+        at : epoch or seconds, optional
+            Of the osculating orbit; that of the spin by default.
+        """
+        from attitude.motions._axes import obliquity
+
+        hi, lo = _inputs.seconds_since(self.epoch, self.epoch if at is None else at)
+        low = np.zeros(hi.shape) if lo is None else lo
+        assert self.momentum is not None  # that of a free rotation is constant
+        return float(obliquity(self.momentum, orbit, self.epoch, hi, low))
+
     def polhode(self, points: int = 361) -> FloatArray:
         """The path (points, 3) of the angular velocity in body axes, rad/s, over one P_psi.
 
-        A closed curve where the momentum circulates; see attitude.motions._polhode.
+        A closed curve where the momentum circulates.
         """
         return _polhode.polhode(self._constants[0], self.body.principal_axes, points)
 
     def herpolhode(self, t: Epochs) -> FloatArray:
         """The path (S, 2) of the angular velocity in the invariable plane, rad/s, at epochs t.
 
-        Its origin is on the momentum, its axes are those of attitude.motions._polhode.plane.
+        Its origin is on the momentum, its axes point to growing colatitude and longitude of the
+        direction of the momentum in ICRF.
         """
         return _polhode.herpolhode(self.momentum, self.at(t).angular_velocity_inertial)
+
+    # ---- Errors
 
     def predictable_time(
         self,
@@ -345,8 +545,7 @@ class FreeRotation(Differentiable):
         Returns
         -------
         float
-            s, inf without errors; see `predictable_time` and `time_of_covariance` of
-            attitude.motions._predictability.
+            s, inf without errors.
         """
         if moments_error is None and rates_error is None and self.spin.covariance is not None:
             return _predictability.time_of_covariance(self, tolerance)
@@ -361,7 +560,7 @@ class FreeRotation(Differentiable):
     def deviations(self) -> dict[str, Uncertain]:
         """Periods, angles, momentum and energy with their errors of one standard deviation.
 
-        See attitude.motions._description for the names; ``deviations()["period_psi"].plus``.
+        By name, such as ``deviations()["period_psi"].plus``: what `print(motion)` shows.
 
         Raises
         ------
@@ -371,205 +570,6 @@ class FreeRotation(Differentiable):
         from attitude.motions._description import deviations
 
         return deviations(self, self._errors())
-
-    smooth = True
-
-    @cached_property
-    def momentum(self) -> FloatArray:
-        """Angular momentum (3,) in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
-        in_body = self.body.tensor @ self.spin.angular_velocity
-        return frozen(quaternion.rotate(self.spin.wxyz_icrf, in_body))
-
-    @cached_property
-    def energy(self) -> float:
-        """Kinetic energy in J, or in rad2/s2 times the relative unit of inertia."""
-        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
-        return float(0.5 * np.sum(self.body.moments * rates**2))
-
-    @property
-    def circulates_about(self) -> str | None:
-        """ "long" or "short": the axis about which the momentum circulates; None for neither.
-
-        For symmetric bodies and for rotation about an extreme axis it is the axis of the limit of
-        a vanishing nutation.
-        """
-        axis = int(self._constants["circulates"][0])
-        if axis < 0 or self.mode is Mode.SEPARATRIX:
-            return None
-        moments = self.body.moments
-        others = np.delete(moments, axis)
-        return "long" if moments[axis] <= others.min() else "short"
-
-    @cached_property
-    def separatrix_distance(self) -> float:
-        """1 - 2 E I2 / L^2 for the middle moment I2: 0 on the separatrix, negative in LAM.
-
-        Computed without cancellation: all its digits are significant, even at 1e-16.  NaN at rest.
-        """
-        rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
-        moments = self.body.moments
-        if not np.any(rates):
-            return math.nan
-        scale = np.max(np.abs(rates))
-        squares = moments / moments.max() * (rates / scale) ** 2
-        total = np.sum(moments / moments.max() * squares)
-        if self.mode in (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC, Mode.SEPARATRIX):
-            c = self._constants[0]
-            sign = -1.0 if self.circulates_about == "long" else 1.0
-            momentum = c["moments"][:, 0] * c["omega"][:, 0]
-            return float(sign * c["d2"][0] / np.sum(momentum**2))
-        middle = np.sort(moments)[1]
-        return float(np.sum((moments - middle) / moments.max() * squares) / total)
-
-    @cached_property
-    def within_rounding(self) -> tuple[Mode, ...]:
-        """Modes other than `mode` that rounding of the input by a few last places could produce.
-
-        A rotated tensor of a symmetric body is hardly ever exactly symmetric, and a rate converted
-        from degrees hardly ever exactly on the separatrix.
-        """
-        found = []
-        moments = np.sort(self.body.moments)
-        rates = np.abs(self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0])
-        close = np.diff(moments) <= _ROUNDING * moments[-1]
-        if np.all(close):
-            found.append(Mode.SPHERICAL)
-        elif self.mode is not Mode.AT_REST:
-            if np.sum(rates > _ROUNDING * rates.max()) == 1:
-                found.append(Mode.PRINCIPAL_AXIS)
-            elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
-                found.append(Mode.SEPARATRIX)
-        if np.any(close) and not np.all(close):
-            found.append(Mode.SYMMETRIC)
-        return tuple(mode for mode in found if mode is not self.mode)
-
-    def __repr__(self) -> str:
-        return f"<FreeRotation: {self.mode.name}, from {self.spin.epoch.utc_iso} UTC>"
-
-    def __str__(self) -> str:
-        from attitude.motions._description import description
-
-        return description(self)
-
-    def _repr_html_(self) -> str:
-        """The description as a table, and the polhode, for notebooks."""
-        return markup.table(*markup.rows_of(str(self)), *_polhode.pictures(self))
-
-    def _evaluate(
-        self, seconds: FloatArray, low: FloatArray | None, order: int
-    ) -> list[FloatArray]:
-        shape = seconds.shape
-        # frozen: a new view each, also of the caller's array
-        t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
-        t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
-        wxyz = new_array(1, 4, t.size)
-        omega = new_array(1, 3, t.size) if order else None
-        evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
-        found = [wxyz[0].T.reshape(*shape, 4)]
-        if omega is not None:
-            found.append(omega[0].T.reshape(*shape, 3))
-        if order > 1:
-            found.append(self.angular_acceleration_from(found[1]))
-        return found
-
-    _has_closed_form = True
-
-    if TYPE_CHECKING:
-        _constants: Any
-
-        def __init__(self, body: Body, spin: Spin) -> None: ...
-
-    @cached_property
-    def _sensitivity(self) -> Sensitivity:
-        return Sensitivity(self._constants, self.body, self.spin)
-
-    def _with(self, body: Body, spin: Spin) -> Self:
-        return type(self)(body, spin)
-
-    @cached_property
-    def elements(self) -> Elements:
-        """The normal form: rates, phase, amplitude and ellipticity of the motion.
-
-        Raises
-        ------
-        AttitudeError
-            Where no nutation is defined: at rest, spheres, the middle axis, and the equator of a
-            symmetric body.
-        """
-        return elements_of(self._constants[0])
-
-    @classmethod
-    def from_elements(
-        cls,
-        elements: Elements | Sequence[float],
-        *,
-        epoch: Epoch,
-        wxyz: Reals,
-        frame: str = "icrf",
-        largest_moment: Real | None = None,
-    ) -> Self:
-        """The motion with given elements.
-
-        Parameters
-        ----------
-        elements : Elements or five numbers
-            precession_rate, nutation_rate (rad/s), phase (rad), rho, X; see
-            `attitude._solver.elements`.
-        epoch, wxyz, frame
-            As for `Spin`: attitude at the epoch of the principal axes in the order of the solution
-            (the momentum circulates about the third, the second is the middle one).
-        largest_moment : float or Quantity, optional
-            kg m2.  Without it the moments are relative, the largest being 1.
-
-        Raises
-        ------
-        AttitudeError
-            For elements outside their range, and elements that no body has.
-        """
-        numbers = validation.real(elements, "elements", shape=(5,), finite=False)
-        given = Elements(*numbers.tolist())
-        moments, omega = state_of(given)
-        if largest_moment is not None:
-            moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
-        body = Body(moments=moments, relative=largest_moment is None)
-        return cls(body, Spin(epoch, wxyz, omega, frame))
-
-    def spin_at(self, epoch: EpochOrSeconds) -> Spin:
-        """The state at another epoch: ``FreeRotation(body, motion.spin_at(t))`` is this motion.
-
-        Parameters
-        ----------
-        epoch : epoch or seconds
-            One, as `at` takes it.
-
-        Returns
-        -------
-        Spin
-            In the frame of the spin, with its covariance (to first order) if it has one.
-
-        Raises
-        ------
-        AttitudeError
-            For several epochs, and those that `at` refuses.
-        """
-        return spin_of(self, epoch)
-
-    def obliquity(self, orbit: Any, at: EpochOrSeconds | None = None) -> float:
-        """The angle between the angular momentum and that of an orbit, 0 to pi rad.
-
-        Parameters
-        ----------
-        orbit : Path or skyfield object
-            Of the body about its center; one about the barycentre is taken about the Sun.
-        at : epoch or seconds, optional
-            Of the osculating orbit; that of the spin by default.
-        """
-        from attitude.motions._axes import obliquity
-
-        hi, lo = _inputs.seconds_since(self.epoch, self.epoch if at is None else at)
-        low = np.zeros(hi.shape) if lo is None else lo
-        assert self.momentum is not None  # that of a free rotation is constant
-        return float(obliquity(self.momentum, orbit, self.epoch, hi, low))
 
 
 def _period(rate: float) -> float:

@@ -194,7 +194,7 @@ class AttitudeHistory(Immutable):
         ----------
         frame : str
             "lvlh", "rtn", "tnw", "ntw" or "vnc" (axes of an orbit), "itrf", "tod", "teme" and
-            others of the Earth, or "eme2000", "ecliptic", "icrf"; see `attitude.motions._axes`.
+            others of the Earth, or "eme2000", "ecliptic", "icrf".
         orbit : Path or skyfield satellite, optional
             Path of the body about its center, for axes of the orbit: paths.tle(...), paths.oem(...)
 

@@ -88,7 +88,8 @@ class Motion(Valued):
     ``close()``
         Release its resources; motions are context managers.
 
-    >>> from attitude import Body, Spin
+    >>> import numpy as np
+    >>> from attitude import epochs
     >>> class Swing(Motion):                # 0.1 rad about z to either side, at 1 Hz
     ...     epoch = epochs.instant("2026-01-01")
     ...     def _evaluate(self, seconds, low, order):

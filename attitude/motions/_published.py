@@ -1,7 +1,7 @@
 """Convert spin states in the form of papers to attitude and angular velocity, and back.
 
 Observers publish the direction of the momentum (the pole), two periods, ratios of the moments and
-angles at an epoch.  Their meaning depends on the labels of the axes (`published.conventions`)
+angles at an epoch.  Their meaning depends on the labels of the axes (`_conventions`)
 and on the mode; neither follows from the numbers, so both must be given.
 
 With the momentum L and the energy E, D = L^2/2E:
@@ -40,9 +40,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# The dynamic inertia D = L^2/2E from two periods, or from the energy, in a mode and a convention.
-#
+# ---- The dynamic inertia D = L^2/2E from two periods, or from the energy
 # D is given by its position, the pair (y, 1 - y), both to full precision: y is 0 at the middle
 # moment, which is the separatrix, and 1 at the moment of the axis about which the momentum
 # circulates.  P_psi / P_phi decreases with y, from infinity to a limit, so that there is one
@@ -244,12 +242,10 @@ def dynamic_inertia_from_energy(
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# States of many bodies from two periods, pole and angles: one compiled pass for any number.
-#
+# ---- States of many bodies from two periods, pole and angles: one compiled pass for any number
 # `Spin.from_periods` and its relatives are the case of one body.
 
-_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of solution.labelled_axes
+_BRANCHES = {"acute": 1, "obtuse": 2}  # ACUTE and OBTUSE of attitude._solver.vectors
 # Relative error of the period of the state found, above which the state is refused.
 _LOST = 1e-6
 # The rates are rounded to 1e-16 and D - B is y (C - B) or y (B - A): for y above this bound the
@@ -691,8 +687,7 @@ def _ascending(body: Body) -> FloatArray:
     return body.moments[_conventions.order(body)]
 
 
-# --------------------------------------------------------------------------------------------------
-# States of many bodies from arrays of published numbers: `states_from_periods`.
+# ---- States of many bodies from arrays of published numbers: `states_from_periods`
 
 # So many members, some 50 ms of work, are computed together: Python acts on signals, such as that
 # of Ctrl-C, between two blocks.
@@ -891,7 +886,7 @@ def _relax(relaxed, rows, rates, angles):
 
 
 def _in_range(angles):
-    """Whether pole, phi and psi (N,) are within the ranges that `conventions` allows."""
+    """Whether pole, phi and psi (N,) are within the ranges that `_conventions` allows."""
     turn, quarter = _conventions.TURN, _conventions.QUARTER
     with np.errstate(invalid="ignore"):
         fine = np.abs(angles) <= (turn, quarter, turn, math.inf, turn)
@@ -973,7 +968,7 @@ def _count(arrays: dict[str, Any]) -> int:
 
 
 def _again(moments: Any, rows: dict[str, Any], words: dict[str, Any]) -> Callable[[int], object]:
-    """The call of `states.from_periods` for one member, which raises the error of a bad one."""
+    """The call of `states_from_two_periods` for one member, which raises the error of a bad one."""
 
     def call(k: int) -> object:
         body = moments
@@ -1001,9 +996,7 @@ def _entry(words: Any, k: int) -> Any:
     return None if word == "" or word != word else word
 
 
-# --------------------------------------------------------------------------------------------------
-# Regular precession: spin and moments of a symmetric body from two periods and one angle.
-#
+# ---- Regular precession: spin and moments of a symmetric body from two periods and one angle
 # Comets are often published as P_phi, P_psi and the angle theta between the axis of symmetry and
 # the momentum, without moments; for a symmetric body the three numbers determine the motion.
 

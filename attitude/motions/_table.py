@@ -1,4 +1,4 @@
-"""Attitudes that were measured or read from a file, as a motion."""
+"""`AttitudeTable`: attitudes that were measured or read from a file, as a motion."""
 
 from __future__ import annotations
 
@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     Limits: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes and rates between the records of a table: Lagrange, Hermite or great circles.
-#
+# ---- Attitudes and rates between the records of a table: Lagrange, Hermite or great circles
 # Each component of the quaternions is interpolated by the polynomial through a window of
 # neighbouring records (Hermite: through their derivatives too), in Newton's form, and the result is
 # normalised, as in SPICE's CK types 5 and 6.
@@ -470,7 +468,7 @@ class AttitudeTable(Motion):
             "within, or fit a free rotation to the table, which has no limits."
         )
 
-    # One segment ----------------------------------------------------------------------------------
+    # ---- One segment
 
     @cached_property
     def nodes(self) -> FloatArray:

@@ -14,6 +14,10 @@ uniform, fixed, direction   uniform motion, a point at rest, a place infinitely 
 site, observatory           places on the ground
 ==========================  =======================================================================
 
+_path has the base classes, names of bodies and the simplest paths; _composed sums of paths;
+_compressed polynomials; _foreign places of astropy and skyfield; _solar_system the choice of the
+ephemeris; _spk, _satellite, _tabulated, _oem_file, _two_body, _mpc_line and _ground one kind each.
+
 Importing this package imports neither astropy, skyfield nor numba; functions import them when they
 are called.  Nothing is ever downloaded.
 """

@@ -81,7 +81,7 @@ class NamedBody(Path):
     Attributes
     ----------
     name : str
-        As `bodies.body_name` spells it.
+        As `body_name` spells it.
     ephemeris : Ephemeris, path of a kernel, or None
         See `ephemeris`.
     """

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# Chebyshev pieces of a vector of three that paths hold: their spans in time and their records.
+# ---- Chebyshev pieces of a vector of three that paths hold: their spans in time and their records
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +42,7 @@ class EqualPieces(Immutable):
     width : float
         Length of a piece, s.
     records : (pieces, skip + 3 count) array, read-only
-        A row for each piece; see `chebyshev_loops`.
+        A row for each piece; see `attitude._solver.chebyshev`.
     skip, count : int
         Numbers of a row before the coefficients, and coefficients of one component.
     factor : float
@@ -265,7 +264,7 @@ class Compressed(Path):
 
     @cached_property
     def _rows(self) -> FloatArray:
-        """The records with x, y, z and a zero of each order together; see `chebyshev_loops`."""
+        """The records with x, y, z and a zero of each order together (see `chebyshev`)."""
         count = self.pieces.count
         rows = np.zeros((len(self.pieces.records), count, 4))
         rows[:, :, :3] = self.pieces.records.reshape(-1, 3, count).transpose(0, 2, 1)

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from attitude.paths._path import Place
 
 
-# --------------------------------------------------------------------------------------------------
-# Paths of skyfield's vector functions: bodies, satellites, ground sites and their sums.
+# ---- Paths of skyfield's vector functions: bodies, satellites, ground sites and their sums
 
 _DAY = 86400.0
 

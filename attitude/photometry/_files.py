@@ -1,4 +1,28 @@
-"""`read`: photometry in files of any known format."""
+"""`read`: photometry in files of any known format.
+
+Names of columns are read in any case, without units in brackets, blanks as underscores:
+
+==================================  ==============================================================
+utc, date, datetime, time, obstime  ISO dates in UTC; utc_emission: when the light left the body
+jd, jd_utc, mjd, jd-2450000         Julian dates in UTC; ``jd-NUMBER`` is a date less a number
+jd_tdb, jd_tt, jd_tai               in another scale
+bjd, bjd_tdb                        at the barycenter of the solar system, TDB
+hjd                                 at the Sun, UTC
+mag, magnitude, m, v, r_mag         apparent magnitudes
+reduced_mag                         at 1 au from Sun and observer
+flux, intensity, counts             in place of them
+sigma, error, merr, mag_err ...     standard errors, in the unit of the brightness
+filter, band                        filter
+site, station, stn, obs_code        code of the observatory
+session, night, observer            session
+sun_x .. observer_z                 vectors from the body, au, over the axes of `frame`
+ra, dec, delta                      place in the sky (deg, ICRF) and distance (au) from the Earth's
+                                    centre, light time taken off
+==================================  ==============================================================
+
+A table without names has ten columns: jd_tdb, magnitude, sigma, session, and the vectors from the
+body to Sun and observer, au; or two or three: date, magnitude, error.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +51,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT.
-#
+# ---- Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT
 # Sources: ALCDEF standard 2.2 (minorplanetcenter.net/light_curve2); ADES, IAU standard of 2022
 # (github.com/IAU-ADES/ADES-Master); MPC, "Format for optical astrometric observations"; DAMIT as
 # `attitude.formats.damit_light_curve`.
@@ -228,32 +250,7 @@ def _damit_times(curves: Any) -> Any:
     return Time(jd, low, format="jd", scale="tdb")
 
 
-# --------------------------------------------------------------------------------------------------
-# Tables of photometry whose columns have names: CSV and other separated text, and ECSV.
-#
-# Names are read in any case, without units in brackets, blanks as underscores:
-#
-# ==================================  ==============================================================
-# utc, date, datetime, time, obstime  ISO dates in UTC; utc_emission: when the light left the body
-# jd, jd_utc, mjd, jd-2450000         Julian dates in UTC; ``jd-NUMBER`` is a date less a number
-# jd_tdb, jd_tt, jd_tai               in another scale
-# bjd, bjd_tdb                        at the barycenter of the solar system, TDB
-# hjd                                 at the Sun, UTC
-# mag, magnitude, m, v, r_mag         apparent magnitudes; reduced_mag: at 1 au from Sun and
-# observer
-# flux, intensity, counts             in place of them
-# sigma, error, merr, mag_err ...     standard errors, in the unit of the brightness
-# filter, band                        filter
-# site, station, stn, obs_code        code of the observatory
-# session, night, observer            session
-# sun_x .. observer_z                 vectors from the body, au, over the axes of `frame`
-# ra, dec, delta                      place in the sky (deg, ICRF) and distance (au) from the
-# Earth's
-#                                     centre, light time taken off
-# ==================================  ==============================================================
-#
-# A table without names has ten columns: jd_tdb, magnitude, sigma, session, and the vectors from the
-# body to Sun and observer, au; or two or three: date, magnitude, error.
+# ---- Tables of photometry whose columns have names: CSV and other separated text, and ECSV
 
 # Name of a column of dates: scale (None: text), offset in days, where light is.
 _TIMES: dict[str, tuple[str | None, float, str]] = {
@@ -531,7 +528,7 @@ def opened(
     bad: str = "warn",
     encoding: str | None = None,
 ) -> Contents:
-    """The `Contents` of a file; parameters and errors as of `read`."""
+    """The `Contents` of a file; parameters and errors as in `read`."""
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
@@ -606,7 +603,7 @@ def _is_damit(rows: list[str]) -> bool:
 
 
 def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
-    """Columns of text of an ECSV, in the units of `named_columns`, and the lines of its rows."""
+    """Columns of text of an ECSV, in the units of `of_table`, and the lines of its rows."""
     from astropy.table import Table
     from astropy.time import Time
 
@@ -628,7 +625,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
 
 
 def _in_units(column: Any) -> Any:
-    """A column in days, magnitudes, degrees or au, as `named_columns` reads it."""
+    """A column in days, magnitudes, degrees or au, as `of_table` reads it."""
     unit = getattr(column, "unit", None)
     if unit is None:
         return column

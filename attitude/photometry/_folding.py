@@ -110,7 +110,7 @@ def fold(
     period : float, Quantity or text
         s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
     values, errors, curve
-        As of `spectrum.fit`.
+        As in `spectrum.fit`.
     order : int
         Of the series: harmonics of one period, lines |i f1 + j f2| with |i|, |j| up to it of two.
     epoch : epoch, optional
@@ -119,7 +119,7 @@ def fold(
         Whether the periods are those of least squares near the given ones.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`_samples.settled`).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The spectral window of epochs, and what it does to periods: aliases and harmonics, in words."""
+"""`periodogram`: one period; the spectral window of the epochs, aliases and harmonics in words."""
 
 from __future__ import annotations
 
@@ -98,8 +98,7 @@ def _spelled(shift: float, near: float) -> str:
     return f"{sign}{abs(shift) * 86400.0:.4g} /d"
 
 
-# --------------------------------------------------------------------------------------------------
-# Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies.
+# ---- Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies
 
 
 @entry_point
@@ -147,8 +146,7 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
         out[k] = within / freedom / whole if freedom > 0.0 else 1.0
 
 
-# --------------------------------------------------------------------------------------------------
-# `periodogram`: one period, by Fourier series of any order or by phase dispersion.
+# ---- `periodogram`: one period, by Fourier series of any order or by phase dispersion
 
 _DAY = 86400.0
 # Grid frequencies per 1/(order span), and frequencies at most.
@@ -291,7 +289,7 @@ def periodogram(
     t : Photometry, LightCurve, or (N,) epochs
         Photometry has its values, errors, sessions and filters, which have their own zero points.
     values, errors, curve
-        As of `spectrum.fit`.
+        As in `spectrum.fit`.
     min_period, max_period : float, Quantity or text, optional
         s, or such as "2 h"; by default from twice the median distance of epochs to the span.
     order : int
@@ -308,7 +306,7 @@ def periodogram(
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`_samples.settled`).
 
     Returns
     -------
@@ -322,7 +320,7 @@ def periodogram(
     Notes
     -----
     The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
-    (`spectrum.refinement`), to the least squares of period, harmonics and zero points.  Before the
+    (`_spectrum.refined`), to the least squares of period, harmonics and zero points.  Before the
     scan the mean of each curve with a zero point of its own is taken off, which hides most of a
     period longer than a session: so one zero point for all sessions is tried first.
 

@@ -1,4 +1,4 @@
-"""Samples of a light curve as numbers: seconds, values, errors and zero points, from any input."""
+"""Light curves as numbers, from any input; the lines in the spectrum of a tumbler's."""
 
 from __future__ import annotations
 
@@ -242,9 +242,7 @@ def _curves(curve: Any, shape: tuple[int, ...]) -> IntArray:
     return numbers.astype(np.int64)
 
 
-# --------------------------------------------------------------------------------------------------
-# The lines in the spectrum of a tumbler's light curve: frequencies from two periods.
-#
+# ---- The lines in the spectrum of a tumbler's light curve: frequencies from two periods
 # For a Sun and an observer in constant inertial directions the brightness of a tumbling body is a
 # function of two angles, each of which is linear in time plus periodic terms: its spectrum consists
 # of lines at |i / P_phi + j / P_psi| for whole i and j.  In the other convention of the axes

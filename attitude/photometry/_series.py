@@ -221,7 +221,7 @@ def search(
 
     Parameters
     ----------
-    t, values, P_psi, P_phi, order, errors, curve : as of `fit`
+    t, values, P_psi, P_phi, order, errors, curve : as in `fit`
     within : float or pair (of P_psi, of P_phi)
         Half width of the interval searched, relative to the period.
 

@@ -1,5 +1,6 @@
-"""Sums of exp(2 pi i nu t) over uneven epochs at equally spaced frequencies: a gridded transform.
+"""Sums of exponentials over uneven epochs, and Fourier series in pairs of frequencies.
 
+`sums` gives those of exp(2 pi i nu t) at equally spaced frequencies nu by a gridded transform.
 Each epoch is spread over twelve points of an oversampled grid by the kernel exp(b sqrt(1 - z^2)) of
 Barnett, Magland & af Klinteberg (SIAM J. Sci. Comput. 41, C479, 2019), the grid transformed by an
 FFT, and the transform divided by that of the kernel: 1e-10 of the sum of the weights.
@@ -68,9 +69,7 @@ def _spread(place, weights, grid):
                 grid[row, at] += value * weights[row, i]
 
 
-# --------------------------------------------------------------------------------------------------
-# Fourier series in pairs of frequencies: closed normal equations from two tables, compiled.
-#
+# ---- Fourier series in pairs of frequencies: closed normal equations from two tables, compiled
 # With W(nu) = sum w e^(2 pi i nu t) and Y(nu) = sum w y e^(2 pi i nu t) on an equally spaced grid,
 # every entry of the normal equations of every pair of grid frequencies is one of W or one of Y, so
 # that the cost of a pair does not depend on the number of points.  Sixteen pairs are solved side by
@@ -105,7 +104,7 @@ def decreases(
     """Decrease of chi-squared by the series of each pair, into out (P,).
 
     wr, wi, yr, yi: the tables, real and imaginary parts; first, second: grid numbers of the pairs;
-    lines as of `harmonics`; ridge: inverse variance of the amplitudes before the fit.
+    lines as in `harmonics`; ridge: inverse variance of the amplitudes before the fit.
     """
     unknown = 2 * len(lines) - 1
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
@@ -190,12 +189,10 @@ def _solve(g, b):
             b[i, lane] = row[lane] * g[i, i, lane]
 
 
-# --------------------------------------------------------------------------------------------------
-# All pairs of frequencies of two grids, fitted by closed normal equations; the best of them.
-#
-# The cost of a pair does not depend on the number of samples (`pair_scan`).  Where there are more
-# pairs than `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left
-# out, and the best `MOST` are fitted.
+# ---- All pairs of frequencies of two grids, fitted by closed normal equations; the best of them
+# The cost of a pair does not depend on the number of samples.  Where there are more pairs than
+# `MOST`, all are ranked first by the sum of the powers of their lines, cross terms left out, and
+# the best `MOST` are fitted.
 
 # Grid frequencies per 1/span, and inverse variance, 1/mag2, of the amplitudes of lines before the
 # fit.
@@ -237,7 +234,7 @@ class BestPairs(NamedTuple):
 
 
 def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, count: int) -> Tables:
-    """The tables of `pair_scan` at `count` multiples of a spacing.
+    """The tables of `_decreases` at `count` multiples of a spacing.
 
     Shapes: t, weights, y (N,).
     """
@@ -358,9 +355,7 @@ def _peaks(first, second, gain, keep):
     return np.array(chosen)
 
 
-# --------------------------------------------------------------------------------------------------
-# Fourier series in one or more frequencies, refined in all parameters: Gauss and Newton's steps.
-#
+# ---- Fourier series in one or more frequencies, refined in all parameters
 # With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  The joint
 # matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
 # covariance of f.
@@ -490,7 +485,7 @@ def refined(
 
 
 def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
-    """The series at given frequencies, which are not refined; parameters as of `refined`.
+    """The series at given frequencies, which are not refined; parameters as in `refined`.
 
     Its covariance is that of the frequencies as if they were free.
 
@@ -563,8 +558,7 @@ def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
     return np.concatenate([matrix, by_f], axis=1)
 
 
-# --------------------------------------------------------------------------------------------------
-# What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day.
+# ---- What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day
 
 # Pairs that a permutation of the values is fitted with, and permutations.
 _PERMUTED, _TIMES = 20_000, 10

@@ -1,15 +1,16 @@
-"""Periods (P_psi, P_phi) in either mode whose lines are those of a series in two frequencies.
+"""`two_periods`: pairs of periods of a tumbler, and what they are in either mode.
 
-A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has many bases.  They
-are ranked by how the powers of the lines resemble those of tumbling bodies: `_POWERS` has the mean
-share of each line over random convex bodies in either mode (benchmarks/photometry.py lines), some
-bodies have one dominant line, and the score is the sum of sqrt(share found x share expected), from
-0 to 1, times the share of the variance that the series explains.  Of i/P_phi + j/P_psi in L the
+A light curve has lines at |i/P_phi + j/P_psi|, so that its lattice of lines has many bases: the
+candidates (P_psi, P_phi) of a pair of frequencies.  They are ranked by how the powers of the lines
+resemble those of tumbling bodies: `_POWERS` has the mean share of each line over random convex
+bodies in either mode (benchmarks/photometry.py lines), some bodies have one dominant line, and the
+score is the sum of sqrt(share found x share expected), from 0 to 1, times the share of the variance
+that the series explains.  Of i/P_phi + j/P_psi in L the
 strongest lines are (2, 2), (1, 0) and (2, 0) in LAM, (1, 1), (2, 2) and (2, 0) in SAM; (i, i) is
 i/P_phi of convention S.
 
 What remains open: one cycle a day at one site, the mode, and bodies unlike the mean;
-`attitude.inversion._spin_states` decides where the geometry allows it.
+`attitude.inversion.spin_states` decides where the geometry allows it.
 """
 
 from __future__ import annotations
@@ -202,9 +203,7 @@ def _words(numbers: FloatArray) -> str:
     return " ".join(parts).removeprefix("+ ")
 
 
-# --------------------------------------------------------------------------------------------------
-# `two_periods`: pairs of periods of a tumbler, blind, by Fourier series in two frequencies.
-#
+# ---- `two_periods`: pairs of periods of a tumbler, blind, by Fourier series in two frequencies
 # Sources: Pravec et al., Icarus 173, 108 (2005); Kaasalainen, A&A 376, 302 (2001).
 
 _DAY, _HOUR = 86400.0, 3600.0
@@ -298,7 +297,8 @@ class TwoPeriods(Immutable):
     def candidates(self, count: int = 10) -> list[PeriodCandidate]:
         """Periods (P_psi, P_phi) in LAM and SAM that have these lines, ranked.
 
-        See `attitude.photometry._two_periods` for the score.
+        The score is the sum of sqrt(share of a line x share expected) over the lines, from 0 to 1,
+        times the share of the variance that the series explains.
         """
         best = self.pairs[0].left
         series = []
@@ -388,7 +388,7 @@ def two_periods(
     Parameters
     ----------
     t, values, errors, curve
-        As of `periodogram`.
+        As in `periodogram`.
     min_period, max_period : float, Quantity or text
         s; bounds of both periods.  max_period is the span by default.
     first, second : pair of float, Quantity or text, optional
@@ -401,7 +401,7 @@ def two_periods(
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`spectrum.samples.settled`).
+        is the more probable one (`_samples.settled`).
     progress : function, optional
         Called with the number of pairs done and of all; by default a bar on a terminal.
 
@@ -418,7 +418,7 @@ def two_periods(
     Notes
     -----
     Every pair of a grid of 3 frequencies per 1/span is fitted by closed normal equations from two
-    transforms of the epochs (`spectrum.pair_search`); of more than 8e6 pairs those with the
+    transforms of the epochs (`_spectrum.best`); of more than 8e6 pairs those with the
     greatest sum of line powers.  The best are refined in both frequencies with all zero points
     free.  A light curve of 1000 points over 60 days, both periods from 2 h to 40 h at order 2:
     see docs/photometry.md for the time.

@@ -1,4 +1,4 @@
-"""Error and cost of integrators of the free rotation, measured against the exact solution.
+"""`compare`: error and cost of integrators of the free rotation against the exact solution.
 
 The first use that van Zon & Schofield (2006) name for the exact solution.
 
@@ -43,8 +43,7 @@ if TYPE_CHECKING:
     Step = Callable[[FloatArray, FloatArray, FloatArray, float], tuple[ArrayLike, ArrayLike]]
 
 
-# --------------------------------------------------------------------------------------------------
-# Results of `compare`: errors and cost of each run, measured orders, a table.
+# ---- Results of `compare`: errors and cost of each run, measured orders, a table
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,9 +130,7 @@ class Comparison(Immutable):
         return "\n".join(lines)
 
 
-# --------------------------------------------------------------------------------------------------
-# One step of the free rotation by integrators of the literature; see `attitude.referee`.
-#
+# ---- One step of the free rotation by integrators of the literature
 # Each takes three moments, four components of the attitude (body to inertial), three of the angular
 # velocity over the principal axes, and a step, as tuples, and returns attitude and angular
 # velocity.
@@ -178,7 +175,7 @@ def run(kind, moments, start, h, every, out):
 
 @subroutine
 def exact(moments, q, w, h):
-    """The increments of `solution.step`, without compensated summation."""
+    """The increments of `attitude._solver.step`, without compensated summation."""
     k = gains(moments)
     count = pieces(k, w, h)
     part = h / count
@@ -340,7 +337,7 @@ def _exponential(v, h):
     return math.cos(0.5 * h * size), sine * v[0], sine * v[1], sine * v[2]
 
 
-# Names, in the order of the numbers of `referee.integrators`, and sources.
+# Names, in the order of the numbers of `one_step`, and sources.
 _SHIPPED = {
     "dlm": "Dullweber, Leimkuhler & McLachlan 1997: kinetic energy split by axes",
     "reich": "Reich 1994: a symmetric top and the rest",

@@ -6,14 +6,10 @@ the area that is both lit and seen, in m2/sr.  mu0 and mu are the cosines of inc
 alpha is the phase angle.  A Lambert surface of albedo 1 has r = mu0 / pi; r / mu0 is symmetric in
 mu0 and mu for every law here (Helmholtz reciprocity).
 
-law          `Law`, the base class: what a new law defines; the registry of laws by name
-weighted     Lambert's and Lommel-Seeliger's laws, and their sum
-hapke        Hapke's law
-materials    a diffuse part and a glossy lobe, for all facets or by name
-lobes        the compiled functions of `materials`
-parameters   ranges and units of the parameters of a law
-reflectances arrays of r for laws that are evaluated facet by facet
-phase        phase functions of whole asteroids
+_law         `Law`, the base class: what a new law defines; the registry of laws by name
+_weighted    Lambert's and Lommel-Seeliger's laws, and their sum; phase functions of asteroids
+_hapke       Hapke's law
+_materials   a diffuse part and a glossy lobe, for all facets or by name
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""The base class of scattering laws, and the registry of laws by name."""
+"""`Law`, the base class of scattering laws; its parameters, and the registry of laws by name."""
 
 from __future__ import annotations
 
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from attitude.scattering._materials import Material
 
 
-# --------------------------------------------------------------------------------------------------
-# Ranges, units and words that the parameters of a law accept.
+# ---- Ranges, units and words that the parameters of a law accept
 
 
 class NumberField:
@@ -102,7 +101,7 @@ def parameter(
     ----------
     usual : float or str, optional
         The default; without it the field is required.
-    low, high, unit, words : as of `Parameter`
+    low, high, unit, words : as in `Parameter`
 
     Returns
     -------
@@ -143,8 +142,7 @@ def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:
         ) from err
 
 
-# --------------------------------------------------------------------------------------------------
-# Arrays of reflectances of laws that are evaluated facet by facet, compiled for each law.
+# ---- Arrays of reflectances of laws that are evaluated facet by facet, compiled for each law
 
 # Upper bound of the number of terms that a law computes from a phase angle.
 TERMS = 8
@@ -153,7 +151,7 @@ _ONES = (1.0,) * 8
 
 @cache
 def reflectances(of_phase: Compilable, element: Compilable, in_lanes: bool = False) -> EntryPoint:
-    """The loop over elements with one row of numbers, for the functions of a law; see `law.Law`.
+    """The loop over elements with one row of numbers, for the functions of a law; see `Law`.
 
     The result is called with row (W,), mu0, mu, half the phase angle (rad) and the output, (N,)
     each.  With `in_lanes` the function is ``elements`` of a law, else its ``element``.
@@ -214,16 +212,16 @@ class Law:
         the brightness of an ellipsoid then has a closed form.
     ``of_phase`` and ``element``, and ``rows`` if facets differ
         For any other r, evaluated facet by facet: two functions under
-        `compilation.decorators.reduction_subroutine`.  ``element(row, phase_terms, mu0, mu)``
+        `reduction_subroutine`.  ``element(row, phase_terms, mu0, mu)``
         returns r / mu0 in 1/sr for positive mu0 and mu.  ``of_phase(row, cos_half, sin_half,
         phase_terms)`` writes the terms that depend on the phase angle alone, at most
-        `reflectances.TERMS` numbers.  Its arguments are cosine and sine of half the angle, since
+        `TERMS` numbers.  Its arguments are cosine and sine of half the angle, since
         the cosine of the whole angle loses half of its digits near opposition.  ``row`` holds the
         fields in their order, or is one of several ``rows``.  The loops over facets are compiled
         for each pair.
     ``elements`` in place of ``element``
         The same for SIMD vectors mu0 and mu, under `decorators.reduction_within` and written with
-        the operators and functions of `compilation.simd` and `compilation.elementary`: five to ten
+        the operators and functions of `simd` and `elementary`: five to ten
         times as fast.  Cosines may exceed 1 by rounding.
 
     r / mu0 is symmetric in mu0 and mu (Helmholtz reciprocity).
@@ -254,7 +252,7 @@ class Law:
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
-        """Ranges, units and words of the fields: a dict of `parameters.Parameter`, in order.
+        """Ranges, units and words of the fields: a dict of `Parameter`, in order.
 
         Raises
         ------

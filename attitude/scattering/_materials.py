@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import NumberField
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled reflectances of `Material`: a Lambert part with Phong's or Cook and Torrance's lobe.
-#
+# ---- Compiled reflectances of `Material`: a Lambert part with Phong's or Cook and Torrance's lobe
 # A row holds the fields of a `Material` in order: diffuse, specular, model, exponent, roughness,
 # f0.
 

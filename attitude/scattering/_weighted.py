@@ -1,4 +1,7 @@
-"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets."""
+"""Laws of the form f(alpha) mu0 [a / (mu0 + mu) + b], which share one sum over facets.
+
+The file also has the phase functions of whole asteroids.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,8 @@ class LommelSeeliger(Law):
         Single-scattering albedo, 0 to 1, with an isotropic phase function.
 
     Source: Seeliger 1887; Hapke 2012, eq. 8.35a; Muinonen & Lumme, A&A 584, A23, 2015.  A surface
-    returns at most (1 - ln 2)/2 of the light that falls in vertically (tests/test_scattering.py).
+    returns at most (1 - ln 2)/2 of the light that falls in vertically
+    (tests/scattering/test_scattering.py).
     """
 
     name = "lommel-seeliger"
@@ -109,8 +113,7 @@ class LommelSeeligerLambert(Law):
         return np.maximum(self.a * np.exp(-alpha / self.d) + self.k * alpha + 1.0, 0.0)
 
 
-# --------------------------------------------------------------------------------------------------
-# Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H.
+# ---- Phase functions of whole asteroids that the IAU adopted: reduced magnitudes from H
 
 # Muinonen et al. 2010, tables 3 and 4: nodes in degrees, and slopes (1/rad) at the ends.
 _NODES = np.array([7.5, 30.0, 60.0, 90.0, 120.0, 150.0])

@@ -3,15 +3,11 @@
 ``Scene(motion, center=...).at(times)`` is a `View`, which computes each quantity at its first use.
 `docs/scene.md` defines the quantities.
 
-scene            `Scene`: the setting, checked
-view             `View`: the quantities at some epochs; `lazy` computes each once
-geometry         those of lines of sight alone; `shadow` of other bodies
-pointing         those that need the attitude
-sky              those that the observer measures
-photometry       those that need a shape
-errors           standard deviations of those that depend on the attitude
-lines_of_sight   directions and distances at many epochs; `light_time`, their correction
-angles, loops    formulas on arrays; compiled loops
+_scene        `Scene`: the setting, checked; its quantities as observables
+_view         `View`: the quantities at some epochs, and their standard deviations
+_light_time   directions and distances at many epochs, corrected for light time
+_shadow       the part of the Sun's disc that other bodies leave free
+_angles       formulas on arrays; compiled loops
 """
 
 from attitude.scene._scene import Scene

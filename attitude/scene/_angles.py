@@ -1,4 +1,4 @@
-"""Angles between directions, and their longitudes and latitudes; arrays (3, N), component first."""
+"""Angles between directions, their longitudes and latitudes, on arrays (3, N); compiled loops."""
 
 from __future__ import annotations
 
@@ -123,8 +123,7 @@ def air_mass(elevation: FloatArray) -> FloatArray:
         return np.where(z >= 0.0, above, np.nan)
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops of a scene: lengths and directions of vectors, light times, emission.
+# ---- The compiled loops of a scene: lengths and directions of vectors, light times, emission
 
 
 @quickly_compiled

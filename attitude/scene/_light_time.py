@@ -1,4 +1,4 @@
-"""Light-time corrected positions: at epoch t, the target where it emitted the light seen at t.
+"""Light-time corrected lines of sight: the target where it emitted the light seen at t.
 
 The epoch of emission is t minus the light time, which depends on the position of the target at
 emission: a fixed point, iterated until the target moves by less than rounding in the remaining
@@ -221,8 +221,7 @@ def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-# --------------------------------------------------------------------------------------------------
-# Lines of sight at many epochs: directions and distances, compressed where that is cheaper.
+# ---- Lines of sight at many epochs: directions and distances, compressed where that is cheaper
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16

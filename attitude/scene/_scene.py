@@ -1,4 +1,4 @@
-"""The setting of an observation: a motion, the path of its body, an observer and the Sun."""
+"""`Scene`: a motion, the path of its body, an observer and the Sun; quantities as observables."""
 
 from __future__ import annotations
 
@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# What a Scene is given, checked: places, a shape, shadows, times.
+# ---- What a Scene is given, checked: places, a shape, shadows, times
 
 
 def refuse_plain(times: Any) -> None:
@@ -122,8 +121,7 @@ def check_surface(shape: Ellipsoid | Mesh | None, law: Law) -> None:
         law.rows(shape.materials)
 
 
-# --------------------------------------------------------------------------------------------------
-# Quantities of a view as observables: with extrema, and conditions by comparison.
+# ---- Quantities of a view as observables: with extrema, and conditions by comparison
 
 # Quantities that are true or false, that have kinks or jumps, and that may be NaN or infinite: all
 # others are smooth, so that their samples bound their derivatives.

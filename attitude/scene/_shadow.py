@@ -1,9 +1,7 @@
 """The fraction of the Sun's disc that a body sees past another one: full light, penumbra, umbra.
 
 The occulter is a sphere, the Earth a spheroid whose axis is the pole of ICRF (the pole of date is
-0.2 degrees away in 2030); no atmosphere bends the light.  A stretch of space along that axis makes
-the spheroid a sphere.  `attitude.scene._shadow` has the
-outlines of the Sun and of the occulter on the sky.
+0.2 degrees away in 2030); no atmosphere bends the light.
 
 Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the Sun's radius of IAU
 2015 resolution B3.
@@ -30,9 +28,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
 
 
-# --------------------------------------------------------------------------------------------------
-# The share of a disc that is seen past a spheroid, by the outlines of both on the sky.
-#
+# ---- The share of a disc that is seen past a spheroid, by the outlines of both on the sky
 # A stretch of space along the axis of the spheroid makes it a sphere, whose limb is a circle on the
 # sky: the limb of the spheroid is that circle, stretched back.  The covered part of the disc is
 # bounded by arcs of both outlines between their crossings.  Its area follows from the integral of

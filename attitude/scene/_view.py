@@ -1,4 +1,4 @@
-"""A scene at some epochs; each quantity is computed once, at its first use."""
+"""`View`: a scene at some epochs; each quantity is computed once, at its first use."""
 
 from __future__ import annotations
 
@@ -47,8 +47,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# --------------------------------------------------------------------------------------------------
-# Properties of a view that are computed at their first use, kept, and listed as evaluated.
+# ---- Properties of a view that are computed at their first use, kept, and listed as evaluated
 
 Value = TypeVar("Value")
 
@@ -123,11 +122,21 @@ def kept(function: Callable[[Any], Value]) -> LazyProperty[Value]:
     return LazyProperty(function, "", (), False)
 
 
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need no attitude: lines of sight, distances, angles, shadows.
+# ---- The view
 
 _XYZ = ("x", "y", "z")
+_AXES = ("least", "middle", "greatest")
+_PLACE = ("longitude", "latitude")
 _NO_LOW = frozen(np.zeros(1))
+_INVERSE = np.array([[-1.0], [1.0], [1.0], [1.0]])
+# Largest error of a fitted zenith, rad: of the sum of some hundred roundings.
+_LEAST_TURN = 1e-13
+# Least turn over which brightness is differenced, rad: balances rounding and curvature.
+_LEAST_STEP = 1e-5
+# Cells of the sky along a right angle in the table of shadows of a mesh by default.
+_CELLS = 64
+# Magnitudes in a unit of the natural logarithm of brightness.
+_MAGNITUDES = 2.5 / math.log(10.0)
 
 
 def _radius(shape: Ellipsoid | Mesh | None) -> float:
@@ -139,40 +148,6 @@ def _radius(shape: Ellipsoid | Mesh | None) -> float:
     if isinstance(shape, Ellipsoid):
         return float(np.max(shape.semi_axes))
     return float(np.max(np.linalg.norm(shape.vertices, axis=-1)))
-
-
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need the attitude: Sun and observer in body axes.
-
-_INVERSE = np.array([[-1.0], [1.0], [1.0], [1.0]])
-_AXES = ("least", "middle", "greatest")
-_PLACE = ("longitude", "latitude")
-
-
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that the observer measures on the sky.
-
-# Largest error of a fitted zenith, rad: of the sum of some hundred roundings.
-_LEAST_TURN = 1e-13
-
-
-# --------------------------------------------------------------------------------------------------
-# The quantities of a view that need a shape: brightness and magnitudes.
-
-
-# --------------------------------------------------------------------------------------------------
-# Standard deviations of the quantities of a view, from the covariance of the motion's spin.
-#
-# A quantity changes with a small turn of the body by its gradient times the rotation vector, to
-# first order.  The gradient is in closed form but for brightness, which is differenced.  Paths are
-# exact.
-
-# Least turn over which brightness is differenced, rad: balances rounding and curvature.
-_LEAST_STEP = 1e-5
-# Cells of the sky along a right angle in the table of shadows of a mesh by default.
-_CELLS = 64
-# Magnitudes in a unit of the natural logarithm of brightness.
-_MAGNITUDES = 2.5 / math.log(10.0)
 
 
 def _axis_of(axis: FloatArray, direction: FloatArray) -> FloatArray:
@@ -200,6 +175,10 @@ class View(Immutable):
         TDB seconds from `epoch` at which light is received: seconds + low.
     """
 
+    scene: Scene
+    epoch: _instants.Instant
+    seconds: FloatArray
+    low: FloatArray | None
     _evaluated: list[str]
 
     def __init__(
@@ -211,11 +190,6 @@ class View(Immutable):
         self._set("low", None if low is None else frozen(low))
         self._set("_evaluated", [])
 
-    @property
-    def evaluated(self) -> tuple[str, ...]:
-        """Names of the quantities that were computed, in the order of their computation."""
-        return tuple(self._evaluated)
-
     def __len__(self) -> int:
         if not self.shape:
             raise TypeError("a view of one scalar epoch has no length")
@@ -223,6 +197,18 @@ class View(Immutable):
 
     def __repr__(self) -> str:
         return f"<View of {self.seconds.size} epochs; evaluated: {', '.join(self.evaluated)}>"
+
+    # ---- Quantities by name
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """S, the shape of the times."""
+        return self.seconds.shape
+
+    @property
+    def evaluated(self) -> tuple[str, ...]:
+        """Names of the quantities that were computed, in the order of their computation."""
+        return tuple(self._evaluated)
 
     @classmethod
     def columns(cls) -> dict[str, LazyProperty[Any]]:
@@ -274,15 +260,7 @@ class View(Immutable):
         lines = ("observer_line", "sun_line", "observer_sun_line")
         return {name: self.__dict__[name].source for name in lines if name in self.__dict__}
 
-    scene: Scene
-    epoch: _instants.Instant
-    seconds: FloatArray
-    low: FloatArray | None
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """S, the shape of the times."""
-        return self.seconds.shape
+    # ---- Times of reception and emission
 
     @kept
     def time(self) -> Time:
@@ -296,7 +274,7 @@ class View(Immutable):
         rest = None if lo is None else lo.reshape(self.shape)
         return _instants.times(self.epoch, hi.reshape(self.shape), rest)
 
-    # Lines of sight -------------------------------------------------------------------------------
+    # ---- Lines of sight
 
     @kept
     def observer_line(self) -> LineOfSight:
@@ -318,8 +296,6 @@ class View(Immutable):
         distance = self.observer_line.distance if self.scene.light_time else None
         if distance is None:
             return hi, None if self.low is None else lo
-        from attitude.scene import _angles
-
         out = new_array(hi.size), new_array(hi.size)
         _angles.earlier(read_only(hi), read_only(lo), read_only(distance), SPEED_OF_LIGHT_M_S, *out)
         return frozen(out[0]), frozen(out[1])
@@ -353,12 +329,12 @@ class View(Immutable):
 
     @cached_property
     def _reception_sample(self) -> _light_time.Sample:
-        """The `lines_of_sight.sample` of the epochs of reception."""
+        """The `_light_time.sample` of the epochs of reception."""
         return _light_time.sample(self.epoch, *self._reception())
 
     @cached_property
     def _emission_sample(self) -> _light_time.Sample:
-        """The `lines_of_sight.sample` of the epochs of emission."""
+        """The `_light_time.sample` of the epochs of emission."""
         return _light_time.sample(self.epoch, *self._emission())
 
     def _emission(self) -> tuple[FloatArray, FloatArray]:
@@ -418,7 +394,7 @@ class View(Immutable):
         """A flat array (N,) as S."""
         return array.reshape(self.shape)
 
-    # Distances and directions ---------------------------------------------------------------------
+    # ---- Distances and directions
 
     @quantity("m")
     def observer_distance(self) -> FloatArray:
@@ -468,7 +444,7 @@ class View(Immutable):
         """Ecliptic (J2000) longitude and latitude of -(s + o), s and o the two unit vectors."""
         return self._rows(_angles.bisector(self.sun_line.unit, self.observer_line.unit))
 
-    # Shadow of other bodies -----------------------------------------------------------------------
+    # ---- Shadow of other bodies
 
     @quantity()
     def lit_fraction(self) -> FloatArray:
@@ -513,6 +489,8 @@ class View(Immutable):
         """Whether a part of the Sun's disc is seen from the body's centre, but not all of it."""
         lit = np.asarray(self.lit_fraction)
         return self._flags(((lit > 0.0) & (lit < 1.0)).reshape(-1))
+
+    # ---- Attitude, and directions in body axes
 
     @kept
     def attitude(self) -> AttitudeHistory:
@@ -661,6 +639,8 @@ class View(Immutable):
             )
         return body.principal_axes[:, int(np.argmax(least))]
 
+    # ---- What the observer measures on the sky
+
     @kept
     def observer_velocity(self) -> FloatArray:
         """Barycentric velocity (3, N) of the observer at the epochs of reception, m/s, ICRF."""
@@ -731,7 +711,7 @@ class View(Immutable):
         along = (np.sum(each * direction, axis=0) for each in (east, north))
         return self._numbers(_angles.turned_positive(np.arctan2(*along)))
 
-    # The sky of a ground site -------------------------------------------------------------------
+    # ---- The sky of a ground site
 
     @quantity("rad")
     def sun_elevation(self) -> FloatArray:
@@ -782,6 +762,8 @@ class View(Immutable):
             return self._flags(~np.isnan(self.seconds.reshape(-1)))
         up = np.asarray(self.elevation).reshape(-1) > 0.0
         return self._flags(up & np.asarray(self.sky_dark).reshape(-1))
+
+    # ---- Brightness and magnitudes
 
     @quantity("m2 / sr")
     def brightness(self) -> FloatArray:
@@ -872,6 +854,11 @@ class View(Immutable):
             found += _magnitudes.dimming(self.lit_fraction.reshape(-1))
         return self._numbers(found)
 
+    # ---- Standard deviations, from the covariance of the motion's spin
+    # A quantity changes with a small turn of the body by its gradient times the rotation vector, to
+    # first order.  The gradient is in closed form but for brightness, which is differenced.  Paths
+    # are exact.
+
     @kept
     def turn_covariance(self) -> FloatArray:
         """Covariance (N, 3, 3) of the attitudes at emission: rotation vectors, rad, ICRF axes."""
@@ -885,7 +872,7 @@ class View(Immutable):
         """Directions (3, N) or (3, 1) as (N, 3)."""
         return np.broadcast_to(direction, (3, self.seconds.size)).T
 
-    # Directions -----------------------------------------------------------------------------------
+    # ---- Those of directions
 
     @quantity("", _XYZ)
     def observer_direction_sigma(self) -> FloatArray:
@@ -920,7 +907,7 @@ class View(Immutable):
         ]
         return self._rows(np.stack(found))
 
-    # Angles ---------------------------------------------------------------------------------------
+    # ---- Those of angles
 
     @quantity("rad")
     def phase_angle_sigma(self) -> FloatArray:
@@ -975,7 +962,7 @@ class View(Immutable):
             gradient = np.cross(axis, across) / np.sum(part * part, axis=-1, keepdims=True)
         return self._deviations(gradient)
 
-    # Light ----------------------------------------------------------------------------------------
+    # ---- Those of brightness
 
     @quantity("m2 / sr")
     def brightness_sigma(self) -> FloatArray:

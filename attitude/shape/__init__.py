@@ -2,16 +2,10 @@
 
 Coordinates are metres in body axes.
 
-mesh          `Mesh`
-mesh_input    checks of its vertices, facets and materials
-closure       edges, holes, facets that are doubled or inside out, connected parts
-convexity     the test of convexity
-integrals     mass, centre of mass and inertia: `MassProperties`
-ellipsoid     `Ellipsoid`, in closed form and as a mesh
-geodesic      even triangulations of the unit sphere
-planes        `flat_sides`: facets of one normal and one material
-solids        `box`, `cylinder`, `box_wing`
-files         `read`: OBJ, DAMIT, STL, PLY
+_mesh        `Mesh`, its checks, edges and convexity; `MassProperties`; `FlatSide`, `flat_sides`
+_ellipsoid   `Ellipsoid`, in closed form and as a mesh
+_solids      `box`, `cylinder`, `box_wing`
+_files       `read`: OBJ, DAMIT, STL, PLY
 """
 
 from attitude.shape._ellipsoid import Ellipsoid

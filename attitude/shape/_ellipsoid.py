@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray, Real, Reals
 
 
-# --------------------------------------------------------------------------------------------------
-# Even triangulations of the unit sphere: the icosahedron, divided and relaxed.
+# ---- Even triangulations of the unit sphere: the icosahedron, divided and relaxed
 
 # Each pass moves a vertex to the mean of its triangles, weighted by their areas; 30 passes bring
 # the ratio of smallest to largest area from 0.58 to 0.71, its limit.

@@ -1,4 +1,4 @@
-"""Triangles with normals that point outward: the surface of a body."""
+"""Triangles with normals that point outward: the surface of a body, checked; its integrals."""
 
 from __future__ import annotations
 
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray, Real, Reals
 
 
-# --------------------------------------------------------------------------------------------------
-# What rounded coordinates, such as those of a text file, leave uncertain of a surface.
+# ---- What rounded coordinates, such as those of a text file, leave uncertain of a surface
 
 _NUMBER = re.compile(r"[+-]?(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d+))?")
 
@@ -78,9 +77,7 @@ def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> F
     return found
 
 
-# --------------------------------------------------------------------------------------------------
-# How triangles are joined along their edges, and which facets are at fault.
-#
+# ---- How triangles are joined along their edges, and which facets are at fault
 # The facets of a surface without boundary pass every edge as often one way as the other.  That also
 # holds for two plates back to back and for parts that touch along an edge, which are legal; it
 # fails at holes and where a facet runs against its neighbour.
@@ -205,9 +202,7 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
     return float(np.sum(np.arctan2(above, below)) / (2.0 * np.pi))
 
 
-# --------------------------------------------------------------------------------------------------
-# Whether a closed mesh is convex, from its edges: O(F) for F facets.
-#
+# ---- Whether a closed mesh is convex, from its edges: O(F) for F facets
 # A closed surface is the boundary of a convex body if some point sees the front of no facet, the
 # surface winds once about this point, and no edge is a valley.  The first two properties make the
 # projection from the point a one-to-one map onto the sphere: the surface does not cross itself.
@@ -275,9 +270,7 @@ def _all_below(
     return True
 
 
-# --------------------------------------------------------------------------------------------------
-# Exact integrals over the solid that a closed mesh bounds, and over the surface as a thin shell.
-#
+# ---- Exact integrals over the solid that a closed mesh bounds, and over its surface
 # A polyhedron is a signed sum of tetrahedra from any one point to its triangles, and moments up to
 # the second order of a tetrahedron or a triangle are polynomials in its corners: exact up to
 # rounding (Tonon, J. Math. Stat. 1, 8, 2005; Eberly, Polyhedral Mass Properties, 2002).
@@ -350,8 +343,7 @@ def _outer(
     return sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
 
 
-# --------------------------------------------------------------------------------------------------
-# Checks of the vertices, facets and materials of a mesh, each with the facets at fault named.
+# ---- Checks of the vertices, facets and materials of a mesh, each with the facets at fault named
 
 
 def vertices_of(value: Any) -> FloatArray:
@@ -603,7 +595,7 @@ class Mesh(Immutable):
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
         Heights within the rounding of the coordinates, `rounding` and that of doubles, count as
-        zero.  The time grows with the number of facets (`convexity`).
+        zero.  The time grows with the number of facets (`is_convex`).
         """
         if not self.is_closed or len(self.inward_facets):
             return False
@@ -791,8 +783,7 @@ def _remade(
     return Mesh(vertices, facets, materials, open=open).with_rounding(rounding)
 
 
-# --------------------------------------------------------------------------------------------------
-# The flat sides of a mesh: facets of one normal and one material.
+# ---- The flat sides of a mesh: facets of one normal and one material
 
 # Normals that differ by less than this, rad, are one: rounding of meshes in text files.
 _SAME = 1e-5

@@ -1,8 +1,8 @@
 """Light curves of rotating bodies in simulations of surveys.
 
-rotators        rotators, with states from columns or drawn, and their light relative to its mean
-light_curve     the light-curve class for Rubin's simulator sorcha; needs the extra ``sorcha``
-__main__        ``python -m attitude.survey run ...``: sorcha's command with the class registered
+_rotators      `Rotators`: states from columns or drawn, and their light relative to its mean
+_light_curve   `LightCurve` for Rubin's simulator sorcha; needs the extra ``sorcha``
+__main__       ``python -m attitude.survey run ...``: sorcha's command with the class registered
 
 Importing this package registers the class with sorcha if sorcha is installed.
 """

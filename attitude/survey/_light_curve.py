@@ -55,7 +55,7 @@ def light_curve_class(
     name : str
         Of lower case; a second class of one name is refused.
     shape, law
-        As of `attitude.survey.Rotators`.
+        As in `attitude.survey.Rotators`.
     draws : mapping, optional
         Distributions of columns that the parameter file does not have, by the name of the column:
         see `attitude.survey._rotators.drawn`; `RELAXED` is one.

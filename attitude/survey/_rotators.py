@@ -55,8 +55,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-# --------------------------------------------------------------------------------------------------
-# The compiled loops over the rows of a survey: epochs, and brightness over its mean.
+# ---- The compiled loops over the rows of a survey: epochs, and brightness over its mean
 
 
 @entry_point

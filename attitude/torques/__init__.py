@@ -1,4 +1,16 @@
-"""Torques on a body, which `attitude.splitting.TorquedRotation` integrates."""
+"""Torques on a body, and motions with torques or instantaneous changes.
+
+_torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `InternalDissipation`
+_gravity_gradient   `GravityGradient`
+_radiation          `SolarRadiation`
+_custom             `CustomTorque`, by a function of the user
+_compiled           the compiled functions of the built-in torques
+_torqued            `TorquedRotation` (`attitude.splitting`); states after fixed and adaptive steps
+_system             body, torques and scheme as the compiled loops take them; derivatives
+_schemes            `Scheme`: splitting schemes by name
+_arcs               `Arcs`, `Impulse`, `InertiaChange` (`attitude.arcs`)
+_triggers           changes at an event instead of an epoch
+"""
 
 from __future__ import annotations
 

@@ -51,11 +51,13 @@ if TYPE_CHECKING:
 
     MomentumFunction = Callable[[AttitudeHistory], Reals]
     Pair = tuple[float, float]
-    # seconds since the epoch of the spin, high and low part
+
+__all__ = ["Arcs", "Impulse", "InertiaChange"]
+
+# seconds since the epoch of the spin, high and low part
 
 
-# --------------------------------------------------------------------------------------------------
-# Instantaneous changes between free arcs: angular momentum added, inertia replaced.
+# ---- Instantaneous changes between free arcs: angular momentum added, inertia replaced
 
 
 class Change(Valued):
@@ -201,8 +203,7 @@ class InertiaChange(Change):
         self._set_change(at, angular_momentum, frame)
 
 
-# --------------------------------------------------------------------------------------------------
-# The times of changes, as far as they are given, in two doubles and in order.
+# ---- The times of changes, as far as they are given, in two doubles and in order
 
 
 def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
@@ -240,9 +241,7 @@ def _check_order(times: list[Pair | None]) -> None:
         before, whose = time, f"changes[{k}]"
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch.
-#
+# ---- Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch
 # Each arc has the derivatives of a free rotation by its own first state; at a joint the change of
 # that state follows from the change of the momentum, L' = L + dL and w' = I'^-1 L'.  The product of
 # these maps is the derivative by the state at the epoch of the chain.
@@ -449,8 +448,6 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-__all__ = ["Arcs", "Impulse", "InertiaChange"]
-
 _NO_LOW = frozen(np.zeros(1))
 
 
@@ -654,7 +651,7 @@ class Arcs(Differentiable):
             for (body, *_), here, before in zip(starts, since, until, strict=True)
         ]
 
-    # How the arcs are joined ---------------------------------------------------------------------
+    # ---- How the arcs are joined
 
     def _build(self) -> None:
         times = given(self.changes, self.spin.epoch)
@@ -732,7 +729,7 @@ class Arcs(Differentiable):
             body = new
         return body
 
-    # Evaluation ----------------------------------------------------------------------------------
+    # ---- Evaluation
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
         shape = seconds.shape

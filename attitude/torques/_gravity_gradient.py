@@ -71,13 +71,13 @@ class GravityGradient(Torque):
         self._set("mu", validation.positive(mu, "mu", unit="m3/s2"))
 
     def address(self) -> int:
-        """Address of `compiled.gravity_gradient`."""
+        """Address of `_compiled.gravity_gradient`."""
         from attitude.torques._compiled import gravity_gradient
 
         return gravity_gradient.address
 
     def slope_address(self) -> int:
-        """Address of `compiled.gravity_gradient_slope`."""
+        """Address of `_compiled.gravity_gradient_slope`."""
         from attitude.torques._compiled import gravity_gradient_slope
 
         return gravity_gradient_slope.address

@@ -125,13 +125,13 @@ class SolarRadiation(Torque):
         self._set("flux", validation.positive(flux, "flux", unit="W/m2"))
 
     def address(self) -> int:
-        """Address of `compiled.solar_radiation`."""
+        """Address of `_compiled.solar_radiation`."""
         from attitude.torques._compiled import solar_radiation
 
         return solar_radiation.address
 
     def parameters(self, body: Body) -> FloatArray:
-        """The parameters (2 + 12 N,) of `compiled.solar_radiation`.
+        """The parameters (2 + 12 N,) of `_compiled.solar_radiation`.
 
         Raises
         ------

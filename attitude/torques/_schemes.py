@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-# --------------------------------------------------------------------------------------------------
-# Principal axes in the order of their moments, as the exact short step takes them.
+# ---- Principal axes in the order of their moments, as the exact short step takes them
 
 
 def ascending(body: Body) -> tuple[FloatArray, FloatArray]:

@@ -1,4 +1,4 @@
-"""Body, torques and scheme of a torqued motion, packed for the loops of `solution.march`."""
+"""Body, torques and scheme, packed for the compiled loops; derivatives of a torqued motion."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class System:
         slips = any(torque.kind == SLIP for torque in torques)
         self.order = min(chosen.order, 2) if slips else chosen.order
 
-    # Packing -------------------------------------------------------------------------------------
+    # ---- Packing
 
     def _numbers(self) -> FloatArray:
         numbers = np.empty(layout.BODY_ENTRIES)
@@ -146,7 +146,7 @@ class System:
                 'CustomTorque with slope= do. Take "suzuki" or "blanes-moan", which need none.'
             )
 
-    # Limits --------------------------------------------------------------------------------------
+    # ---- Limits
 
     def check_step(self, step: float) -> None:
         """Raise the AttitudeError for a step that cannot resolve the rotation at the epoch."""
@@ -205,7 +205,7 @@ class System:
             "numbers at all attitudes and epochs. Check it, or give earlier epochs only."
         )
 
-    # Calls ---------------------------------------------------------------------------------------
+    # ---- Calls
 
     def sampled(self, times: FloatArray) -> FloatArray:
         """Samples of all torques at epochs (2, ...), pairs: (..., columns), one column or more."""
@@ -356,9 +356,7 @@ class System:
         return out
 
 
-# --------------------------------------------------------------------------------------------------
-# Derivatives of a torqued motion by its state and its moments: the chain of those of its steps.
-#
+# ---- Derivatives of a torqued motion by its state and its moments: the chain of those of its steps
 # A step is a product of kicks and free motions.  The derivative of a free motion is in closed form
 # (`attitude._solver.sensitivities`); that of a kick, whose torque may be any function, is taken by
 # differences of fourth order of the change that the compiled kick makes.  Their product is the

@@ -1,4 +1,4 @@
-"""The base class of torques: the members that a splitting integrator uses."""
+"""`Torque`, the contract of torques; constant torques, damping and dissipation."""
 
 from __future__ import annotations
 
@@ -154,8 +154,7 @@ def path_of(given: Path | PositionFunction, name: str) -> Path:
     return FunctionPath(given)
 
 
-# --------------------------------------------------------------------------------------------------
-# A torque that is fixed in the body: a thruster, a leak.
+# ---- A torque that is fixed in the body: a thruster, a leak
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -179,13 +178,13 @@ class ConstantTorque(Torque):
         self._set("torque", frozen(validation.real(torque, "torque", shape=(3,), unit="N m")))
 
     def address(self) -> int:
-        """Address of `compiled.constant`."""
+        """Address of `_compiled.constant`."""
         from attitude.torques._compiled import constant
 
         return constant.address
 
     def slope_address(self) -> int:
-        """Address of `compiled.constant_slope`."""
+        """Address of `_compiled.constant_slope`."""
         from attitude.torques._compiled import constant_slope
 
         return constant_slope.address
@@ -195,8 +194,7 @@ class ConstantTorque(Torque):
         return np.array(self.torque)
 
 
-# --------------------------------------------------------------------------------------------------
-# Losses: drag from outside, and friction within the body.
+# ---- Losses: drag from outside, and friction within the body
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -236,7 +234,7 @@ class LinearDamping(Torque):
         self._set("coefficient", frozen(given))
 
     def address(self) -> int:
-        """Address of `compiled.linear_damping`."""
+        """Address of `_compiled.linear_damping`."""
         from attitude.torques._compiled import linear_damping
 
         return linear_damping.address
@@ -287,7 +285,7 @@ class InternalDissipation(Torque):
         self._set("strength", given)
 
     def address(self) -> int:
-        """Address of `compiled.internal_dissipation`."""
+        """Address of `_compiled.internal_dissipation`."""
         from attitude.torques._compiled import internal_dissipation
 
         return internal_dissipation.address

@@ -1,4 +1,15 @@
-"""The lengths of the steps of a torqued motion."""
+"""`TorquedRotation`: kicks of torques between exact free motions, in fixed or adaptive steps.
+
+>>> import numpy as np
+>>> from attitude import Body, Spin
+>>> from attitude.splitting import TorquedRotation
+>>> from attitude.torques import ConstantTorque
+>>> body = Body(moments=(10, 20, 26))
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
+>>> motion = TorquedRotation(body, spin, ConstantTorque((0, 0, 0.26)), step=0.1)
+>>> motion.at(10.0).angular_velocity.round(12)          # 0.01 rad/s2 for 10 s
+array([0. , 0. , 0.1])
+"""
 
 from __future__ import annotations
 
@@ -73,8 +84,7 @@ class StepMesh:
         return place, (t - self.times[0, place]) + (low - self.times[1, place])
 
 
-# --------------------------------------------------------------------------------------------------
-# Sizes of the blocks of a long computation, such that Ctrl-C is heard between them.
+# ---- Sizes of the blocks of a long computation, such that Ctrl-C is heard between them
 
 # s.  Python acts on a signal when a compiled loop returns; 0.2 s is felt as at once.
 _LONGEST, _SHORTEST = 0.05, 0.02
@@ -113,8 +123,7 @@ class Pace:
             self.size = min(self.most, (_LARGEST_GROWTH if grown else 2) * self.size)
 
 
-# --------------------------------------------------------------------------------------------------
-# States of a torqued motion after fixed steps, integrated on demand and kept.
+# ---- States of a torqued motion after fixed steps, integrated on demand and kept
 
 # Fixed steps: the state after every 32nd step is kept.  At 131,072 states (15 MB) every second one
 # is discarded and the interval doubles, so that memory is bounded, and an epoch costs at most a
@@ -262,8 +271,7 @@ def whole_steps(seconds: FloatArray, low: FloatArray, h: float) -> tuple[IntArra
     return np.maximum(number, 0.0).astype(np.int64), parts
 
 
-# --------------------------------------------------------------------------------------------------
-# The advance of an integration with adaptive steps, and of states between its steps.
+# ---- The advance of an integration with adaptive steps, and of states between its steps
 
 # Steps of one length whose samples are computed together, and steps tried in one call: at most.
 _WAVE, _STEPS_AT_ONCE = 512, 1 << 14
@@ -290,7 +298,7 @@ class Front:
     tolerance : float
         Of the error of a step.
     paired : bool
-        Whether a motion with whole steps goes along; see `solution.adaptive`.
+        Whether a motion with whole steps goes along; see `attitude._solver.adaptive`.
     last : float
         s, the absolute value of the seconds beyond which no torque is known.
     """
@@ -420,8 +428,7 @@ def between(
     return out
 
 
-# --------------------------------------------------------------------------------------------------
-# States of a torqued motion after steps as long as an error estimate allows.
+# ---- States of a torqued motion after steps as long as an error estimate allows
 
 # The state after every 32nd step is kept; at 131,072 states (17 MB) every second one is discarded
 # and the interval doubles.
@@ -572,8 +579,7 @@ class VaryingSteps:
             self.system.check_span(until, self._front.clock[layout.TURN_LIMIT] / speed)
 
 
-# --------------------------------------------------------------------------------------------------
-# States of a torqued motion whose error stays within a tolerance over a span.
+# ---- States of a torqued motion whose error stays within a tolerance over a span
 
 # The error of a step allowed at first, as a share of the tolerance; the least, which is rounding.
 _FIRST_SHARE, _LEAST = 0.1, 1e-17
@@ -658,18 +664,7 @@ class BoundedSteps:
             self._steps = VaryingSteps(self.system, self.sign, allowed, paired=True)
 
 
-# --------------------------------------------------------------------------------------------------
-# Motion under torques: kicks between exact free motions.
-#
-# >>> import numpy as np
-# >>> from attitude import Body, Spin
-# >>> from attitude.splitting import TorquedRotation
-# >>> from attitude.torques import ConstantTorque
-# >>> body = Body(moments=(10, 20, 26))
-# >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
-# >>> motion = TorquedRotation(body, spin, ConstantTorque((0, 0, 0.26)), step=0.1)
-# >>> motion.at(10.0).angular_velocity.round(12)          # 0.01 rad/s2 for 10 s
-# array([0. , 0. , 0.1])
+# ---- The motion
 
 # Epochs in a block.
 _EPOCHS_AT_ONCE = 1 << 17
@@ -693,7 +688,7 @@ class TorquedRotation(Differentiable):
         s, or a Quantity: fixed.
     scheme : str or Scheme, optional
         "kick-rotate-kick", "rotate-kick-rotate" and "hoa" of second order, "suzuki",
-        "blanes-moan" and "force-gradient" of fourth order; see `attitude.torques._schemes`.  By
+        "blanes-moan" and "force-gradient" of fourth order; see `attitude.splitting.SCHEMES`.  By
         default "blanes-moan" with `tolerance`, otherwise "kick-rotate-kick".
     tolerance : float, optional
         Instead of `step`: largest error of an attitude, rad, from 1e-14 to 1e-2; 1e-9 if neither

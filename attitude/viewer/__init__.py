@@ -1,17 +1,11 @@
 """Motions as pictures that move: a page with three.js, animations, and files for other viewers.
 
-viewer        `view`, `Viewer`: one HTML file without a network
-animation     `animate`: MP4, GIF, WebP
-czml          `write_czml`: Cesium
-gltf          `write_glb`: any viewer of glTF
-cosmographia  `write_cosmographia`: a catalogue beside a C-kernel
-subject       what is shown, over which span
-poses         attitudes at steps between which great circles suffice
-sky           directions to Sun and observer, and the light curve
-drawn_shape   the surface that is drawn
-poinsot       the rolling ellipsoid of inertia
-page_data     the data of a page
-page          the HTML; its scripts are in page/
+_page           `view`, `Viewer`: one HTML file without a network; its scripts are in page/
+_animation      `animate`: MP4, GIF, WebP
+_czml           `write_czml`: Cesium
+_gltf           `write_glb`: any viewer of glTF
+_cosmographia   `write_cosmographia`: a catalogue beside a C-kernel
+_subject        what is shown: span, attitudes, directions, light curve, surface
 """
 
 from attitude.viewer._animation import animate

@@ -57,10 +57,10 @@ def animate(
     Parameters
     ----------
     motion : HasAttitudes or Scene
-        As of `view`.  Without an observer the body is seen across its momentum; without a Sun the
+        As in `view`.  Without an observer the body is seen across its momentum; without a Sun the
         light comes from beside the camera.
     start, stop, shape, title, magnitude
-        As of `view`.
+        As in `view`.
     output : str or path
         Ends in .webp, .gif (both by Pillow) or .mp4 (by ffmpeg).
     frames : int

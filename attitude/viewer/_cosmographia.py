@@ -46,7 +46,7 @@ def write_cosmographia(
     path : str or path
         Ends in .json; the others take its name.
     motion, start, stop, shape, title
-        As of `view`.  The center of a Scene gives the trajectory (about the Sun, the Earth or the
+        As in `view`.  The center of a Scene gives the trajectory (about the Sun, the Earth or the
         Moon); without one the body rests at the Sun.
     tolerance : float
         Largest error of the attitude in the C-kernel, rad.

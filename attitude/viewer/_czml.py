@@ -50,7 +50,7 @@ def write_czml(
     scene : Scene
         Its center is a path about the Earth (`paths.tle`, `paths.omm`, `paths.oem`).
     start, stop : epochs, or TDB seconds since the epoch of the motion
-        As of `view`.
+        As in `view`.
     shape
         Not written: Cesium draws models by their address; see `model`, and `write_glb`.
     title : str, optional

@@ -44,7 +44,7 @@ def write_glb(
     ----------
     path : str or path
     motion, start, stop, shape, title
-        As of `view`; of a Scene the attitudes are those that its light shows.
+        As in `view`; of a Scene the attitudes are those that its light shows.
     speed : float, optional
         Seconds of the motion in a second of the animation; by default a turn takes some 8 s.  It
         is written as "speed" into the extras of the animation.

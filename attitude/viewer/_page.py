@@ -1,4 +1,4 @@
-"""The page: one HTML file with the library three.js, the viewer's own scripts and its data."""
+"""`view`: one HTML file with the library three.js, the viewer's own scripts and its data."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ SCRIPTS: tuple[str, ...] = (
 
 
 def page(data: dict[str, Any]) -> str:
-    """The HTML of a page from the value of `page_data.content`."""
+    """The HTML of a page from the value of `content`."""
     parts = {
         "title": html.escape(data["title"]),
         "style": _text("style.css"),
@@ -72,9 +72,7 @@ def _text(name: str) -> str:
     return lines.whole(str(FOLDER / name), "install the package again")
 
 
-# --------------------------------------------------------------------------------------------------
-# What the page knows: attitudes, directions, light curve and surface, as one value for JSON.
-#
+# ---- What the page knows: attitudes, directions, light curve and surface, as one value for JSON
 # Arrays are base64 of little-endian bytes: attitudes as int16 in units of 1/32767 (0.007 degree at
 # most), rates and directions as float32, vertices as uint16 between the least and greatest
 # coordinate, facets as uint32.
@@ -218,8 +216,7 @@ def seconds_a_second(subject: Subject, found: list[_subject.PosePiece]) -> float
     return subject.duration / max(8.0 * turns, 8.0)
 
 
-# --------------------------------------------------------------------------------------------------
-# A motion or scene as a page with three.js: one HTML file that needs no network.
+# ---- A motion or scene as a page with three.js: one HTML file that needs no network
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,4 +1,4 @@
-"""What a page or animation shows: a motion or scene, a span of time, and a shape."""
+"""What a page or animation shows: span, attitudes, directions, light curve, surface."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from attitude.scene._view import View
 
 
-# --------------------------------------------------------------------------------------------------
-# Attitudes at the widest steps between which great circles stay within an angle of the motion.
+# ---- Attitudes at the widest steps between which great circles stay within an angle of the motion
 
 # Largest angle between the motion and what is drawn, rad: a tenth of a degree.
 TOLERANCE: float = float(np.radians(0.1))
@@ -135,8 +134,7 @@ def _too_many(subject: Subject, length: float, count: int, most: int) -> Attitud
     )
 
 
-# --------------------------------------------------------------------------------------------------
-# Directions to Sun and observer and the light curve, at epochs close enough for lines between.
+# ---- Directions to Sun and observer and the light curve, at epochs close enough for lines between
 
 # Epochs of directions: at first, and at most.
 _FIRST, _MOST_DIRECTIONS = 33, 8193
@@ -204,9 +202,7 @@ def _points(subject: Subject) -> int:
     return int(np.clip(_HALF_TURN * half_turns, _LEAST, most))
 
 
-# --------------------------------------------------------------------------------------------------
-# Poinsot's construction: the ellipsoid of inertia that rolls on the invariable plane.
-#
+# ---- Poinsot's construction: the ellipsoid of inertia that rolls on the invariable plane
 # The ellipsoid is x . I x = s^2 in body axes, I the inertia tensor, s a scale.  Its point s omega /
 # sqrt(2 E) touches the plane across the angular momentum L at the distance s sqrt(2 E) / L; the
 # point draws the polhode on the ellipsoid and the herpolhode on the plane.
@@ -272,8 +268,7 @@ def _herpolhode_span(subject: Subject) -> tuple[float, int]:
     return span, int(np.clip(_A_TURN * span / shortest, 64, _MOST))
 
 
-# --------------------------------------------------------------------------------------------------
-# The surface that is drawn: the facets of a shape, the ellipsoid of inertia, or a box.
+# ---- The surface that is drawn: the facets of a shape, the ellipsoid of inertia, or a box
 
 # Most facets that are drawn; of a finer mesh, vertices within small cubes become one.
 MOST_FACETS: int = 200_000

@@ -150,7 +150,7 @@ def _differences():
     return [
         _exact(
             "events/_extrema.py",
-            ("_WEIGHTS",),
+            ("_WEIGHTS_OF_PEAKS",),
             "first derivative by seven values, exact to degree 6",
             partial(rules.difference_weights, range(-3, 4), 1),
         ),

@@ -6,7 +6,7 @@ import pytest
 from attitude import AttitudeError, Body, cli, epochs, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import _errors, _search, _states
+from attitude.inversion import _errors, _search, _spin_states, _states
 from tests.support.places import DATA
 
 PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
@@ -77,7 +77,7 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
         )
         raise AttitudeError("the search of the test")
 
-    monkeypatch.setattr(inversion, "spin_states", refused)
+    monkeypatch.setattr(_spin_states, "spin_states", refused)
     options = ["--max-frequency", "0.5 /d", "--moments", "3.0, 1, 3.2"]
     assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
     assert "the search of the test" in capsys.readouterr().err

@@ -254,7 +254,7 @@ def test_warm_up_compiles_what_a_later_process_loads():
     )
     assert any(each.startswith("classify_all(") for each in stages)
     assert any(each.startswith("hyperbolic(") for each in loops)
-    checked = needed("from attitude import selftest\nassert selftest.check().passed")
+    checked = needed("from attitude.cli._selftest import check\nassert check().passed")
     assert checked and set(checked) <= {*stages, *loops}
     shown = needed("from attitude import cli\ncli.main(['warm-up'])")
     assert any("entry points in" in line and str(CACHE) in line for line in shown)

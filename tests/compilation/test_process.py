@@ -212,8 +212,8 @@ def test_another_process_reads_the_cache():
     code = (
         "from attitude import propagate\n"
         "propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), [0.0, 60.0])\n"
-        "from attitude._compilation import source_stamp\n"
-        "from attitude._solver import motion\n"
+        "from attitude._compilation import disk_cache as source_stamp\n"
+        "from attitude._solver import evaluation as motion\n"
         "stats = [f.dispatcher.stats for f in vars(motion).values() if hasattr(f, 'run')]\n"
         "print(source_stamp.stamp_of(motion.prepare_all), "
         "sum(sum(s.cache_misses.values()) for s in stats), "

@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths, shape
 from attitude.formats import aem, apm, damit, detect, mission, spin_file, stk, tables
 from tests.support.fuzzing import LONGEST_SENTENCE
+from tests.support.places import DATA as INPUT
 from tests.support.places import TEST_DATA as DATA
 
 # A warning of the rates of version 1 is no exception of another type.
 pytestmark = pytest.mark.filterwarnings("ignore::attitude.errors.AttitudeWarning")
-PATHS = DATA / "paths"
+PATHS = INPUT / "paths"
 SPIN = Spin(epoch="2016-12-31T23:59:50", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
 MOTION = FreeRotation(Body(moments=(10, 20, 26)), SPIN)
 HISTORY = MOTION.at(np.arange(12) / 3.0)

@@ -355,7 +355,7 @@ def test_the_package_keeps_its_measures():
     found = measures.measure(PACKAGE.parent)
     assert found.files <= 270
     assert len(found.rooms) <= 32
-    assert len(found.chain) <= 24
+    assert len(found.chain) <= 20
     assert found.between == []
-    assert len(found.circles) <= 8
+    assert len(found.circles) <= 7
     assert len(found.bases) <= 3

@@ -1,5 +1,6 @@
 """Pages of docs that are made from the sources are up to date, and their links lead somewhere."""
 
+import ast
 import importlib.util
 import os
 import re
@@ -11,19 +12,47 @@ from importlib import metadata
 
 import pytest
 
+from tests.house.test_architecture import HANDED_ON, LAYERS
 from tests.support.places import ROOT
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 
 
-def test_the_map_of_the_package_is_true():
-    spec = importlib.util.spec_from_file_location("make_map", ROOT / "docs" / "make_map.py")
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    text = made.PAGE.read_text()
-    assert text == made.page(text), "run python docs/make_map.py"
-    for file in (ROOT / "attitude").rglob("*.py"):
-        assert len(made.first_line(file)) <= 100, file
+def _script(name):
+    """A script of docs, as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_first_lines_of_docstrings_fit_the_list_of_files():
+    """The site lists all files by the first lines of their docstrings."""
+    make_map = _script("make_map")
+    files = [file for file in make_map.PACKAGE.rglob("*.py") if file.name != "__main__.py"]
+    for file in files:
+        assert 0 < len(make_map.first_line(file)) <= 100, file
+    assert len(list(make_map.lines())) == len(files) - 1  # the package itself has no line
+
+
+def test_docstrings_of_folders_name_files_that_exist():
+    """The map of a folder, with private files as `_name`."""
+    count = 0
+    for file in (ROOT / "attitude").rglob("__init__.py"):
+        text = ast.get_docstring(ast.parse(file.read_text()))
+        for name in re.findall(r"(?<![\w.])_[a-z]\w*", text):
+            assert file.with_name(f"{name}.py").is_file(), f"{file.parent.name} names {name}"
+            count += 1
+    assert count > 80
+
+
+def test_architecture_lists_the_folders_in_the_order_of_imports():
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    block = re.search(r"## Folders\n.*?```text\n(.*?)```", text, re.S).group(1)
+    names = [line.split()[0] for line in block.splitlines()]
+    assert names == [name for row in LAYERS for name in row if name != "__main__"]
+    handed_on = re.search(r"^((?:`\w+`(?:, | and ))*`\w+`) hand on names", text, re.M).group(1)
+    assert set(re.findall(r"\w+", handed_on)) - {"and"} == set(HANDED_ON)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -47,13 +76,41 @@ def test_files_that_recipes_name_exist():
     assert len(named) > 8
     for name in named:
         assert (ROOT / name).is_file(), name
+    folders = set(re.findall(r"\btests/\w+(?![\w./])", text))
+    assert {"tests/formats", "tests/inversion"} <= folders
+    for name in folders:
+        assert (ROOT / name).is_dir(), name
+    inside = set(re.findall(r"`(\w+/[\w/]+\.py)`", text)) - named
+    assert len(inside) > 15
+    for name in inside:
+        assert "NAME" in name or (ROOT / "attitude" / name).is_file(), name
+
+
+def test_the_pages_about_the_inside_name_files_that_exist():
+    """File names in backticks, in any folder of the package where none is given."""
+    package = ROOT / "attitude"
+    files = {file.relative_to(package).as_posix() for file in package.rglob("*.py")}
+    files |= {name.rpartition("/")[2] for name in files}
+    for page, least in (("compilation.md", 15), ("derivation.md", 20)):
+        text = (ROOT / "docs" / page).read_text()
+        named = set(re.findall(r"`([\w/]+\.py)`", text))
+        assert len(named) > least
+        for name in named:
+            assert name in files or (ROOT / name).is_file(), f"{page} names {name}"
+
+
+def test_the_site_shows_every_section_of_mission_files():
+    """docs/files.md is made from the docstring of the reader."""
+    from attitude.formats import mission
+
+    assert ".. automodule:: attitude.formats.mission" in (ROOT / "docs" / "files.md").read_text()
+    for name in [*mission._KEYS, *mission._SHAPES, *mission._ANY_SHAPE]:
+        assert re.search(rf"\b{name}\b", mission.__doc__), name
 
 
 def test_the_gallery_is_that_of_the_examples():
     """Each figure was drawn by the example as it is."""
-    spec = importlib.util.spec_from_file_location("make_gallery", ROOT / "docs" / "make_gallery.py")
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
+    made = _script("make_gallery")
     stored = made.stored()
     assert len(stored) >= 3
     assert stored == {name: made.hash_of(name) for name in stored}, "run docs/make_gallery.py"
@@ -128,7 +185,7 @@ def test_public_numbers_are_si_or_name_their_unit():
                 for unit, pattern in spelled.items():
                     if pattern.search(text) and not name.endswith(f"_{unit}"):
                         bad.append(f"{owner.__qualname__}.{name}: {text.strip()}")
-    assert len(seen) > 100
+    assert len(seen) > 80
     # The columns of DAMIT's files, and arguments that take any Quantity.
     assert not [each for each in bad if not each.startswith("DamitLightCurve.")], bad
 
@@ -171,7 +228,7 @@ def test_the_first_block_of_the_readme_needs_no_extra(tmp_path):
 
 
 def test_pages_and_messages_install_from_one_place():
-    """`calls.SOURCE`; extras in quotes, since zsh expands brackets."""
+    """`validation.SOURCE`; extras in quotes, since zsh expands brackets."""
     from attitude._support import validation
 
     pages = [*PAGES, *(ROOT / "docs" / "howto").glob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
@@ -180,8 +237,6 @@ def test_pages_and_messages_install_from_one_place():
     ]
     wrong, count = [], 0
     for file in [*pages, *sources]:
-        if file == ROOT / "attitude" / "calls.py":
-            continue
         for line in file.read_text().splitlines():
             for found in re.findall(
                 r'pip install (?:-e )?((?:\\?")?[\w.-]+(?:\[[^\]]*\](?:\\?")?)?)', line

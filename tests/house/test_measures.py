@@ -9,11 +9,11 @@ from benchmarks import alternate, measures
 FILES = {
     "__init__.py": '''
         """A package."""
-        from attitude.motions._body.body import Body as Body
+        from attitude.body.body import Body as Body
     ''',
     "old.py": '''
         """An old path that hands names on: no room."""
-        from attitude.motions._body.body import Body as Body
+        from attitude.body.body import Body as Body
     ''',
     "numbers.py": '''
         """Longer than a file that hands names on."""
@@ -37,14 +37,14 @@ FILES = {
         from typing import TYPE_CHECKING
 
         if TYPE_CHECKING:
-            from attitude.motions._body.body import Body
+            from attitude.body.body import Body
 
 
         class Tower:
             pass
     """,
     "body/body.py": """
-        from attitude.motions._body.base import Tower
+        from attitude.body.base import Tower
         from attitude import numbers
 
 
@@ -53,9 +53,9 @@ FILES = {
                 from attitude.scene import view
     """,
     "scene/__init__.py": "",
-    "scene/_view.py": """
+    "scene/view.py": """
         from ..body import body
-        from attitude.motions._body.body import Body
+        from attitude.body.body import Body
     """,
     "proof/__init__.py": "X = 1\n",
 }
@@ -72,7 +72,7 @@ def counted(tmp_path):
 
 def test_files_lines_and_tokens(counted):
     assert counted.files == 8  # proof/ comes after this step
-    assert counted.folders["attitude.motions._body"] == (3, 16, 11, 53)
+    assert counted.folders["attitude.body"] == (3, 16, 11, 53)
     assert counted.lines == sum(row[1] for row in counted.folders.values())
     assert counted.tokens == sum(row[3] for row in counted.folders.values())
 
@@ -82,20 +82,18 @@ def test_rooms_are_those_that_hold_something(counted):
 
 
 def test_chains_are_of_what_is_loaded(counted):
-    # attitude itself and attitude.scene._view each load body.body, which loads base.
-    assert counted.chain[1:] == ["attitude.motions._body.body", "attitude.motions._body.base"]
+    # attitude itself and attitude.scene.view each load body.body, which loads base.
+    assert counted.chain[1:] == ["attitude.body.body", "attitude.body.base"]
     assert counted.load_circles == []
 
 
 def test_circles_count_imports_for_types(counted):
-    assert counted.circles == [["attitude.motions._body.base", "attitude.motions._body.body"]]
+    assert counted.circles == [["attitude.body.base", "attitude.body.body"]]
     assert counted.between == []
 
 
 def test_bases_vague_names_and_long_calls(counted):
-    assert counted.bases == [
-        ("Tower", "attitude.motions._body.base", "attitude.motions._body.body")
-    ]
+    assert counted.bases == [("Tower", "attitude.body.base", "attitude.body.body")]
     assert counted.several_names == 1
     assert [name for name, _ in counted.vague["attitude.numbers"]] == [
         "found",

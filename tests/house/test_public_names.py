@@ -29,7 +29,7 @@ COMMAND = "python tests/house/test_public_names.py --remake"
 KEPT = (
     *("arcs", "catalog", "conditions", "ensemble", "epochs", "events", "fitting", "formats"),
     *("formats.acm", "formats.aem", "formats.apm", "formats.ck", "formats.damit"),
-    *("formats.damit_light_curve", "formats.detect", "formats.mission", "formats.photometry"),
+    *("formats.damit_light_curve", "formats.detect", "formats.mission"),
     *("formats.spin_file", "formats.stk", "formats.tables", "frames", "inversion", "jacobi"),
     *("light_curve", "paths", "photometry", "published", "quaternion", "referee"),
     *("representations", "scattering", "scene", "shape", "splitting", "survey", "torques"),
