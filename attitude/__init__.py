@@ -98,7 +98,7 @@ PUBLIC_MODULES: tuple[str, ...] = (
             *("arcs", "catalog", "conditions", "ensemble", "epochs", "errors", "events", "fitting"),
             *("formats", "formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
             *("formats.damit", "formats.damit_light_curve", "formats.detect", "formats.mission"),
-            *("formats.spin_file", "formats.stk", "formats.tables"),
+            *("formats.quat", "formats.spin_file", "formats.stk", "formats.tables"),
             *(
                 "frames",
                 "frames.quaternion",

@@ -8,6 +8,7 @@ stk                 STK attitude files
 ck                  SPICE C-kernels
 damit               spin files of DAMIT
 damit_light_curve   light curves of DAMIT
+quat                plain tables of quaternions
 tables              astropy QTable, ECSV, FITS, CSV, parquet
 detect              any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
@@ -17,6 +18,7 @@ _attitude_types     attitude types of CCSDS messages: their columns and rates
 _ccsds_epochs       time codes of CCSDS messages
 _ck_files           files, clock and records of C-kernels; SPICE's pool
 _recipes            settings of writers for a tool that shall read the file
+_format             the contract of a format, and the registry of formats
 _records            rows of a file to an AttitudeTable, and a history to rows
 _sampling           a motion to records within a tolerance; what a writer is given, as segments
 """

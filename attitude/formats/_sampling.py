@@ -303,6 +303,12 @@ class SampledFile:
     step: float
     error: float
 
+    def __str__(self) -> str:
+        return (
+            f"{self.records} records at most {self.step:.4g} s apart in {self.segments} "
+            f"segment{'s' if self.segments > 1 else ''}: error {self.error:.2g} rad"
+        )
+
 
 class _Stretch:
     """A part of the motion without jumps: its ends, as seconds of the motion in two doubles."""

@@ -20,6 +20,7 @@ The message holds variances, no correlations: those about the body axes are writ
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -38,6 +39,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _sampling, apm
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, Convention
+from attitude.formats._format import of_table, register_message
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.formats.apm import known_products, tensor
 from attitude.frames import quaternion
@@ -1427,3 +1429,32 @@ def _has_covariance(part):
 def _text_of(tags, instant, digits):
     """Seconds from EPOCH_TZERO to an Instant, as text."""
     return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
+
+
+def _opened(path, *, segment, **keywords):
+    """The attitudes of an ACM, or its motion if it has none."""
+    message = read(path, **keywords)
+    if segment is not None:
+        if not 0 <= segment < len(message.tables):
+            raise AttitudeError(
+                f"{os.fspath(path)}: segment is {segment!r}; the message has {len(message.tables)} "
+                "blocks of attitudes, counted from 0."
+            )
+        return of_table(message.tables[segment])
+    try:
+        return of_table(message.table if message.tables else message.motion)
+    except AttitudeError as err:
+        raise AttitudeError(f"{os.fspath(path)}: {err}") from err
+
+
+register_message(
+    "acm",
+    "CCSDS ACM",
+    write,
+    module=__name__,
+    read=_opened,
+    reading=("tolerance", "frame", "orbit", "segment"),
+    writing=("frame", "time_system", "orbit"),
+    noun="an ACM",
+    is_sampled=False,
+)

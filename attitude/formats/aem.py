@@ -27,6 +27,7 @@ from attitude.formats import _aem_notations, _attitude_types, _recipes, _samplin
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
 from attitude.formats._attitude_types import VERSIONS
+from attitude.formats._format import Option, message_labels, register_message, table_reader
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
@@ -251,3 +252,60 @@ def write(
         write_records=write_records,
         read=lambda target: read(target, orbit=orbit, rates=rates),
     )
+
+
+_OPTIONS = (
+    Option("version", "of CCSDS messages (default 2.0)", {"metavar": "1.0|2.0"}),
+    Option("type", "attitude type of an AEM, section of STK", {"metavar": "NAME"}),
+    Option("frame", "axes of OUT, such as ICRF or EME2000", {"metavar": "NAME"}),
+    Option("time-system", "of CCSDS messages: UTC, TAI, TDB, ..", {"metavar": "NAME"}),
+    Option(
+        "for",
+        "settings of an AEM that a tool accepts: gmat, orekit, stk or brahe",
+        {"metavar": "TOOL"},
+    ),
+    Option(
+        "rates",
+        "what the rates of AEM and APM 1.0 are, read or written: angular velocity, or "
+        "derivatives of the Euler angles",
+        {"choices": ("body", "euler")},
+        of_reading=True,
+    ),
+    Option(
+        "object",
+        "OBJECT_ID or OBJECT_NAME of the segments of IN to read",
+        {"metavar": "NAME"},
+        of_reading=True,
+    ),
+    Option(
+        "segment",
+        "the one segment of IN to read, counted from 0",
+        {"metavar": "N", "type": int},
+        of_reading=True,
+    ),
+    Option(
+        "lenient",
+        "read an AEM that leaves out parts of the standard; prints what was assumed",
+        {"action": "store_true"},
+        of_reading=True,
+    ),
+    Option(
+        "method",
+        "interpolation that an AEM states, or of a C-kernel (hermite or linear)",
+        {"choices": ("hermite", "lagrange", "linear")},
+        refusal="has no meaning for a file like {output}; leave it out.",
+    ),
+)
+register_message(
+    "aem",
+    "CCSDS AEM",
+    write,
+    _OPTIONS,
+    module=__name__,
+    read=table_reader(read),
+    reading=("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
+    writing=("version", "type", "frame", "time_system", "for", "rates", "method", "orbit"),
+    renamed={"type": "kind", "for": "for_"},
+    noun="an AEM",
+    labels=message_labels,
+)

@@ -25,6 +25,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import HEADER, VERSIONS, Convention
+from attitude.formats._format import OpenedFile, message_labels, register_message
 from attitude.formats._records import TOLERANCE, known_tolerance, to_icrf
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
@@ -1102,3 +1103,27 @@ def write(
         kvn.refuse_line_breaks(text)
     with written_whole(path, "the APM") as file:
         (write_xml if xml else write_kvn)(file, message)
+
+
+def _opened(path, **keywords):
+    message = read(path, **keywords)
+    names = ("object_name", "object_id", "center", "comments")
+    return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+
+
+def _labels(motion, said):
+    """Names and comments, and whether the inertia has a unit to be written in."""
+    return {"inertia": not motion.body.relative, **message_labels(motion, said)}
+
+
+register_message(
+    "apm",
+    "CCSDS APM",
+    write,
+    module=__name__,
+    read=_opened,
+    reading=("tolerance", "frame", "orbit", "rates"),
+    writing=("version", "frame", "time_system", "rates"),
+    holds="motion",
+    labels=_labels,
+)

@@ -30,6 +30,7 @@ from attitude._textfiles.lines import opened
 from attitude.formats import _aem_notations, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
+from attitude.formats._format import Format, message_labels, register, table_reader
 from attitude.formats._records import TOLERANCE
 
 if TYPE_CHECKING:
@@ -163,3 +164,25 @@ def write(
         read=lambda target: read(target, orbit=orbit),
         one_segment=True,
     )
+
+
+def _labels(motion, said):
+    """Names and comments; a CIC file has no center."""
+    return {key: text for key, text in message_labels(motion, said).items() if key != "center"}
+
+
+register(
+    Format(
+        name="cic",
+        module=__name__,
+        title="CIC of CNES, for VTS",
+        endings=(".cic",),
+        marks=(b"CIC_AEM_VERS",),
+        read=table_reader(read),
+        reading=("tolerance", "frame", "orbit", "rates", "object", "segment", "lenient"),
+        write=write,
+        writing=("frame", "time_system", "orbit"),
+        noun="a CIC file",
+        labels=_labels,
+    )
+)

@@ -21,6 +21,7 @@ import math
 import os
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,7 @@ from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.formats import _ck_files
 from attitude.formats._ck_files import LoadedKernels, Plan, TableSegments, spiceypy
+from attitude.formats._format import Format, OpenedFile, Option, register
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._motion import Motion
@@ -199,6 +201,10 @@ class Written:
     error: float
     rate_error: float
 
+    def __str__(self) -> str:
+        names = ", ".join(os.path.basename(name) for name in self.kernels)
+        return f"{names}: error {self.error:.2g} rad"
+
 
 def write(
     path: FilePath,
@@ -365,3 +371,69 @@ def _check_names(path, name, instrument, clock, center):
             raise AttitudeError(f"{what} is {number!r}; give a negative NAIF number.")
     if not (isinstance(center, int) and abs(center) < 2**31):
         raise AttitudeError(f"center is {center!r}; give the NAIF number of a body, 399 for Earth.")
+
+
+def _opened(path, *, body, kernels):
+    """The attitude of a frame, with the frame and clock kernels beside the C-kernel."""
+    stem = os.path.splitext(os.fspath(path))[0]
+    beside = [stem + ending for ending in (".tf", ".tsc") if os.path.exists(stem + ending)]
+    frame = "TUMBLER" if body is None else body
+    return OpenedFile(KernelAttitude([path, *beside, *kernels], frame), {})
+
+
+def _write(path, motion, start, stop, *, method=None, **settings):
+    return write(path, motion, start, stop, kind=3 if method == "linear" else 5, **settings)
+
+
+_own_option = partial(Option, refusal="has no meaning for a file like {output}; leave it out.")
+_OPTIONS = (
+    _own_option(
+        "rate-tolerance",
+        "largest error of rates of a C-kernel",
+        {"type": float, "metavar": "RAD/S"},
+    ),
+    _own_option(
+        "clock",
+        "clock kernel of a mission (and its leap seconds) for a C-kernel",
+        {"nargs": "+", "metavar": "FILE"},
+    ),
+    _own_option(
+        "frame-kernel", "frame kernel of a mission that defines --body", {"metavar": "FILE"}
+    ),
+    _own_option(
+        "time-scale",
+        "of a C-kernel: exact at TDB, or at the epochs that SPICE makes of dates",
+        {"choices": ("tdb", "spice")},
+    ),
+)
+register(
+    Format(
+        name="ck",
+        module=__name__,
+        title="SPICE CK with .tf and .tsc",
+        endings=(".bc",),
+        marks=(b"DAF/CK",),
+        read=_opened,
+        reading=("body", "kernels"),
+        write=_write,
+        writing=("tolerance", "method", "body", *(option.attribute for option in _OPTIONS)),
+        renamed={"body": "name"},
+        holds="span",
+        noun="a C-kernel",
+        options=(
+            *_OPTIONS,
+            Option(
+                "body",
+                "frame of a C-kernel: the one to read, or the one to write",
+                {"metavar": "FRAME"},
+                of_reading=True,
+            ),
+            Option(
+                "kernels",
+                "further kernels that the C-kernel IN needs; x.tf and x.tsc beside x.bc are found",
+                {"nargs": "+", "default": (), "metavar": "FILE"},
+                of_reading=True,
+            ),
+        ),
+    )
+)

@@ -23,6 +23,7 @@ from attitude._textfiles.lines import is_number, opened
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._format import Format, OpenedFile, register
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -191,3 +192,23 @@ def _jd(epoch):
     return map(
         float, _time_scales.jd_from_seconds(np.float64(epoch.seconds), np.float64(epoch.low))
     )
+
+
+def _opened(path):
+    rotator = read(path)
+    return OpenedFile(rotator.motion(), {"scattering": rotator.scattering})
+
+
+register(
+    Format(
+        name="damit",
+        module=__name__,
+        title="DAMIT",
+        endings=(".spin",),
+        read=_opened,
+        reading=(),
+        write=write,
+        holds="motion",
+        resembles=lambda line: len(line.split()) == 3 and b"=" not in line,
+    )
+)

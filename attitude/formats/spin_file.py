@@ -66,6 +66,7 @@ from attitude._textfiles.lines import cut
 from attitude._textfiles.toml import listed, refuse_unknown
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
+from attitude.formats._format import Format, OpenedFile, register
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._published import moments_from_ratios
@@ -513,3 +514,33 @@ def _epoch_text(instant):
 
 def _listed(row):
     return "[" + ", ".join(repr(float(number)) for number in row) + "]"
+
+
+def _opened(path):
+    found = read(path)
+    return OpenedFile(
+        found.motion, {"name": found.name, "source": found.source, "note": found.note}
+    )
+
+
+def _labels(motion, said):
+    """The labels of a spin file, from the names and comments of the file that was read."""
+    name = said.get("name") or said.get("object_name")
+    note = said.get("note") or " ".join(said.get("comments", ()))
+    found = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
+    return {key: text for key, text in (found | {"note": note}).items() if text}
+
+
+register(
+    Format(
+        name="spin",
+        module=__name__,
+        title="spin file, exact",
+        endings=(".toml",),
+        read=_opened,
+        reading=(),
+        write=write,
+        holds="motion",
+        labels=_labels,
+    )
+)

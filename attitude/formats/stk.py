@@ -32,6 +32,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
+from attitude.formats._format import Format, Option, register, table_reader
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -826,3 +827,29 @@ def _whole_second(part):
         return hi + lo
 
     return shown, shift
+
+
+register(
+    Format(
+        name="stk",
+        module=__name__,
+        title="STK attitude",
+        endings=(".a",),
+        marks=(b"stk.v.",),
+        read=table_reader(read),
+        reading=("tolerance", "frame", "orbit"),
+        write=write,
+        writing=("type", "frame", "orbit", "split"),
+        renamed={"type": "section"},
+        noun="an STK file",
+        options=(
+            Option(
+                "split",
+                "STK: a file x-1.a, x-2.a, ... for each stretch between impulses or gaps",
+                {"action": "store_true"},
+                refusal="is for STK files, not {output}; leave it out.",
+            ),
+        ),
+        fulfilled={"for": "stk"},
+    )
+)

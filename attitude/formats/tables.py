@@ -31,6 +31,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
+from attitude.formats._format import Format, register, table_reader
 from attitude.formats._records import TOLERANCE, Rows, known_tolerance
 from attitude.frames import quaternion as forms
 from attitude.motions._axes import named
@@ -604,3 +605,17 @@ def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError, IndexError, AttributeError) as err:
         raise AttitudeError(f"{origin}: its epochs or its meta data are broken ({err}).") from err
+
+
+register(
+    Format(
+        name="table",
+        module=__name__,
+        title="tables",
+        endings=(".ecsv", ".fits", ".fit", ".csv", ".parquet"),
+        read=table_reader(read),
+        reading=("tolerance",),
+        write=write,
+        noun="a table",
+    )
+)

@@ -1,0 +1,237 @@
+"""The contract of a file format, and the registry of formats that files, commands and docs read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.motions._motion import Motion
+
+# The modules of this folder that register formats, in the order in which sentences list endings.
+MODULES: tuple[str, ...] = (
+    "aem",
+    "apm",
+    "acm",
+    "stk",
+    "cic",
+    "spin_file",
+    "damit",
+    "ck",
+    "tables",
+    "quat",
+)
+_by_name: dict[str, Format] = {}
+
+
+class OpenedFile(NamedTuple):
+    """The content of a file in any format.
+
+    Attributes
+    ----------
+    motion : AttitudeTable, FreeRotation or KernelAttitude
+    said : dict
+        Names, comments, source and note, under the names of the keyword arguments of writers.
+    """
+
+    motion: Motion
+    said: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """An option of `attitude convert` that a format needs.
+
+    Attributes
+    ----------
+    name : str
+        Without dashes in front; "time-system" for --time-system.
+    help : str
+    settings : mapping
+        Further keyword arguments of argparse's `add_argument`.
+    of_reading : bool
+        Whether the option is a keyword of `detect.opened`.  Others belong to writers, and are
+        refused for formats that do not name them in `Format.writing`.
+    refusal : str
+        What the option of a writer says of other formats; {noun} is `Format.noun`.
+    """
+
+    name: str
+    help: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    of_reading: bool = False
+    refusal: str = "has no meaning for {noun}; leave it out."
+
+    @property
+    def attribute(self) -> str:
+        """The name of the option in parsed arguments."""
+        return self.name.replace("-", "_")
+
+
+@dataclass(frozen=True, eq=False)
+class Format:
+    """How files of one format are recognized, read and written, and what commands say of them.
+
+    What a new format defines
+    -------------------------
+    A file of its own, named in `MODULES`, that calls ``register(Format(...))`` below its `read` and
+    `write`, and a row in the table of docs/formats.md.
+
+    Attributes
+    ----------
+    name : str
+        The format in `detect.of_file` and `detect.to_write`.
+    module : str
+        ``__name__`` of the file that registers it.
+    title : str
+        What the help of the command calls files of this format.
+    endings : tuple of str
+        In lower case; the longest that a name has decides.
+    read : callable
+        ``read(path, **keywords)`` returns an `OpenedFile`; see `table_reader`.
+    reading : tuple of str
+        The keywords of `detect.opened` that `read` takes.
+    write : callable
+        ``write(path, source, t=None, **settings)`` for records; ``write(path, motion, **settings)``
+        for a motion; ``write(path, motion, start, stop, **settings)`` for a span.
+    writing : tuple of str
+        Options that `write` takes, as attributes of parsed arguments.
+    renamed : mapping
+        The keywords of `write` for options of another name.
+    holds : str
+        "records" (attitudes at epochs), "motion" (a free rotation) or "span" (attitudes at any
+        epoch of a span).
+    marks : tuple of bytes
+        With one of these a file begins, whatever its ending.
+    element : str, optional
+        Name of the element of the message, for XML.
+    resembles : callable, optional
+        Whether the first line of a file of no known mark or ending looks like this format.
+    noun : str
+        The format in errors of the command; {output} is the name of the file.
+    options : tuple of Option
+        Options that this format adds to the command; other formats may name them in `writing`.
+    fulfilled : mapping
+        Options and the value that is what `write` does anyway, such as --for stk.
+    is_sampled : bool
+        Whether `write` of records takes start=, stop= and tolerance=.
+    labels : callable
+        ``labels(motion, said)`` are settings of `write` that follow from what was read.
+    """
+
+    name: str
+    module: str
+    title: str
+    endings: tuple[str, ...]
+    read: Callable[..., OpenedFile]
+    reading: tuple[str, ...]
+    write: Callable[..., Any]
+    writing: tuple[str, ...] = ()
+    renamed: Mapping[str, str] = field(default_factory=dict)
+    holds: str = "records"
+    marks: tuple[bytes, ...] = ()
+    element: str | None = None
+    resembles: Callable[[bytes], bool] | None = None
+    noun: str = "a file like {output}"
+    options: tuple[Option, ...] = ()
+    fulfilled: Mapping[str, str] = field(default_factory=dict)
+    is_sampled: bool = True
+    labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = lambda motion, said: {}
+
+
+def register(made: Format) -> None:
+    """Add a format; one registered again from the same file replaces the former.
+
+    Raises
+    ------
+    AttitudeError
+        For a name or an ending of another format.
+    """
+    for other in _by_name.values():
+        if (other.name, other.module) == (made.name, made.module):
+            continue
+        shared = {other.name} & {made.name} or {*other.endings} & {*made.endings}
+        if shared:
+            raise AttitudeError(
+                f"the format {made.name!r} of {made.module} and {other.name!r} of {other.module} "
+                f"share {min(shared)!r}; give one of them another."
+            )
+    _by_name[made.name] = made
+
+
+def register_message(
+    name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **rest: Any
+) -> None:
+    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True.
+
+    Messages in XML end in .NAME.xml, but for an AEM, which ends in .xml.
+    """
+    ending = ".xml" if name == "aem" else f".{name}.xml"
+    mark = f"CCSDS_{name.upper()}_VERS".encode()
+    kvn: dict[str, Any] = {
+        "endings": (f".{name}",),
+        "marks": (mark,),
+        "write": write,
+        "options": options,
+    }
+    xml: dict[str, Any] = {"endings": (ending,), "element": name, "write": partial(write, xml=True)}
+    register(Format(name, title=title, **kvn, **rest))
+    register(Format(f"{name}-xml", title=f"{title}, XML", **xml, **rest))
+
+
+def forget(name: str) -> None:
+    """Remove a name from the registry, as at the end of a test that registers a format.
+
+    Raises
+    ------
+    AttitudeError
+        For a name that is not registered.
+    """
+    if name not in formats():
+        raise AttitudeError(f"no format is called {name!r}; known are {', '.join(formats())}.")
+    del _by_name[name]
+
+
+def formats() -> dict[str, Format]:
+    """All registered formats, a dict by name: those of `MODULES` in order, then others."""
+    modules = [f"{__package__}.{each}" for each in MODULES]
+    for each in modules:
+        import_module(each)
+    place = {each: k for k, each in enumerate(modules)}
+    return dict(sorted(_by_name.items(), key=lambda item: place.get(item[1].module, len(place))))
+
+
+def endings() -> dict[str, Format]:
+    """All endings of files with their formats."""
+    return {ending: each for each in formats().values() for ending in each.endings}
+
+
+def table_reader(read: Callable[..., Any]) -> Callable[..., OpenedFile]:
+    """`Format.read` from a reader of tables."""
+
+    def opened(path, **keywords):
+        return of_table(read(path, **keywords))
+
+    return opened
+
+
+def of_table(table: Motion) -> OpenedFile:
+    """A table, with the names and comments of its meta data."""
+    names = ("object_name", "object_id", "center", "comments")
+    return OpenedFile(table, {name: table.meta[name] for name in names if table.meta.get(name)})
+
+
+def message_labels(motion: Motion, said: Mapping[str, Any]) -> dict[str, Any]:
+    """The names and comments of messages and tables, from those of the file that was read."""
+    names = {key: said[key] for key in ("object_name", "object_id", "center") if said.get(key)}
+    if said.get("name"):
+        names["object_name"] = said["name"]
+    lines = [line for key in ("source", "note") for line in (said.get(key) or "").splitlines()]
+    lines = [" ".join(line.split()) for line in lines if line.strip()]
+    comments = [*said.get("comments", ()), *lines]
+    return names | ({"comments": tuple(comments)} if comments else {})

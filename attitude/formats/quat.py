@@ -1,0 +1,229 @@
+"""Plain tables of quaternions (.quat): a line that names the columns, then a record a line.
+
+The first line is ``# time w x y z`` or ``# time x y z w``.  Behind the columns may stand
+``reference-to-body`` (by default the numbers are those of the rotation body to reference, as
+`AttitudeHistory.wxyz`), ``frame=EME2000`` (ICRF by default) and ``epoch=2026-01-01T00:00:00``.
+Times are dates in UTC, or TDB seconds since the epoch, which is then needed.  Further lines that
+begin with # are comments.  Files are written with dates, ``w x y z``, body to reference.
+
+>>> from attitude import Body, FreeRotation, Spin
+>>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0.1))
+>>> motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+>>> import os, tempfile
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = os.path.join(folder, "satellite.quat")
+...     write(path, motion, t=[0.0, 10.0, 20.0])
+...     table = read(path)
+>>> table.wxyz.shape, table.epoch.utc_iso
+((3, 4), '2026-01-01T00:00:00')
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude._support import pairs
+from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, opened
+from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats import _sampling
+from attitude.formats._attitude_types import Convention
+from attitude.formats._format import Format, register, table_reader
+from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
+from attitude.motions._axes import named
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
+    from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.motions._table import AttitudeTable
+    from attitude.paths._path import Path
+
+
+__all__ = ["read", "write"]
+
+# The columns that a first line may name, and whether the scalar stands first.
+_ORDERS = {"time w x y z": True, "time x y z w": False}
+_DIRECTIONS = ("body-to-reference", "reference-to-body")
+_BATCH = 16384
+
+
+def read(
+    path: FilePath,
+    *,
+    tolerance: float = TOLERANCE,
+    frame: str | None = None,
+    orbit: Path | None = None,
+) -> AttitudeTable:
+    """A table of quaternions as an AttitudeTable without angular velocities.
+
+    Parameters
+    ----------
+    path, tolerance, frame, orbit
+        As of `aem.read`; `frame` replaces that of the first line.
+
+    Returns
+    -------
+    AttitudeTable
+        Relative to ICRF.
+
+    Raises
+    ------
+    AttitudeError
+        With file and line: for a first line that does not name the columns, seconds without an
+        epoch, lines that are no record, and as `aem.read`.
+    """
+    known_tolerance(tolerance)
+    with opened(path) as lines:
+        scalar_first, words = _header(lines)
+        how = Convention(scalar_first=scalar_first, to_body=words["direction"] == _DIRECTIONS[0])
+        rows = Rows("utc", 4)
+        tokens: list[bytes] = []
+        places: list[int] = []
+        for line in lines:
+            parts = line.split()
+            if not parts or parts[0].startswith(b"#"):
+                continue
+            if len(parts) != 5:
+                raise lines.fault(
+                    f"it has {len(parts)} entries; a record has a time and 4 numbers."
+                )
+            tokens.extend(parts)
+            places.append(lines.number)
+            if len(places) == _BATCH:
+                _take(rows, tokens, places, words.get("epoch"), lines)
+                tokens, places = [], []
+        if places:
+            _take(rows, tokens, places, words.get("epoch"), lines)
+        if not rows.count:
+            raise lines.fault("the file has no attitudes.")
+        axes = named(frame or words.get("frame", "ICRF"))
+        settings = {"meta": {"format": "quat", "frame": axes.name}}
+        return rows.table(
+            "QUATERNION", how, axes, lines.fault, tolerance=tolerance, orbit=orbit, **settings
+        )
+
+
+def _header(lines):
+    """Whether the scalar stands first, and the further words of the first line by their keys."""
+    parts = lines.text(next(lines, b"")).removeprefix("#").split()
+    order = " ".join(parts[:5])
+    if order not in _ORDERS:
+        raise lines.fault(
+            f"it must name the columns: {' or '.join(f'# {each}' for each in _ORDERS)}.", 1
+        )
+    words = {"direction": _DIRECTIONS[0]}
+    for word in parts[5:]:
+        key, equals, value = word.partition("=")
+        if word in _DIRECTIONS:
+            words["direction"] = word
+        elif key in ("frame", "epoch") and equals:
+            words[key] = value
+        else:
+            raise lines.fault(
+                f"{cut(word)} is not known; behind the columns may stand {_DIRECTIONS[1]}, "
+                "frame=NAME and epoch=DATE.",
+                1,
+            )
+    if "epoch" in words:
+        try:
+            words["epoch"] = ccsds_epochs.instant(words["epoch"], "utc")
+        except ccsds_epochs.BadEpoch as err:
+            raise lines.fault(f"epoch {cut(words['epoch'])}: {err.reason}.", 1) from err
+    return _ORDERS[order], words
+
+
+def _take(rows, tokens, places, epoch, lines):
+    """Add some records, whose times are seconds if that of the first is a number."""
+    in_seconds = is_number(tokens[0])
+    if in_seconds and epoch is None:
+        raise lines.fault(
+            "its time is in seconds, but the first line has no epoch; add "
+            "epoch=2026-01-01T00:00:00 (UTC) there, or write dates.",
+            places[0],
+        )
+    try:
+        values = numbers(tokens, 5, range(0 if in_seconds else 1, 5))
+    except NoNumber as err:
+        raise lines.fault(f"{err.shown} is no number.", places[err.line]) from err
+    if not in_seconds:
+        rows.add(tokens[::5], values, places, lines.fault)
+        return
+    hi, lo = pairs.add((np.float64(epoch.seconds), np.float64(epoch.low)), values[:, 0])
+    rows.add_times(hi, lo, values[:, 1:], places, lines.fault)
+
+
+def write(
+    path: FilePath,
+    source: AttitudeSource,
+    *,
+    t: Epochs | None = None,
+    start: EpochOrSeconds | None = None,
+    stop: EpochOrSeconds | None = None,
+    tolerance: float | None = None,
+    frame: str = "ICRF",
+    orbit: Path | None = None,
+) -> SampledFile | None:
+    """Write attitudes as a table of quaternions: dates in UTC, w x y z, body to `frame`.
+
+    Parameters
+    ----------
+    path, source, t, start, stop, tolerance, frame, orbit
+        As of `aem.write`; one segment, without angular velocities.
+
+    Returns
+    -------
+    SampledFile or None
+        As `aem.write`.
+
+    Raises
+    ------
+    AttitudeError
+        For several segments, an unknown frame, and a file that cannot be written.
+    """
+    axes = named(frame)
+
+    def write_records(target, parts):
+        with written_whole(target, "the table of quaternions") as file:
+            file.write(f"# time w x y z frame={axes.name}\n")
+            for history in parts[0].pieces():
+                dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
+                how = Convention(scalar_first=True)
+                columns = columns_of(history, "QUATERNION", how, axes, orbit).T.tolist()
+                records = zip(dates, *columns, strict=True)
+                file.write(
+                    "".join([f"{date} {w!r} {x!r} {y!r} {z!r}\n" for date, w, x, y, z in records])
+                )
+
+    if tolerance is None:
+        _sampling.refuse_span(start, stop)
+        write_records(path, [_sampling.only_segment(source, t, "a table of quaternions")])
+        return None
+    _sampling.refuse_epochs(t)
+    method, degree = _sampling.stated(None, None, False, None)
+    return _sampling.write(
+        *(path, _sampling.one_motion(source), start, stop, tolerance),
+        method=method,
+        degree=degree,
+        name="the table of quaternions",
+        write_records=write_records,
+        read=lambda target: read(target, orbit=orbit),
+        one_segment=True,
+    )
+
+
+register(
+    Format(
+        name="quat",
+        module=__name__,
+        title="plain quaternions",
+        endings=(".quat",),
+        marks=tuple(f"# {order}".encode() for order in _ORDERS),
+        read=table_reader(read),
+        reading=("tolerance", "frame", "orbit"),
+        write=write,
+        writing=("frame", "orbit"),
+        noun="a table of quaternions",
+    )
+)
