@@ -240,7 +240,9 @@ class FreeRotation(Differentiable):
 
     def _repr_html_(self) -> str:
         """The description as a table, and the polhode, for notebooks."""
-        return markup.table(*markup.rows_of(str(self)), *_polhode.pictures(self))
+        return markup.table(
+            *markup.rows_of(str(self)), *_polhode.pictures(self.body, self.energy, self.polhode)
+        )
 
     # ---- States at epochs
 

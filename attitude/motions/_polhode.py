@@ -13,8 +13,10 @@ from attitude.frames import quaternion
 from attitude.motions import _conventions
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude._support.annotations import FloatArray
-    from attitude.motions._free_rotation import FreeRotation
+    from attitude.motions._body import Body
 
 
 def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> FloatArray:
@@ -55,21 +57,24 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
     return curve
 
 
-def pictures(motion: FreeRotation) -> list[str]:
-    """An SVG of the polhode on the ellipsoid of its energy; none at rest and for a rod."""
-    if not motion.energy > 0.0 or np.min(motion.body.moments) <= 0.0:
+def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> list[str]:
+    """An SVG of the polhode on the ellipsoid of its energy; none at rest and for a rod.
+
+    `curve` returns that many points (n, 3) of the polhode, rad/s over body axes.
+    """
+    if not energy > 0.0 or np.min(body.moments) <= 0.0:
         return []
-    axes = motion.body.principal_axes
+    axes = body.principal_axes
     turn = np.linspace(0.0, 2.0 * np.pi, 73)
     circles = np.zeros((3, len(turn), 3))
     for k in range(3):
         circles[k, :, (k + 1) % 3], circles[k, :, (k + 2) % 3] = np.cos(turn), np.sin(turn)
-    sections = circles * np.sqrt(2.0 * motion.energy / motion.body.moments) @ axes.T
+    sections = circles * np.sqrt(2.0 * energy / body.moments) @ axes.T
     # Seen from a place above the first octant of the principal axes.
     right, up = np.array([[-0.6, 0.8, 0.0], [-0.36, -0.27, 0.89]]) @ axes.T
     return [
         markup.line_plot(
-            [(each @ right, each @ up) for each in (*sections, motion.polhode(181))],
+            [(each @ right, each @ up) for each in (*sections, curve(181))],
             "polhode on the ellipsoid of its energy, with the principal sections",
             colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", "#d55e00"),
             is_equal=True,

@@ -357,5 +357,5 @@ def test_the_package_keeps_its_measures():
     assert len(found.rooms) <= 32
     assert len(found.chain) <= 20
     assert found.between == []
-    assert len(found.circles) <= 7
+    assert len(found.circles) <= 6
     assert len(found.bases) <= 3
