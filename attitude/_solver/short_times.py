@@ -56,16 +56,17 @@ SHORT: np.dtype[np.void] = np.dtype(
 
 @slowly_compiled
 def reaches(constants, out):
-    """Fill the seconds (B,) to either side of the epoch within which the series hold; 0: never."""
+    """Fill the seconds (B,) to either side of the epoch within which the series hold; -1: never."""
     for b in range(len(constants)):
         c = constants[b]
-        out[b] = 0.0
+        out[b] = -1.0
         if c.fault != codes.FINE:
             continue
         if c.form == codes.UNIFORM:
             speed = _speed(c)
             # no frequency of the columns is above 2 w
-            out[b] = math.ldexp(1.0 / speed, -c.tempo) if speed > 0.0 else 0.0
+            if speed > 0.0:
+                out[b] = math.ldexp(1.0 / speed, -c.tempo)
         else:
             state = state_of(c)
             speed, (m, mc) = state[6], state[7]

@@ -310,3 +310,16 @@ def test_a_second_double_of_the_epoch():
     swapped = propagate(moments, WXYZ, omega, low, t_low=t, sensitivity=True)[1]
     assert np.array_equal(whole, swapped)
     assert np.any(whole != propagate(moments, WXYZ, omega, t, sensitivity=True)[1])
+
+
+def test_a_body_at_rest_has_no_series():
+    """At its epoch too: its rates change the attitude by their time alone."""
+    times = [0.0, 1.0, -10.0]
+    found = propagate(
+        (1, 2, 3), (1, 0, 0, 0), (0, 0, 0), times, angular_velocity=True, sensitivity=True
+    )
+    expected = np.zeros((3, 3, 9))
+    expected[:, :, :3] = np.eye(3)
+    expected[:, :, 3:6] = np.array(times)[:, None, None] * np.eye(3)
+    assert np.array_equal(found[2], expected)
+    assert np.array_equal(found[3][..., 3:6], np.broadcast_to(np.eye(3), (3, 3, 3)))
