@@ -6,7 +6,6 @@ import re
 from typing import TYPE_CHECKING
 
 from attitude._textfiles.lines import cut
-from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,14 +83,6 @@ def without_unit(value: str) -> tuple[str, str]:
     """Value and unit of ``1.5 [deg]``; the unit is "" if none is given."""
     found = _UNIT.fullmatch(value)
     return (found.group(1), found.group(2).strip()) if found else (value, "")
-
-
-def refuse_line_breaks(text: object) -> None:
-    """AttitudeError for a name or comment that is not one line of printable text."""
-    if not isinstance(text, str) or not text.isprintable() or len(text) > 4000:
-        raise AttitudeError(
-            f"{cut(str(text))} cannot be a name or a comment in a message; give one line of text."
-        )
 
 
 def shown(text: str) -> str:

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._textfiles import kvn
 from attitude._textfiles.lines import cut
+from attitude._textfiles.messages import refuse_line_breaks
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._messages import written_body
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -605,8 +606,7 @@ class WrittenSegment:
         self.comments: Sequence[str] = part.meta.get("meta_comments", ())
         self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
         self.keywords: dict[str, str] = self._keywords(version)
-        for text in (*self.keywords.values(), *self.comments, *self.data_comments):
-            kvn.refuse_line_breaks(text)
+        refuse_line_breaks(*self.keywords.values(), *self.comments, *self.data_comments)
 
     def rows(self) -> Iterator[tuple[list[str], FloatArray]]:
         """The rows piece by piece: epochs as texts, and columns (N, columns) in deg, deg/s, s."""
@@ -627,9 +627,7 @@ class WrittenSegment:
             settings["names"], ("object_name", "object_id", "center", "body_frame"), strict=True
         )
         name, number, center, body = (value or meta.get(key) for value, key in given)
-        body = body or "SC_BODY_1"
-        if (why := _axes.body_name_fault(body)) is not None:
-            raise AttitudeError(f"body_frame is {body!r}, which {why}; give another name.")
+        body = written_body(body, {})
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(part.epoch, *part.first_and_last())
         method, degree = self._interpolation()

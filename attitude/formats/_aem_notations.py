@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 from itertools import chain
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude._textfiles import kvn
 from attitude._textfiles.lines import NoNumber, cut, numbers
-from attitude._textfiles.xml import MESSAGES, OUTSIDE, ElementReader, escaped
+from attitude._textfiles.messages import Form, Generator, XmlGenerator
+from attitude._textfiles.xml import MESSAGES, OUTSIDE, ElementReader
 from attitude.formats import _aem_message, _attitude_types
 from attitude.formats._aem_message import Message, MessageSegment
-from attitude.formats._attitude_types import HEADER, VERSIONS
+from attitude.formats._messages import HEADER, VERSIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FilePath
     from attitude._textfiles.lines import Lines
@@ -232,38 +233,6 @@ def _another_segment(lines):
                 f"{kvn.shown(lines.text(line))} stands where META_START or the end must be."
             )
     return False
-
-
-# ---- Writing
-
-
-def write_kvn(
-    file: IO[str],
-    version: str,
-    header: Mapping[str, str],
-    comments: Sequence[str],
-    segments: Iterable[WrittenSegment],
-) -> None:
-    """Write a message in KVN to an open file; see `aem.write`."""
-    file.write(f"CCSDS_AEM_VERS = {version}\n")
-    file.writelines(f"COMMENT {text}\n" for text in comments)
-    file.writelines(f"{key} = {value}\n" for key, value in header.items())
-    for segment in segments:
-        file.write("\nMETA_START\n")
-        file.writelines(f"COMMENT {text}\n" for text in segment.comments)
-        file.writelines(f"{key} = {value}\n" for key, value in segment.keywords.items())
-        file.write("META_STOP\n\nDATA_START\n")
-        file.writelines(f"COMMENT {text}\n" for text in segment.data_comments)
-        write_rows(file, segment)
-        file.write("DATA_STOP\n")
-
-
-def write_rows(file: IO[str], segment: WrittenSegment) -> None:
-    """Write the records of a segment, a line each, to an open file."""
-    for epochs, columns in segment.rows():
-        row = "%s" + " %r" * columns.shape[1] + "\n"
-        lists = [epochs, *columns.T.tolist()]
-        file.write("".join([row % each for each in zip(*lists, strict=True)]))
 
 
 # ---- Runs of records in XML that differ in their texts only, read by a pattern instead of a parser
@@ -565,49 +534,30 @@ class _AemReader(ElementReader):
             self._rows, self._tokens, self._lines = [], [], []
 
 
-# ---- Attitude Ephemeris Messages in XML, written
+# ---- Writing
 
-_SCHEMA = {
-    "1.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-2.0.0-master-2.0.xsd",
-    "2.0": "https://sanaregistry.org/r/ndmxml_unqualified/ndmxml-4.0.0-master-4.0.xsd",
-}
+FORM = Form("AEM", VERSIONS, HEADER, marks={"metadata": "META", "data": "DATA"})
 
 
-def write_xml(
-    file: IO[str],
-    version: str,
-    header: Mapping[str, str],
-    comments: Sequence[str],
-    segments: Iterable[WrittenSegment],
-) -> None:
-    """Write a message in XML to an open file; see `aem.write`."""
-    file.write(
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        '<aem xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\n'
-        f'     xsi:noNamespaceSchemaLocation="{_SCHEMA[version]}"\n'
-        f'     id="CCSDS_AEM_VERS" version="{version}">\n  <header>\n'
-    )
-    _leaves(file, 4, [("COMMENT", text) for text in comments])
-    _leaves(file, 4, header.items())
-    file.write("  </header>\n  <body>\n")
-    for segment in segments:
-        file.write("    <segment>\n      <metadata>\n")
-        _leaves(file, 8, [("COMMENT", text) for text in segment.comments])
-        _leaves(file, 8, segment.keywords.items())
-        file.write("      </metadata>\n      <data>\n")
-        _leaves(file, 8, [("COMMENT", text) for text in segment.data_comments])
-        row = _template(segment, version)
-        order = _order(segment)
-        for epochs, columns in segment.rows():
-            lists = [epochs, *columns[:, order].T.tolist()]
-            file.write("".join([row % each for each in zip(*lists, strict=True)]))
-        file.write("      </data>\n    </segment>\n")
-    file.write("  </body>\n</aem>\n")
+def write_data(segment: WrittenSegment, version: str, out: Generator) -> None:
+    """Write comments and records of a segment."""
+    out.comments(segment.data_comments)
+    if isinstance(out, XmlGenerator):
+        _write_rows(out.write, segment, _template(segment, version), _order(segment))
+    else:
+        write_lines(out.write, segment)
 
 
-def _leaves(file, indent, pairs):
-    for tag, text in pairs:
-        file.write(f"{' ' * indent}<{tag}>{escaped(text)}</{tag}>\n")
+def write_lines(write: Callable[[str], object], segment: WrittenSegment) -> None:
+    """Write the records of a segment, a line each."""
+    count = len(_attitude_types.COLUMNS[segment.kind])
+    _write_rows(write, segment, "%s" + " %r" * count + "\n", slice(None))
+
+
+def _write_rows(write, segment, row, order):
+    for epochs, columns in segment.rows():
+        lists = [epochs, *columns[:, order].T.tolist()]
+        write("".join([row % record for record in zip(*lists, strict=True)]))
 
 
 def _order(segment):

@@ -72,10 +72,6 @@ def warn(path: str, what: str) -> None:
     )
 
 
-# Versions of attitude data messages (CCSDS 504.0) and keywords of their header.
-VERSIONS: tuple[str, ...] = ("1.0", "2.0")
-HEADER: tuple[str, ...] = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
-
 _Q = ("Q1", "Q2", "Q3", "QC")
 _Q_DOT = tuple(f"{name}_DOT" for name in _Q)
 _ANGVEL = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")

@@ -22,26 +22,24 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import IO, TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude._support import pairs
-from attitude._textfiles import kvn
-from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, opened
-from attitude._textfiles.xml import MESSAGES, OUTSIDE, ElementReader, escaped
+from attitude._textfiles import messages
+from attitude._textfiles.lines import NoNumber, cut, is_number, numbers
+from attitude._textfiles.messages import Form, Generator, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _attitude_types, _sampling, apm
+from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import HEADER, Convention
+from attitude.formats._attitude_types import Convention
 from attitude.formats._format import of_table, register_message
+from attitude.formats._messages import INERTIA
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
-from attitude.formats.apm import known_products, tensor
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _axes
@@ -52,40 +50,28 @@ from attitude.motions._table import AttitudeTable
 from attitude.torques._arcs import Arcs, Impulse
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray
-    from attitude._textfiles.lines import Fault, Lines
-    from attitude.formats._sampling import AttitudeSource, Records
-    from attitude.motions._axes import Axes
+    from attitude.formats._sampling import AttitudeSource
     from attitude.motions._history import AttitudeHistory
-    from attitude.motions._motion import Motion
     from attitude.paths._path import Path
 
 __all__ = ["AttitudeCovariance", "Comprehensive", "Maneuver", "read", "write"]
 
 
-# ---- Keywords, units and elements of XML of Attitude Comprehensive Messages
+# ---- Keywords and elements of XML
 # Source: CCSDS 504.0-B-2, section 5; names of elements as in Orekit and ccsds-ndm.  The columns of
 # covariances are variances: the message holds no correlations.
 
-VERSIONS: tuple[str, ...] = ("2.0",)
-META: tuple[str, ...] = (
-    *("OBJECT_NAME", "INTERNATIONAL_DESIGNATOR", "CATALOG_NAME", "OBJECT_DESIGNATOR"),
-    *("ORIGINATOR_POC", "ORIGINATOR_POSITION", "ORIGINATOR_PHONE", "ORIGINATOR_EMAIL"),
-    *("ORIGINATOR_ADDRESS", "ODM_MSG_LINK", "CENTER_NAME", "TIME_SYSTEM", "EPOCH_TZERO"),
-    *("ACM_DATA_ELEMENTS", "START_TIME", "STOP_TIME", "TAIMUTC_AT_TZERO", "NEXT_LEAP_EPOCH"),
-    "NEXT_LEAP_TAIMUTC",
-)
-NEEDED: tuple[str, ...] = ("OBJECT_NAME", "TIME_SYSTEM", "EPOCH_TZERO")
-BLOCKS: dict[str, tuple[str, ...]] = {
+_BLOCKS: dict[str, tuple[str, ...]] = {
     "ATT": (
         *("ATT_ID", "ATT_PREV_ID", "ATT_BASIS", "ATT_BASIS_ID", "REF_FRAME_A", "REF_FRAME_B"),
         *("EULER_ROT_SEQ", "NUMBER_STATES", "ATT_TYPE", "RATE_TYPE"),
     ),
     "PHYS": (
         *("DRAG_COEFF", "WET_MASS", "DRY_MASS", "CP_REF_FRAME", "CP", "INERTIA_REF_FRAME"),
-        *("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ"),
+        *INERTIA,
     ),
     "COV": ("COV_ID", "COV_PREV_ID", "COV_BASIS", "COV_BASIS_ID", "COV_REF_FRAME", "COV_TYPE"),
     "MAN": (
@@ -102,33 +88,35 @@ BLOCKS: dict[str, tuple[str, ...]] = {
         *("SENSOR_NUMBER", "SENSOR_USED", "NUMBER_SENSOR_NOISE_COVARIANCE"),
         *("SENSOR_NOISE_STDDEV", "SENSOR_FREQUENCY"),
     ),
-    # Its keywords are those of the user.
-    "USER": (),
+    "USER": ("USER_DEFINED_*",),
 }
-# Blocks that a message may have once only.
-ONCE: tuple[str, ...] = ("PHYS", "AD", "USER")
-# Blocks with rows, and the element of XML that holds one.
-ROWS: dict[str, str] = {"ATT": "attLine", "COV": "covLine"}
+_FORM = Form(
+    "ACM",
+    ("2.0",),
+    _messages.HEADER,
+    meta=(
+        *("OBJECT_NAME", "INTERNATIONAL_DESIGNATOR", "CATALOG_NAME", "OBJECT_DESIGNATOR"),
+        *("ORIGINATOR_POC", "ORIGINATOR_POSITION", "ORIGINATOR_PHONE", "ORIGINATOR_EMAIL"),
+        *("ORIGINATOR_ADDRESS", "ODM_MSG_LINK", "CENTER_NAME", "TIME_SYSTEM", "EPOCH_TZERO"),
+        *("ACM_DATA_ELEMENTS", "START_TIME", "STOP_TIME", "TAIMUTC_AT_TZERO", "NEXT_LEAP_EPOCH"),
+        "NEXT_LEAP_TAIMUTC",
+    ),
+    blocks=_BLOCKS,
+    units=_messages.UNITS,
+    # Orekit writes <SENSOR>.
+    elements={**{name.lower(): name for name in _BLOCKS}, "SENSOR": "SENSOR"},
+    rows={"ATT": "attLine", "COV": "covLine"},
+    inner={"SENSOR": "AD"},
+    once=("PHYS", "AD", "USER"),
+    marks={"metadata": "META"},
+)
 # ATT_TYPE and RATE_TYPE -> columns.
-ATTITUDES: dict[str, int] = {"QUATERNION": 4, "EULER_ANGLES": 3, "DCM": 9}
-RATES: dict[str, int] = {"NONE": 0, "ANGVEL": 3, "Q_DOT": 4, "EULER_RATE": 3, "GYRO_BIAS": 3}
+_ATTITUDES = {"QUATERNION": 4, "EULER_ANGLES": 3, "DCM": 9}
+_RATES = {"NONE": 0, "ANGVEL": 3, "Q_DOT": 4, "EULER_RATE": 3, "GYRO_BIAS": 3}
 # COV_TYPE -> columns, and how many of them are variances of the attitude.
-COVARIANCES: dict[str, tuple[int, int]] = {
+_COVARIANCES = {
     **{"ANGLE": (3, 3), "ANGLE_GYROBIAS": (6, 3), "ANGLE_ANGVEL": (6, 3)},
     **{"QUATERNION": (4, 4), "QUATERNION_GYROBIAS": (7, 4), "QUATERNION_ANGVEL": (7, 4)},
-}
-UNITS: dict[str, tuple[str, ...]] = {
-    **{"WET_MASS": ("kg",), "DRY_MASS": ("kg",), "CP": ("m",)},
-    **dict.fromkeys(BLOCKS["PHYS"][-6:], ("kg*m**2", "kg*m^2", "kg.m**2")),
-    **dict.fromkeys(("MAN_BEGIN_TIME", "MAN_END_TIME", "MAN_DURATION"), ("s",)),
-    "TARGET_MOMENTUM": ("N*m*s", "N.m.s"),
-    "TARGET_SPINRATE": ("deg/s", "°/s"),
-    "SENSOR_NOISE_STDDEV": ("deg",),
-    "SENSOR_FREQUENCY": ("Hz",),
-    "SIGMA_U": ("deg/s**1.5", "deg/s^1.5", "°/s**1.5"),
-    "SIGMA_V": ("deg/s**0.5", "deg/s^0.5", "°/s**0.5"),
-    "RATE_PROCESS_NOISE_STDDEV": ("deg/s**1.5", "deg/s^1.5", "°/s**1.5"),
-    **dict.fromkeys(("TAIMUTC_AT_TZERO", "NEXT_LEAP_TAIMUTC"), ("s",)),
 }
 
 
@@ -231,268 +219,6 @@ class Maneuver:
             )
         torque: FloatArray = (self._target()[0] - momentum) / duration
         return torque
-
-
-# ---- Attitude Comprehensive Messages in KVN and XML, read into blocks of keywords and rows
-
-_USER = "USER_DEFINED_"
-
-
-@dataclass
-class AcmBlock:
-    """A block of a message.
-
-    Attributes
-    ----------
-    name : str
-        One of BLOCKS.
-    line : int
-        Number of the line in which it begins.
-    values, lines : dict
-        Keyword -> value, and -> number of its line.
-    comments : list of str
-    tokens, places : list of bytes, list of int
-        The entries of all rows, and the line of each row.
-    width : int
-        Entries of a row; 0 before the first.
-    inner : list of AcmBlock
-        Sensors.
-    """
-
-    name: str
-    line: int
-    values: dict[str, str] = field(default_factory=dict)
-    lines: dict[str, int] = field(default_factory=dict)
-    comments: list[str] = field(default_factory=list)
-    tokens: list[bytes] = field(default_factory=list)
-    places: list[int] = field(default_factory=list)
-    width: int = 0
-    inner: list[AcmBlock] = field(default_factory=list)
-
-
-class CollectedAcm:
-    """A message while it is read.
-
-    Parameters
-    ----------
-    path : str
-    fault : callable
-        Makes the error for a sentence and the number of a line.
-
-    Attributes
-    ----------
-    path, fault
-        As given.
-    header, meta, lines : dict
-        Keyword -> value; of both -> number of its line.
-    comments, meta_comments : list of str
-    blocks : list of AcmBlock
-    """
-
-    def __init__(self, path: str, fault: Fault):
-        self.path: str = path
-        self.fault: Fault = fault
-        self.header: dict[str, str] = {}
-        self.meta: dict[str, str] = {}
-        self.lines: dict[str, int] = {}
-        self.comments: list[str] = []
-        self.meta_comments: list[str] = []
-        self.blocks: list[AcmBlock] = []
-
-    def put_common(self, where: str, keyword: str, value: str, line: int) -> None:
-        """Add a keyword of the header or the meta data; AttitudeError if unknown or repeated."""
-        into, known = (self.header, HEADER) if where == "header" else (self.meta, META)
-        if keyword not in known:
-            raise self.fault(
-                f"{cut(keyword, '')} is not known in the {where} of an ACM; known are "
-                f"{', '.join(known)}.",
-                line,
-            )
-        if keyword in into:
-            raise self.fault(f"{keyword} is given twice.", line)
-        into[keyword], self.lines[keyword] = value, line
-
-    def put(self, block: AcmBlock, keyword: str, value: str, line: int) -> None:
-        """Add a keyword to a block; AttitudeError if it is unknown, repeated or behind rows."""
-        known = BLOCKS[block.name]
-        if keyword not in known and not (block.name == "USER" and keyword.startswith(_USER)):
-            listed = ", ".join(known) or f"those that begin with {_USER}"
-            raise self.fault(
-                f"{cut(keyword, '')} is not known in the block {block.name}; known are {listed}.",
-                line,
-            )
-        if keyword in block.values:
-            raise self.fault(
-                f"{cut(keyword, '')} is given twice, first in line {block.lines[keyword]}.", line
-            )
-        if block.tokens:
-            raise self.fault(f"{keyword} stands behind the rows of its block.", line)
-        block.values[keyword], block.lines[keyword] = value, line
-
-    def row(self, block: AcmBlock, entries: list[bytes], line: int) -> None:
-        """Add a row to a block; AttitudeError for another number of entries than before."""
-        if block.width and len(entries) != block.width:
-            raise self.fault(
-                f"the row has {len(entries)} entries, and those before have {block.width}.", line
-            )
-        block.width = len(entries)
-        block.tokens.extend(entries)
-        block.places.append(line)
-
-    def begin(self, name: str, outer: AcmBlock | None, line: int) -> AcmBlock:
-        """Begin a block, inside of another one (a sensor) or not."""
-        if outer is not None:
-            if outer.name != "AD" or name != "SENSOR":
-                raise self.fault(f"{name} begins before the end of {outer.name}.", line)
-            outer.inner.append(AcmBlock(name, line))
-            return outer.inner[-1]
-        if name == "SENSOR":
-            raise self.fault("SENSOR stands outside of AD.", line)
-        if name in ONCE and any(block.name == name for block in self.blocks):
-            raise self.fault(f"the message has a second block {name}; it may have one.", line)
-        self.blocks.append(AcmBlock(name, line))
-        return self.blocks[-1]
-
-
-def read_kvn(lines: Lines, first: bytes) -> CollectedAcm:
-    """The message of an ACM in KVN; `first` is the first line that is not empty."""
-    kvn.version(lines, first, "ACM", VERSIONS)
-    message = CollectedAcm(lines.path, lines.fault)
-    where = "header"
-    open_blocks: list[AcmBlock] = []
-    for line in lines:
-        text = line.strip()
-        if not text:
-            continue
-        mark = text.decode("ascii", "replace")
-        if mark.endswith(("_START", "_STOP")) and "=" not in mark and " " not in mark:
-            where = _marked(message, mark, where, open_blocks, lines.number)
-            continue
-        block = open_blocks[-1] if open_blocks else None
-        if block is not None and block.name in ROWS and _is_row(text):
-            message.row(block, text.split(), lines.number)
-            continue
-        keyword, value = kvn.pair(lines, line)
-        if keyword == "COMMENT":
-            comments = message.comments if where == "header" else message.meta_comments
-            (comments if block is None else block.comments).append(value)
-        elif block is not None:
-            message.put(block, keyword, value, lines.number)
-        elif where in ("header", "meta data"):
-            message.put_common(where, keyword, value, lines.number)
-        else:
-            raise lines.fault(f"{cut(keyword, '')} stands outside of a block.")
-    if open_blocks or where != "data":
-        name = open_blocks[-1].name if open_blocks else "META"
-        raise lines.fault(f"the file ends before {name}_STOP; is it cut off?")
-    return message
-
-
-def _is_row(text):
-    """Whether a line is a row: it begins with a number or a date."""
-    return b"=" not in text and text[:1] in b"+-.0123456789"
-
-
-def _marked(message, mark, where, open_blocks, line):
-    """Where the reader is after a line with _START or _STOP; changes `open_blocks`."""
-    name, _, end = mark.rpartition("_")
-    if name == "META":
-        if (where, end) == ("header", "START"):
-            return "meta data"
-        if (where, end) == ("meta data", "STOP"):
-            return "data"
-        raise message.fault(f"{mark} stands in the wrong place; an ACM has one META block.", line)
-    if name not in BLOCKS:
-        raise message.fault(
-            f"{cut(mark, '')} is not known; blocks are META, {', '.join(BLOCKS)}.", line
-        )
-    if where != "data":
-        raise message.fault(f"{mark} stands before META_STOP.", line)
-    if end == "START":
-        outer = open_blocks[-1] if open_blocks else None
-        open_blocks.append(message.begin(name, outer, line))
-    elif not open_blocks or open_blocks[-1].name != name:
-        raise message.fault(f"{mark} stands without {name}_START.", line)
-    else:
-        open_blocks.pop()
-    return "data"
-
-
-# ---- XML
-
-_OUTER = ("acm", "ndm", "header", "body", "segment", "metadata", "data")
-
-
-def read_xml(path: FilePath) -> CollectedAcm:
-    """The message of an ACM in XML."""
-    reader = _AcmReader(path)
-    reader.run()
-    if reader.message is None:
-        raise reader.fault("there is no <acm> message in it.")
-    found: CollectedAcm = reader.message
-    return found
-
-
-class _AcmReader(ElementReader):
-    """Collects the message; `_tags` are those of the open elements, `_open` the open blocks."""
-
-    def __init__(self, path):
-        super().__init__(path)
-        self._tags, self._open, self._attributes = [], [], {}
-        self._comments = []
-
-    def begin(self, tag, attributes):
-        if tag in MESSAGES or (self.message is None and tag not in OUTSIDE):
-            self.version(tag, attributes, "acm", VERSIONS)
-            self.message = CollectedAcm(self.path, self.fault)
-            self.message.comments.extend(self._comments)
-        elif self._is_block(tag):
-            outer = self._open[-1] if self._open else None
-            self._open.append(self.message.begin(tag.upper(), outer, self.line))
-        self._tags.append(tag)
-        self._attributes = attributes
-
-    def _is_block(self, tag):
-        # Orekit writes <SENSOR>.
-        if self._tags[-1:] == ["ad"]:
-            return tag.lower() == "sensor"
-        return self._tags[-1:] == ["data"] and tag.islower() and tag.upper() in BLOCKS
-
-    def end(self, tag, text):
-        self._tags.pop()
-        if self.message is None:
-            self._comments += [text] if tag == "COMMENT" else []
-            return
-        if tag in _OUTER:
-            return
-        above, block = self._tags[-1:], self._open[-1] if self._open else None
-        if block is not None and tag.lower() == block.name.lower():
-            self._open.pop()
-        elif tag == "COMMENT":
-            comments = self.message.meta_comments if above == ["metadata"] else None
-            comments = self.message.comments if comments is None else comments
-            (comments if block is None else block.comments).append(text)
-        elif block is not None:
-            self._in_block(block, tag, text)
-        elif above == ["header"]:
-            self.message.put_common("header", tag, text, self.line)
-        elif above == ["metadata"]:
-            self.message.put_common("meta data", tag, self._value(text), self.line)
-        else:
-            raise self.fault(f"<{tag[:40]}> stands outside of a block.")
-
-    def _in_block(self, block, tag, text):
-        if tag == ROWS.get(block.name):
-            self.message.row(block, text.encode("ascii", "replace").split(), self.line)
-        elif block.name == "USER" and tag == "USER_DEFINED":
-            keyword = _USER + self._attributes.get("parameter", "")
-            self.message.put(block, keyword, text, self.line)
-        else:
-            self.message.put(block, tag, self._value(text), self.line)
-
-    def _value(self, text):
-        unit = self._attributes.get("units")
-        return text if unit is None else f"{text} [{unit}]"
 
 
 # ---- The content of an Attitude Comprehensive Message
@@ -717,145 +443,98 @@ def _decimals(tokens):
 _DECIMAL = re.compile(rb"[+-]?\d{1,15}\.\d{1,18}")
 
 
-def _rows(message: CollectedAcm, block: AcmBlock, tags: TimeTags, width: int) -> Any:
+def _rows(block, tags, width):
     """Epochs hi and lo (N,), and numbers (N, width), of a block's rows."""
     if not block.places:
-        raise message.fault(f"the block {block.name} has no rows.", block.line)
+        raise block.fault(f"the block {block.name} has no rows.")
     if block.width != width + 1:
-        raise message.fault(
+        raise block.row_fault(
             f"a row has {block.width} entries; {block.name} of this type has a time and {width} "
             "numbers.",
-            block.places[0],
+            0,
         )
     step = width + 1
     try:
         values = numbers(block.tokens, step, range(1, step))
         hi, lo = tags.parsed(block.tokens[::step])
     except NoNumber as err:
-        raise message.fault(f"{err.shown} is no number.", block.places[err.line]) from err
+        raise block.row_fault(f"{err.shown} is no number.", err.line) from err
     except ccsds_epochs.BadEpoch as err:
         shown = cut(block.tokens[err.index * step].decode("ascii", "replace"))
-        raise message.fault(
-            f"the time {shown} cannot be read: {err.reason}.", block.places[err.index]
-        ) from err
+        raise block.row_fault(f"the time {shown} cannot be read: {err.reason}.", err.index) from err
     finite = np.isfinite(values).all(axis=1) & np.isfinite(hi) & (np.abs(hi) < 1e15)
     if not np.all(finite):
-        k = int(np.argmin(finite))
-        raise message.fault("it holds a number that is not finite or too large.", block.places[k])
+        sentence = "it holds a number that is not finite or too large."
+        raise block.row_fault(sentence, int(np.argmin(finite)))
     steps = np.diff(hi) + np.diff(lo)
     if np.any(steps <= 0.0):
-        k = int(np.argmax(steps <= 0.0))
-        raise message.fault(
-            "its time is not later than that of the row before.", block.places[k + 1]
-        )
+        sentence = "its time is not later than that of the row before."
+        raise block.row_fault(sentence, int(np.argmax(steps <= 0.0)) + 1)
     return hi, lo, values
 
 
-def _choice(message, block, keyword, choices, usual=None):
-    value = block.values.get(keyword, usual)
-    if value is None or value.upper() not in choices:
-        given = "is missing" if value is None else f"is {cut(value)}"
-        raise message.fault(
-            f"{keyword} of the block {block.name} {given}; it must be one of "
-            f"{', '.join(cut(each, '') for each in choices)}.",
-            block.lines.get(keyword, block.line),
-        )
-    return value.upper()
-
-
-def table(
-    message: CollectedAcm,
-    block: AcmBlock,
-    tags: TimeTags,
-    tolerance: float,
-    frame: str | None,
-    orbit: Path | None,
-) -> AttitudeTable:
-    """The AttitudeTable of a block ATT; see `acm.read` for the parameters.
-
-    Raises
-    ------
-    AttitudeError
-        For missing keywords, values that are not known, and rows that cannot be read.
-    """
-    kind = _choice(message, block, "ATT_TYPE", ATTITUDES)
-    rate = _choice(message, block, "RATE_TYPE", RATES, "NONE")
-    width = ATTITUDES[kind] + RATES[rate]
-    states = block.values.get("NUMBER_STATES")
+def _table(block, tags, tolerance, frame, orbit):
+    """The AttitudeTable of a block ATT; the last three as in `read`."""
+    kind, rate = block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
+    states, width = block.get("NUMBER_STATES"), _ATTITUDES[kind] + _RATES[rate]
     if states is not None and states != str(width):
-        raise message.fault(
+        raise block.fault(
             f"NUMBER_STATES is {cut(states)}; {kind} with the rates {rate} has {width}.",
-            block.lines["NUMBER_STATES"],
+            "NUMBER_STATES",
         )
-    for keyword in ("REF_FRAME_A", "REF_FRAME_B"):
-        if not block.values.get(keyword):
-            raise message.fault(f"the block ATT lacks {keyword}.", block.line)
-    try:
-        found, body, body_is_a = _axes.of_pair(
-            block.values["REF_FRAME_A"], block.values["REF_FRAME_B"], frame
-        )
-    except AttitudeError as err:
-        raise message.fault(str(err), block.lines["REF_FRAME_B"]) from err
-    sequence = _sequence(message, block, kind, rate)
-    hi, lo, values = _rows(message, block, tags, width)
-    given, rest = values[:, : ATTITUDES[kind]], values[:, ATTITUDES[kind] :]
+    axes, body, body_is_a = _messages.axes_of(block, frame)
+    euler = kind == "EULER_ANGLES" or rate == "EULER_RATE"
+    sequence = _messages.sequence_of(block) if euler else None
+    hi, lo, values = _rows(block, tags, width)
+    angles, rates = np.split(values, [_ATTITUDES[kind]], axis=1)
     how = Convention(to_body=not body_is_a, sequence=sequence, rates_over_body=not body_is_a)
-    meta = _meta(message, block, found.name, body)
+    meta = _names(block.message) | {
+        "keywords": dict(block),
+        "data_comments": tuple(block.comments),
+        "frame": axes.name,
+        "body_frame": body,
+        "time_system": block.message.meta["TIME_SYSTEM"].upper(),
+    }
+    if rate == "GYRO_BIAS":
+        meta["gyro_bias"] = np.radians(rates)
     epoch = Instant(float(hi[0]), float(lo[0]))
     seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            wxyz, rates = _decoded(message, block, kind, rate, given, rest, how, tolerance)
-        wxyz, rates = to_icrf(quaternion.unit(wxyz), rates, found, epoch, seconds, low, orbit)
-        if rate == "GYRO_BIAS":
-            meta["gyro_bias"] = np.radians(rest)
-        return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=rates, meta=meta)
-    except AttitudeError as err:
-        if str(err).startswith(message.path):
-            raise
-        raise message.fault(str(err), block.line) from err
+    with block.located():
+        with np.errstate(over="ignore", invalid="ignore"):  # AttitudeTable refuses overflow
+            wxyz, speeds = _decoded(block, (kind, rate), (angles, rates), how, tolerance)
+        wxyz, speeds = to_icrf(quaternion.unit(wxyz), speeds, axes, epoch, seconds, low, orbit)
+        return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=speeds, meta=meta)
 
 
-def _sequence(message, block, kind, rate):
-    if kind != "EULER_ANGLES" and rate != "EULER_RATE":
-        return None
-    try:
-        return quaternion.known_sequence(block.values.get("EULER_ROT_SEQ", "").upper())
-    except AttitudeError as err:
-        line = block.lines.get("EULER_ROT_SEQ", block.line)
-        raise message.fault(f"EULER_ROT_SEQ: {err}", line) from err
-
-
-def _decoded(message, block, kind, rate, given, rest, how, tolerance):
-    """Attitudes and rates relative to the external axes, from the columns of a block."""
+def _decoded(block, kinds, columns, how, tolerance):
+    """Attitudes and rates relative to the external axes, from the columns of both kinds."""
+    (kind, rate), (angles, rates) = kinds, columns
     if kind == "DCM":
-        numbers_of = _quaternions(message, block, given, tolerance)
+        angles = _quaternions(block, angles, tolerance)
     elif kind == "QUATERNION":
-        refuse_length(given, block.places, tolerance, message.fault)
-        numbers_of = given
+        refuse_length(angles, block.places, tolerance, block.message.fault)
     else:
-        numbers_of = forms.to_xyzw(quaternion.from_euler(how.sequence, np.radians(given)))
-    columns, name = [numbers_of], "QUATERNION"
-    if rate == "Q_DOT":
-        columns, name = [numbers_of, rest], "QUATERNION/DERIVATIVE"
-    elif rate in ("ANGVEL", "EULER_RATE"):
-        columns, name = [numbers_of, rest], "QUATERNION/ANGVEL"
+        angles = forms.to_xyzw(quaternion.from_euler(how.sequence, np.radians(angles)))
     if rate == "EULER_RATE":
         how = Convention(to_body=how.to_body, sequence=how.sequence, rates_of_angles=True)
-    return _attitude_types.decoded(name, np.concatenate(columns, axis=1), how)
+    names = {"Q_DOT": "QUATERNION/DERIVATIVE"}
+    names |= dict.fromkeys(("ANGVEL", "EULER_RATE"), "QUATERNION/ANGVEL")
+    if rate in names:
+        angles = np.concatenate((angles, rates), axis=1)
+    return _attitude_types.decoded(names.get(rate, "QUATERNION"), angles, how)
 
 
-def _quaternions(message, block, given, tolerance):
-    """The numbers of quaternions (N, 4), scalar last, of matrices that few digits distort."""
-    matrices = given.reshape(-1, 3, 3)
+def _quaternions(block, entries, tolerance):
+    """Quaternions (N, 4), scalar last, of matrices (N, 9) that few digits distort."""
+    matrices = entries.reshape(-1, 3, 3)
     off = np.max(np.abs(np.swapaxes(matrices, -1, -2) @ matrices - np.eye(3)), axis=(1, 2))
     bad = ~(off <= 10.0 * tolerance) | ~(np.linalg.det(matrices) > 0.0)
     if np.any(bad):
         k = int(np.argmax(bad))
-        raise message.fault(
+        raise block.row_fault(
             f"the matrix is no rotation: its product with its transpose is off 1 by {off[k]:.3g} "
             f"(up to {10.0 * tolerance:g} is accepted as rounding), or it is a reflection.",
-            block.places[k],
+            k,
         )
     left, _, right = np.linalg.svd(matrices)
     return forms.to_xyzw(
@@ -863,426 +542,245 @@ def _quaternions(message, block, given, tolerance):
     )
 
 
-def _meta(message, block, frame, body):
-    return {
-        "format": "ACM 2.0",
-        "keywords": dict(block.values),
-        "data_comments": tuple(block.comments),
-        "comments": tuple(message.comments),
-        "object_name": message.meta.get("OBJECT_NAME"),
-        "object_id": message.meta.get("INTERNATIONAL_DESIGNATOR"),
-        "center": message.meta.get("CENTER_NAME"),
-        "frame": frame,
-        "body_frame": body,
-        "time_system": message.meta["TIME_SYSTEM"].upper(),
-    }
-
-
-def covariance(message: CollectedAcm, block: AcmBlock, tags: TimeTags) -> AttitudeCovariance:
-    """The variances of a block COV."""
-    kind = _choice(message, block, "COV_TYPE", COVARIANCES)
-    width, of_attitude = COVARIANCES[kind]
-    hi, lo, values = _rows(message, block, tags, width)
-    if np.any(values < 0.0):
-        k = int(np.argmax(np.any(values < 0.0, axis=1)))
-        raise message.fault("a variance is negative.", block.places[k])
-    square = np.radians(1.0) ** 2
-    first = 0 if kind.startswith("ANGLE") else of_attitude
-    variances = values.copy()
-    variances[:, first:] *= square
-    meta = {"keywords": dict(block.values), "data_comments": tuple(block.comments)}
+def _covariance(block, tags):
+    """The AttitudeCovariance of a block COV."""
+    kind = block.one_of("COV_TYPE", _COVARIANCES)
+    width, of_attitude = _COVARIANCES[kind]
+    hi, lo, variances = _rows(block, tags, width)
+    if np.any(variances < 0.0):
+        row = int(np.argmax(np.any(variances < 0.0, axis=1)))
+        raise block.row_fault("a variance is negative.", row)
+    variances[:, 0 if kind.startswith("ANGLE") else of_attitude :] *= np.radians(1.0) ** 2
+    meta = {"keywords": dict(block), "data_comments": tuple(block.comments)}
     epoch = Instant(float(hi[0]), float(lo[0]))
     seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
-    frame = block.values.get("COV_REF_FRAME")
+    frame = block.get("COV_REF_FRAME")
     return AttitudeCovariance(epoch, seconds, low, kind, variances, frame, meta)
 
 
-# ---- The meaning of the blocks of an Attitude Comprehensive Message
-
-_INERTIA = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
-_DATES = ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH")
+# ---- The meaning of a message
 
 
-def interpreted(
-    message: CollectedAcm,
-    tolerance: float,
-    frame: str | None,
-    orbit: Path | None,
-    products: str | None,
-) -> Comprehensive:
-    """The content of a message; see `acm.read` for the parameters."""
-    products = known_products(products, "2.0")
+def _interpreted(message, tolerance, frame, orbit, products):
+    """The Comprehensive of a Message; the other parameters as in `read`."""
+    products = _messages.known_products(products, message.version)
     tags = _tags(message)
-    blocks = message.blocks
-    meta: dict[str, Any] = {
-        "format": "ACM 2.0",
+    physics = next(iter(message.all("PHYS")), None)
+    for block in message.all("AD"):
+        _refuse_sensors(block)
+    meta = _names(message) | {
         "header": dict(message.header),
-        "comments": tuple(message.comments),
         "keywords": dict(message.meta),
-        "meta_comments": tuple(message.meta_comments),
-        "object_name": message.meta["OBJECT_NAME"],
-        "object_id": message.meta.get("INTERNATIONAL_DESIGNATOR"),
-        "center": message.meta.get("CENTER_NAME"),
-        "inertia_frame": None,
+        "meta_comments": tuple(message.meta.comments),
+        "inertia_frame": None if physics is None else physics.get("INERTIA_REF_FRAME"),
         "blocks": tuple(
-            (b.name, dict(b.values), tuple(b.comments), tuple(dict(s.values) for s in b.inner))
-            for b in blocks
+            (b.name, dict(b), tuple(b.comments), tuple(dict(s) for s in b.inner))
+            for b in message.blocks
         ),
     }
-    body = None
-    for block in blocks:
-        if block.name == "PHYS":
-            body = _body(message, block, products)
-            meta["inertia_frame"] = block.values.get("INERTIA_REF_FRAME")
-            _check_physics(message, block)
-        elif block.name == "AD":
-            _check_sensors(message, block)
+    body = None if physics is None else _body(physics, products)
     return Comprehensive(
         tags.zero,
-        tuple(
-            table(message, block, tags, tolerance, frame, orbit)
-            for block in blocks
-            if block.name == "ATT"
-        ),
-        tuple(covariance(message, b, tags) for b in blocks if b.name == "COV"),
+        tuple(_table(b, tags, tolerance, frame, orbit) for b in message.all("ATT")),
+        tuple(_covariance(b, tags) for b in message.all("COV")),
         body,
-        tuple(_maneuver(message, b, tags) for b in blocks if b.name == "MAN"),
+        tuple(_maneuver(b, tags) for b in message.all("MAN")),
         meta,
     )
 
 
+def _names(message):
+    """What the meta data of the message and of each table name."""
+    return {
+        "format": "ACM 2.0",
+        "comments": tuple(message.header.comments),
+        "object_name": message.meta["OBJECT_NAME"],
+        "object_id": message.meta.get("INTERNATIONAL_DESIGNATOR"),
+        "center": message.meta.get("CENTER_NAME"),
+    }
+
+
 def _tags(message):
-    for keyword in NEEDED:
-        if not message.meta.get(keyword):
-            raise message.fault(f"the meta data lack {keyword}.", None)
-    try:
-        scale = ccsds_epochs.known(message.meta["TIME_SYSTEM"])
-    except AttitudeError as err:
-        raise message.fault(str(err), message.lines["TIME_SYSTEM"]) from err
-    for keyword in _DATES:
-        if keyword in message.meta and not is_number(message.meta[keyword].encode()):
-            _instant(message, keyword, scale)
-    zero = _instant(message, "EPOCH_TZERO", scale)
-    return TimeTags(scale, zero)
+    meta = message.meta
+    for keyword in ("OBJECT_NAME", "TIME_SYSTEM", "EPOCH_TZERO"):
+        meta.needed(keyword)
+    scale = _messages.scale_of(meta)
+    for keyword in ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH"):
+        if keyword in meta and not is_number(meta[keyword].encode()):
+            _messages.epoch_of(meta, keyword, scale)
+    return TimeTags(scale, _messages.epoch_of(meta, "EPOCH_TZERO", scale))
 
 
-def _instant(message: CollectedAcm, keyword: str, scale: str) -> Instant:
-    try:
-        return ccsds_epochs.instant(message.meta[keyword], scale)
-    except ccsds_epochs.BadEpoch as err:
-        raise message.fault(
-            f"{keyword} is {cut(message.meta[keyword])}, no epoch: {err.reason}.",
-            message.lines[keyword],
-        ) from err
-
-
-def _numbers(message: CollectedAcm, block: AcmBlock, keyword: str, count: int) -> Any:
-    """The finite numbers of a keyword, (count,); a unit other than the standard's is refused."""
-    value, unit = kvn.without_unit(block.values[keyword])
-    line, allowed = block.lines[keyword], UNITS.get(keyword, ())
-    if unit and unit.replace(" ", "") not in allowed:
-        known = f"; it must be in {allowed[0]}" if allowed else ", but it has no unit"
-        raise message.fault(f"{keyword} is in {cut(unit)}{known}.", line)
-    words = value.split()
-    good = all(is_number(w.encode("ascii", "replace")) and math.isfinite(float(w)) for w in words)
-    if len(words) != count or not good:
-        what = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise message.fault(f"{keyword} is {cut(value)}; give {what}.", line)
-    return np.array([float(word) for word in words])
-
-
-def _body(message, block, products):
-    given = [name for name in _INERTIA if name in block.values]
-    if not given:
-        return None
-    lacking = [name for name in _INERTIA if name not in block.values]
-    if lacking:
-        raise message.fault(
-            f"the block PHYS has {', '.join(given)}, but lacks {', '.join(lacking)}.", block.line
-        )
-    values = [float(_numbers(message, block, name, 1)[0]) for name in _INERTIA]
-    try:
-        return Body(tensor=tensor(values, products))
-    except AttitudeError as err:
-        raise message.fault(f"the inertia: {err}", block.line) from err
-
-
-def _check_physics(message, block):
-    if "CP_REF_FRAME" in block.values and "CP" not in block.values:
-        raise message.fault("CP_REF_FRAME is given without CP.", block.lines["CP_REF_FRAME"])
+def _body(block, products):
+    """The Body of a block PHYS, or None; AttitudeError for values that are no numbers."""
+    if "CP_REF_FRAME" in block and "CP" not in block:
+        raise block.fault("CP_REF_FRAME is given without CP.", "CP_REF_FRAME")
     for keyword, count in (("CP", 3), ("WET_MASS", 1), ("DRY_MASS", 1), ("DRAG_COEFF", 1)):
-        if keyword in block.values:
-            _numbers(message, block, keyword, count)
-
-
-def _check_sensors(message, block):
-    """Sensors are counted from 1, each once, and have as many deviations as they state."""
-    found: dict[int, int] = {}
-    for sensor in block.inner:
-        text = sensor.values.get("SENSOR_NUMBER", "")
-        number = int(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0
-        line = sensor.lines.get("SENSOR_NUMBER", sensor.line)
-        if not number:
-            raise message.fault(f"SENSOR_NUMBER is {cut(text)}; count from 1.", line)
-        if number in found:
-            raise message.fault(
-                f"SENSOR_NUMBER {number} was used before, in line {found[number]}.", line
-            )
-        found[number] = line
-        count, values = "NUMBER_SENSOR_NOISE_COVARIANCE", "SENSOR_NOISE_STDDEV"
-        if (count in sensor.values) != (values in sensor.values):
-            raise message.fault(f"{count} and {values} belong together.", sensor.line)
-        if count in sensor.values:
-            text = sensor.values[count]
-            states = int(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0
-            if not states:
-                raise message.fault(
-                    f"{count} is {cut(text)}; give a whole number.", sensor.lines[count]
-                )
-            _numbers(message, sensor, values, states)
-    lacking = sorted(set(range(1, len(found) + 1)) - set(found))
+        if keyword in block:
+            block.numbers(keyword, count)
+    present = [name for name in INERTIA if name in block]
+    lacking = [name for name in INERTIA if name not in block]
+    if not present:
+        return None
     if lacking:
-        raise message.fault(
-            f"the block AD has {len(found)} sensors, but none of SENSOR_NUMBER {lacking[0]}.",
-            block.line,
+        raise block.fault(
+            f"the block PHYS has {', '.join(present)}, but lacks {', '.join(lacking)}."
+        )
+    return _messages.body_of(block, products)
+
+
+def _refuse_sensors(block):
+    """AttitudeError unless sensors count from 1, each with as many deviations as it states."""
+    lines: dict[int, int] = {}
+    for sensor in block.inner:
+        number = _counted(sensor, "SENSOR_NUMBER", "count from 1")
+        if number in lines:
+            raise sensor.fault(
+                f"SENSOR_NUMBER {number} was used before, in line {lines[number]}.", "SENSOR_NUMBER"
+            )
+        lines[number] = sensor.lines["SENSOR_NUMBER"]
+        count, values = "NUMBER_SENSOR_NOISE_COVARIANCE", "SENSOR_NOISE_STDDEV"
+        if (count in sensor) != (values in sensor):
+            raise sensor.fault(f"{count} and {values} belong together.")
+        if count in sensor:
+            sensor.numbers(values, _counted(sensor, count, "give a whole number"))
+    lacking = sorted(set(range(1, len(lines) + 1)) - set(lines))
+    if lacking:
+        raise block.fault(
+            f"the block AD has {len(lines)} sensors, but none of SENSOR_NUMBER {lacking[0]}."
         )
 
 
-def _maneuver(message, block, tags):
-    values = block.values
+def _counted(block, keyword, advice):
+    """The whole number, from 1, of a keyword."""
+    text = block.get(keyword, "")
+    number = int(text) if text.isascii() and text.isdigit() and len(text) < 6 else 0
+    if not number:
+        raise block.fault(f"{keyword} is {cut(text)}; {advice}.", keyword)
+    return number
+
+
+def _maneuver(block, tags):
+    """The Maneuver of a block MAN."""
     for keyword in ("MAN_PURPOSE", "MAN_BEGIN_TIME"):
-        if not values.get(keyword):
-            raise message.fault(f"the block MAN lacks {keyword}.", block.line)
-    if "MAN_END_TIME" in values and "MAN_DURATION" in values:
-        raise message.fault(
-            "MAN_END_TIME and MAN_DURATION are given; give one of both.",
-            block.lines["MAN_DURATION"],
+        block.needed(keyword)
+    if "MAN_END_TIME" in block and "MAN_DURATION" in block:
+        raise block.fault(
+            "MAN_END_TIME and MAN_DURATION are given; give one of both.", "MAN_DURATION"
         )
-    if "TARGET_MOM_FRAME" in values and "TARGET_MOMENTUM" not in values:
-        raise message.fault(
-            "TARGET_MOM_FRAME is given without TARGET_MOMENTUM.", block.lines["TARGET_MOM_FRAME"]
-        )
+    if "TARGET_MOM_FRAME" in block and "TARGET_MOMENTUM" not in block:
+        raise block.fault("TARGET_MOM_FRAME is given without TARGET_MOMENTUM.", "TARGET_MOM_FRAME")
+
+    def values(keyword, count=1):
+        return np.array(block.numbers(keyword, count)) if keyword in block else None
 
     def number(keyword):
-        return float(_numbers(message, block, keyword, 1)[0]) if keyword in values else None
+        return block.number(keyword) if keyword in block else None
 
-    first, last = number("MAN_BEGIN_TIME"), number("MAN_END_TIME")
-    assert first is not None
+    first, last = block.number("MAN_BEGIN_TIME"), number("MAN_END_TIME")
     if last is None:
         last = first + (number("MAN_DURATION") or 0.0)
     if last < first or max(abs(first), abs(last)) > 1e15:
-        raise message.fault("the maneuver ends before it begins.", block.line)
-    begin, end = (_after(tags, seconds) for seconds in (first, last))
-    target = attitude = None
-    if "TARGET_MOMENTUM" in values:
-        target = _numbers(message, block, "TARGET_MOMENTUM", 3)
-    if "TARGET_ATTITUDE" in values:
-        numbers = _numbers(message, block, "TARGET_ATTITUDE", 4)
-        if not abs(float(np.linalg.norm(numbers)) - 1.0) < 1e-3:
-            raise message.fault(
-                "TARGET_ATTITUDE is no quaternion of unit length.", block.lines["TARGET_ATTITUDE"]
-            )
-        attitude = quaternion.unit(np.roll(numbers, 1))
-    rate = number("TARGET_SPINRATE")
+        raise block.fault("the maneuver ends before it begins.")
+    attitude, rate = values("TARGET_ATTITUDE", 4), number("TARGET_SPINRATE")
+    if attitude is not None:
+        if not abs(float(np.linalg.norm(attitude)) - 1.0) < 1e-3:
+            raise block.fault("TARGET_ATTITUDE is no quaternion of unit length.", "TARGET_ATTITUDE")
+        attitude = quaternion.unit(np.roll(attitude, 1))
+    hi, lo = tags.after(np.array([first, last]))
+    begin, end = (Instant(float(h), float(l)) for h, l in zip(hi, lo, strict=True))
     return Maneuver(
         begin,
         end,
-        values["MAN_PURPOSE"],
-        target,
-        values.get("TARGET_MOM_FRAME"),
+        block["MAN_PURPOSE"],
+        values("TARGET_MOMENTUM", 3),
+        block.get("TARGET_MOM_FRAME"),
         attitude,
         None if rate is None else math.radians(rate),
-        dict(values),
+        dict(block),
         tuple(block.comments),
     )
 
 
-def _after(tags, seconds):
-    from attitude.epochs._instants import Instant
-
-    hi, lo = tags.after(np.array([seconds]))
-    return Instant(float(hi[0]), float(lo[0]))
-
-
-# ---- Blocks of an Attitude Comprehensive Message to be written, in KVN and XML
-
-# Texts of epochs, and columns, of some rows.
-RowPieces: TypeAlias = Iterator[tuple[list[str], Any]]
+# ---- Blocks to be written: name, keywords, comments, and epochs and columns of rows piece by piece
 
 
 @dataclass
-class AcmBlockOut:
-    """A block to be written.
-
-    Attributes
-    ----------
-    name : str
-    entries : list of (keyword, text)
-    rows : callable or None
-        Returns the rows piece by piece.
-    comments : tuple of str
-    """
-
+class _WrittenBlock:
     name: str
-    entries: list[tuple[str, str]]
-    rows: Callable[[], RowPieces] | None = None
-    comments: tuple[str, ...] = field(default=())
+    entries: list[tuple[str, str | float]]
+    rows: Callable[[], Iterator[tuple[list[str], Any]]] | None = None
+    comments: tuple[str, ...] = ()
+
+    def write(self, out: Generator) -> None:
+        """Write the block, its rows piece by piece."""
+        with out.part(self.name.lower(), self.name):
+            out.comments(self.comments)
+            out.entries(self.entries)
+            for epochs, columns in () if self.rows is None else self.rows():
+                row = "%s" + " %r" * columns.shape[1]
+                texts = (row % entries for entries in zip(epochs, *columns.T.tolist(), strict=True))
+                out.rows(texts, _FORM.rows[self.name])
 
 
-def attitudes(
-    part: Records,
-    frame: str,
-    found: Axes,
-    body: str,
-    texts: Callable[[AttitudeHistory], list[str]],
-    orbit: Path | None,
-) -> AcmBlockOut:
+def _attitudes(part, frame, axes, body, texts, orbit):
     """The block ATT of a segment: quaternions, with angular velocities if it has them."""
-    kind = "QUATERNION/ANGVEL" if part.has_rates else "QUATERNION"
     entries = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
     entries += [("NUMBER_STATES", "7" if part.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
+    kind = "QUATERNION"
     if part.has_rates:
         entries.append(("RATE_TYPE", "ANGVEL"))
+        kind = "QUATERNION/ANGVEL"
 
-    def rows() -> RowPieces:
+    def rows():
         for history in part.pieces():
-            yield texts(history), columns_of(history, kind, Convention(), found, orbit)
+            yield texts(history), columns_of(history, kind, Convention(), axes, orbit)
 
-    return AcmBlockOut("ATT", entries, rows, tuple(part.meta.get("data_comments", ())))
+    return _WrittenBlock("ATT", entries, rows, tuple(part.meta.get("data_comments", ())))
 
 
-def covariances(
-    part: Records, body: str, texts: Callable[[AttitudeHistory], list[str]]
-) -> AcmBlockOut:
+def _covariances(part, body, texts):
     """The block COV of a segment: variances about the body axes, and of angular velocities."""
     entries = [("COV_BASIS", "PREDICTED"), ("COV_REF_FRAME", body), ("COV_TYPE", "ANGLE_ANGVEL")]
 
-    def rows() -> RowPieces:
+    def rows():
         for history in part.pieces():
-            given = np.asarray(history.covariance)
+            covariance = np.asarray(history.covariance)
             turn = np.swapaxes(history.matrix, -1, -2)
-            angles = turn @ given[:, :3, :3] @ np.swapaxes(turn, -1, -2)
-            both = [np.diagonal(m, axis1=1, axis2=2) for m in (angles, given[:, 3:, 3:])]
+            angles = turn @ covariance[:, :3, :3] @ np.swapaxes(turn, -1, -2)
+            both = [np.diagonal(m, axis1=1, axis2=2) for m in (angles, covariance[:, 3:, 3:])]
             yield texts(history), np.concatenate(both, axis=1) * np.degrees(1.0) ** 2
 
-    return AcmBlockOut("COV", entries, rows)
+    return _WrittenBlock("COV", entries, rows)
 
 
-def physics(body: Body, frame: str, products: str | None) -> AcmBlockOut:
-    """The block PHYS of a body in kg m2; `products` as in `acm.read`."""
-    names = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
-    values = apm.inertia_values(body.tensor, apm.known_products(products, "2.0"))
-    entries = [("INERTIA_REF_FRAME", frame)]
-    if body.mass is not None:
-        entries.insert(0, ("WET_MASS", repr(float(body.mass))))
-    entries += [(name, repr(value)) for name, value in zip(names, values, strict=True)]
-    return AcmBlockOut("PHYS", entries)
+def _physics(body, frame, products):
+    """The block PHYS of a body in kg m2."""
+    products = _messages.known_products(products, "2.0")
+    mass = [] if body.mass is None else [("WET_MASS", float(body.mass))]
+    inertia = zip(INERTIA, _messages.inertia_values(body.tensor, products), strict=True)
+    return _WrittenBlock("PHYS", [*mass, ("INERTIA_REF_FRAME", frame), *inertia])
 
 
-def maneuvers(
-    motion: Motion,
-    seconds: Callable[[float, float], str],
-    first: float,
-    last: float,
-    axes_of: tuple[str, Axes],
-) -> list[AcmBlockOut]:
-    """A block MAN for each impulse of a motion, with the angular momentum after it.
-
-    Shapes: axes_of (str, Axes).
-    """
-    name, axes = ("ICRF", None) if axes_of[1].turning else axes_of
-    inner = None if axes is None else quaternion.conjugate(axes.to_icrf(motion.epoch, 0.0, None))
-    found = []
+def _maneuvers(motion, seconds, ends, frame, axes):
+    """A block MAN for each impulse of a motion between its ends, with the momentum after it."""
+    inner = None if axes.turning else quaternion.conjugate(axes.to_icrf(motion.epoch, 0.0, None))
     for hi, lo in motion.breaks():
-        if not first <= hi <= last:
+        if not ends[0] <= hi <= ends[1]:
             continue
         after = motion.at(np.array([hi]), np.array([lo]))
         before = motion.at(np.array([hi]), np.array([np.nextafter(lo, -np.inf)]))
-        was, now = (
+        old, new = (
             quaternion.rotate(h.wxyz, h.motion.momentum_in_body(h))[0] for h in (before, after)
         )
-        if np.linalg.norm(now - was) <= 1e-12 * np.linalg.norm(now):
+        if np.linalg.norm(new - old) <= 1e-12 * np.linalg.norm(new):
             continue  # a change of the inertia alone
-        now = now if inner is None else quaternion.rotate(inner, now)
-        momentum = " ".join(repr(float(x)) for x in now)
+        new = new if inner is None else quaternion.rotate(inner, new)
         entries = [("MAN_PURPOSE", "ATT_ADJUST"), ("MAN_BEGIN_TIME", seconds(hi, lo))]
-        entries += [("MAN_DURATION", "0.0"), ("TARGET_MOMENTUM", momentum)]
-        found.append(AcmBlockOut("MAN", [*entries, ("TARGET_MOM_FRAME", name)]))
-    return found
-
-
-def write_kvn(
-    file: IO[str],
-    header: dict[str, str],
-    comments: list[str],
-    meta: dict[str, str],
-    blocks: list[AcmBlockOut],
-) -> None:
-    """Write a message in KEYWORD = value notation to an open file."""
-    file.write("CCSDS_ACM_VERS = 2.0\n")
-    file.writelines(f"COMMENT {text}\n" for text in comments)
-    file.writelines(f"{key} = {value}\n" for key, value in header.items())
-    file.write("\nMETA_START\n")
-    file.writelines(f"{key} = {value}\n" for key, value in meta.items())
-    file.write("META_STOP\n")
-    for block in blocks:
-        file.write(f"\n{block.name}_START\n")
-        file.writelines(f"COMMENT {text}\n" for text in block.comments)
-        for key, value in block.entries:
-            unit = f" [{UNITS[key][0]}]" if key in UNITS else ""
-            file.write(f"{key} = {value}{unit}\n")
-        for text in _row_texts(block):
-            file.write(text + "\n")
-        file.write(f"{block.name}_STOP\n")
-
-
-def write_xml(
-    file: IO[str],
-    header: dict[str, str],
-    comments: list[str],
-    meta: dict[str, str],
-    blocks: list[AcmBlockOut],
-) -> None:
-    """Write a message in XML to an open file."""
-    file.write(
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        '<acm xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"\n'
-        '     xsi:noNamespaceSchemaLocation="https://sanaregistry.org/r/ndmxml_unqualified/'
-        'ndmxml-4.0.0-master-4.0.xsd"\n     id="CCSDS_ACM_VERS" version="2.0">\n  <header>\n'
-    )
-
-    def leaf(indent: int, key: str, value: str) -> None:
-        unit = f' units="{UNITS[key][0]}"' if key in UNITS else ""
-        file.write(f"{' ' * indent}<{key}{unit}>{escaped(value)}</{key}>\n")
-
-    for text in comments:
-        leaf(4, "COMMENT", text)
-    for key, value in header.items():
-        leaf(4, key, value)
-    file.write("  </header>\n  <body>\n    <segment>\n      <metadata>\n")
-    for key, value in meta.items():
-        leaf(8, key, value)
-    file.write("      </metadata>\n      <data>\n")
-    for block in blocks:
-        file.write(f"        <{block.name.lower()}>\n")
-        for text in block.comments:
-            leaf(10, "COMMENT", text)
-        for key, value in block.entries:
-            leaf(10, key, value)
-        for text in _row_texts(block):
-            leaf(10, ROWS[block.name], text)
-        file.write(f"        </{block.name.lower()}>\n")
-    file.write("      </data>\n    </segment>\n  </body>\n</acm>\n")
-
-
-def _row_texts(block):
-    """The rows of a block as texts."""
-    if block.rows is None:
-        return
-    for epochs, columns in block.rows():
-        row = "%s" + " %r" * columns.shape[1]
-        for each in zip(epochs, *columns.T.tolist(), strict=True):
-            yield row % each
+        entries += [("MAN_DURATION", "0.0")]
+        entries += [("TARGET_MOMENTUM", " ".join(repr(float(x)) for x in new))]
+        entries += [("TARGET_MOM_FRAME", "ICRF" if axes.turning else frame)]
+        yield _WrittenBlock("MAN", entries)
 
 
 def read(
@@ -1310,12 +808,7 @@ def read(
         As `aem.read`.
     """
     known_tolerance(tolerance)
-    with opened(path) as lines:
-        first = kvn.first(lines)
-        message = None if first is None else read_kvn(lines, first)
-    if message is None:
-        message = read_xml(path)
-    return interpreted(message, tolerance, frame, orbit, products)
+    return _interpreted(messages.read(path, _FORM), tolerance, frame, orbit, products)
 
 
 def write(
@@ -1365,56 +858,63 @@ def write(
     """
     parts = _sampling.segments(source, t)
     motion, meta = parts[0].motion, parts[0].meta
-    found = _axes.named(frame or meta.get("frame") or "ICRF")
-    name = _axes.WRITTEN[found.kind] if found.name.islower() else found.name
-    body = body_frame or meta.get("body_frame") or "SC_BODY_1"
-    if (why := _axes.body_name_fault(body)) is not None:
-        raise AttitudeError(f"body_frame is {body!r}, which {why}; give another name.")
+    axes = _axes.named(frame or meta.get("frame") or "ICRF")
+    name = _axes.WRITTEN[axes.kind] if axes.name.islower() else axes.name
+    body = _messages.written_body(body_frame, meta)
     scale = ccsds_epochs.writable(time_system or meta.get("time_system") or "UTC")
 
-    begin = parts[0].first_and_last()
-    end = parts[-1].first_and_last()
+    begin, end = parts[0].first_and_last(), parts[-1].first_and_last()
     start, _ = ccsds_epochs.texts(parts[0].epoch, *begin, scale, digits)
     _, stop = ccsds_epochs.texts(parts[-1].epoch, *end, scale, digits)
     tags = TimeTags(scale, ccsds_epochs.instant(start, scale))
 
-    def texts(history: Any) -> list[str]:
+    def texts(history: AttitudeHistory) -> list[str]:
         low = 0.0 if history.low is None else history.low
         epoch = history.epoch
         return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), digits)
 
-    blocks = [attitudes(part, name, found, body, texts, orbit) for part in parts]
-    if motion.body is not None and not motion.body.relative:
-        blocks.append(physics(motion.body, body, products))
+    def seconds(hi: float, lo: float) -> str:
+        instant = motion.epoch.after(hi, lo)
+        return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
+
+    blocks = [_attitudes(part, name, axes, body, texts, orbit) for part in parts]
+    has_inertia = motion.body is not None and not motion.body.relative
+    if has_inertia:
+        blocks.append(_physics(motion.body, body, products))
     if covariance is None:
         covariance = _has_covariance(parts[0])
     if covariance:
-        blocks += [covariances(part, body, texts) for part in parts]
-    if motion.body is not None and not motion.body.relative:
-        blocks += maneuvers(
-            motion,
-            lambda hi, lo: _text_of(tags, motion.epoch.after(hi, lo), digits),
-            float(begin[0][0]),
-            float(end[0][1]),
-            (name, found),
-        )
-    header = {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator}
-    keywords = {
-        "OBJECT_NAME": object_name or meta.get("object_name") or "UNKNOWN",
-        "INTERNATIONAL_DESIGNATOR": object_id or meta.get("object_id") or "UNKNOWN",
-        **({"CENTER_NAME": center or meta["center"]} if center or meta.get("center") else {}),
+        blocks += [_covariances(part, body, texts) for part in parts]
+    if has_inertia:
+        ends = float(begin[0][0]), float(end[0][1])
+        blocks += _maneuvers(motion, seconds, ends, name, axes)
+    for block in blocks:
+        refuse_line_breaks(*block.comments)
+
+    def write_data(out: Generator) -> None:
+        for block in blocks:
+            block.write(out)
+
+    names = _messages.written_names(
+        meta, object_name, object_id, center, "INTERNATIONAL_DESIGNATOR"
+    )
+    times = {
         "TIME_SYSTEM": scale.upper(),
         "EPOCH_TZERO": start,
         "ACM_DATA_ELEMENTS": ", ".join(block.name for block in blocks),
         "START_TIME": start,
         "STOP_TIME": stop,
     }
-    lines = list(meta.get("comments", ()) if comments is None else comments)
-    more = [text for block in blocks for text in block.comments]
-    for text in (*header.values(), *keywords.values(), *lines, *more, body):
-        kvn.refuse_line_breaks(text)
-    with written_whole(path, "the ACM") as file:
-        (write_xml if xml else write_kvn)(file, header, lines, keywords, blocks)
+    messages.write(
+        path,
+        "the ACM",
+        _FORM,
+        "2.0",
+        _messages.written_header(creation_date, originator),
+        list(meta.get("comments", ()) if comments is None else comments),
+        [(names | times, (), write_data)],
+        xml=xml,
+    )
 
 
 def _has_covariance(part):
@@ -1424,11 +924,6 @@ def _has_covariance(part):
     except AttitudeError:
         return False
     return True
-
-
-def _text_of(tags, instant, digits):
-    """Seconds from EPOCH_TZERO to an Instant, as text."""
-    return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
 
 
 def _opened(path, *, segment, **keywords):

@@ -17,17 +17,17 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from attitude._textfiles import kvn
-from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles import kvn, messages
 from attitude._textfiles.lines import opened
 from attitude.errors import AttitudeError
 from attitude.formats import _aem_notations, _attitude_types, _recipes, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
-from attitude.formats._attitude_types import VERSIONS
 from attitude.formats._format import Option, message_labels, register_message, table_reader
+from attitude.formats._messages import VERSIONS, written_header
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
@@ -218,19 +218,19 @@ def write(
         raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
     settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
     settings["names"] = (object_name, object_id, center, settings["body_frame"])
-    header = {
-        "CREATION_DATE": creation_date or ccsds_epochs.now(),
-        "ORIGINATOR": originator,
-    }
+    header = written_header(creation_date, originator)
     comments = list(meta.get("comments", ()) if comments is None else comments)
-    for text in (*header.values(), *comments):
-        kvn.refuse_line_breaks(text)
+    messages.refuse_line_breaks(*header.values(), *comments)
 
     def write_records(target, parts):
-        written = [WrittenSegment(part, settings) for part in parts]
-        write_message = _aem_notations.write_xml if xml else _aem_notations.write_kvn
-        with written_whole(target, "the AEM") as file:
-            write_message(file, version, header, comments, written)
+        segments = []
+        for part in parts:
+            segment = WrittenSegment(part, settings)
+            write_data = partial(_aem_notations.write_data, segment, version)
+            segments.append((segment.keywords, segment.comments, write_data))
+        messages.write(
+            target, "the AEM", _aem_notations.FORM, version, header, comments, segments, xml=xml
+        )
 
     if tolerance is None:
         _sampling.refuse_span(start, stop)

@@ -27,10 +27,12 @@ from typing import TYPE_CHECKING, Any
 from attitude._textfiles import kvn
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import opened
+from attitude._textfiles.messages import refuse_line_breaks
 from attitude.formats import _aem_notations, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
 from attitude.formats._format import Format, message_labels, register, table_reader
+from attitude.formats._messages import written_header
 from attitude.formats._records import TOLERANCE
 
 if TYPE_CHECKING:
@@ -134,10 +136,9 @@ def write(
         "names": (object_name, object_id, None, body_frame),
         "epochs": ccsds_epochs.days_and_seconds,
     }
-    header = {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator}
+    header = written_header(creation_date, originator)
     comments = list(meta.get("comments", ()) if comments is None else comments)
-    for text in (*header.values(), *comments):
-        kvn.refuse_line_breaks(text)
+    refuse_line_breaks(*header.values(), *comments)
 
     def write_records(target: FilePath, parts: Sequence[Any]) -> None:
         segment = WrittenSegment(parts[0], settings)
@@ -148,7 +149,7 @@ def write(
         lines += ["", *(f"{key} = {segment.keywords[key]}" for key in keywords)]
         with written_whole(target, "the CIC file") as file:
             file.write("\n".join([*lines, "", "META_STOP", "", ""]))
-            _aem_notations.write_rows(file, segment)
+            _aem_notations.write_lines(file.write, segment)
 
     if tolerance is None:
         _sampling.refuse_span(start, stop)

@@ -308,7 +308,7 @@ BAD = [
     ("TIME_SYSTEM = UTC", "TIME_SYSTEM = SCLK", "line 8: TIME_SYSTEM is 'SCLK'"),
     ("ATT_TYPE = QUATERNION", "ATT_TYPE = MRP", "ATT_TYPE of the block ATT is 'MRP'; it must be"),
     ("ATT_TYPE = QUATERNION\n", "", "ATT_TYPE of the block ATT is missing"),
-    ("RATE_TYPE = ANGVEL", "RATE_TYPE = EULER_RATE", "EULER_ROT_SEQ: sequence is ''"),
+    ("RATE_TYPE = ANGVEL", "RATE_TYPE = EULER_RATE", "their rates need EULER_ROT_SEQ"),
     ("NUMBER_STATES = 7", "NUMBER_STATES = 6", "NUMBER_STATES is '6'; QUATERNION with the rates"),
     ("REF_FRAME_B = SC_BODY_1", "REF_FRAME_B = NSW", "'NSW' is the name of reference axes"),
     ("REF_FRAME_A = ICRF\n", "", "the block ATT lacks REF_FRAME_A"),
@@ -320,7 +320,7 @@ BAD = [
     ("ATT_STOP\n", "", "PHYS begins before the end of ATT"),
     ("PHYS_STOP\n", "PHYS_STOP\nPHYS_START\nPHYS_STOP\n", "a second block PHYS"),
     ("ATT_START\n", "ATT_START\nCOLOUR = red\n", "COLOUR is not known in the block ATT"),
-    ("ATT_START\n", "CAT_START\n", "CAT_START is not known; blocks are META, ATT"),
+    ("ATT_START\n", "CAT_START\n", "CAT_START is not known in version 2.0; known are META, ATT"),
     ("REF_FRAME_A", "ATT_TYPE = DCM\nREF_FRAME_A", "ATT_TYPE is given twice, first in line"),
     (r"(?s)COV_STOP\n", "", "the file ends before COV_STOP; is it cut off"),
 ]
