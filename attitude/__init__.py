@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import attitude.paths
     import attitude.photometry
     import attitude.plots
+    import attitude.proof
     import attitude.published
     import attitude.quaternion
     import attitude.referee
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from attitude.fitting._attitudes import fit_directions as fit_directions
     from attitude.fitting._attitudes import fit_rates as fit_rates
     from attitude.motions._body import Body as Body
+    from attitude.motions._certify import certify as certify
     from attitude.motions._free_rotation import FreeRotation as FreeRotation
     from attitude.motions._history import AttitudeHistory as AttitudeHistory
     from attitude.motions._propagation import propagate as propagate
@@ -79,6 +81,7 @@ _WHERE = {
     "Scene": "attitude.scene._scene",
     "Spin": "attitude.motions._spin",
     "TorquedRotation": "attitude.torques._torqued",
+    "certify": "attitude.motions._certify",
     "compilation_status": "attitude._compilation.status",
     "compare": "attitude.referee._referee",
     "fit": "attitude.fitting._attitudes",
@@ -98,18 +101,11 @@ PUBLIC_MODULES: tuple[str, ...] = (
             *("arcs", "catalog", "conditions", "ensemble", "epochs", "errors", "events", "fitting"),
             *("formats", "formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
             *("formats.damit", "formats.damit_light_curve", "formats.detect", "formats.mission"),
-            *("formats.quat", "formats.spin_file", "formats.stk", "formats.tables"),
-            *(
-                "frames",
-                "frames.quaternion",
-                "frames.representations",
-                "inversion",
-                "jacobi",
-                "jax",
-            ),
-            *("light_curve", "motions", "paths", "photometry", "plots", "published", "quaternion"),
-            *("referee", "representations", "scattering", "scene", "shape", "spectrum"),
-            *("splitting", "survey", "torch", "torques", "viewer"),
+            *("formats.quat", "formats.spin_file", "formats.stk", "formats.tables", "frames"),
+            *("frames.quaternion", "frames.representations", "inversion", "jacobi", "jax"),
+            *("light_curve", "motions", "paths", "photometry", "plots", "proof", "published"),
+            *("quaternion", "referee", "representations", "scattering", "scene", "shape"),
+            *("spectrum", "splitting", "survey", "torch", "torques", "viewer"),
         )
     ),
 )

@@ -35,6 +35,7 @@ COMMANDS = (
         False,
         (),
     ),
+    (["benchmarks/proof.py", "figure"], ["proof.png"], True, ("flint",)),
     (["docs/make_figures.py"], ["labellings.png", "angles.png", "toutatis.png"], True, ()),
     *(
         ([f"examples/{name}.py"], [f"{name}.png"], False, ())

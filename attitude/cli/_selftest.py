@@ -26,6 +26,7 @@ from attitude.motions._propagation import propagate
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
+    from attitude.proof._certificate import Certificate
 
 
 # Accepted errors: rad, and of the angular velocity relative to its largest component.
@@ -108,10 +109,7 @@ def reference_states() -> list[dict[str, Any]]:
 
 def errors_of(state: Mapping[str, Any]) -> tuple[float, float]:
     """The largest attitude error (rad) and relative rate error of one stored state."""
-    moments, wxyz0, omega0, t = (
-        np.array([float.fromhex(x) for x in state[key]])
-        for key in ("moments", "wxyz0", "omega0", "t")
-    )
+    moments, wxyz0, omega0, t = _numbers_of(state)
     wxyz, omega = propagate(moments, wxyz0, omega0, t, angular_velocity=True)
     exact, off = _difference(wxyz, state["wxyz"])
     # The part of the difference normal to the exact quaternion is half the angle between them.
@@ -122,6 +120,28 @@ def errors_of(state: Mapping[str, Any]) -> tuple[float, float]:
     largest = np.max(np.abs(exact), axis=-1)
     rate_error = np.max(np.abs(off), axis=-1) / np.where(largest > 0.0, largest, 1.0)
     return float(np.max(error)), float(np.max(rate_error))
+
+
+def certificates() -> list[Certificate]:
+    """Proved bounds of the errors of each stored state, at its epochs.
+
+    AttitudeError without python-flint.
+    """
+    from attitude.proof._chain import Chain
+
+    found = []
+    for state in reference_states():
+        moments, wxyz0, omega0, t = _numbers_of(state)
+        start = np.stack([wxyz0, np.zeros(4)], axis=1)
+        wxyz = propagate(moments, wxyz0, omega0, t)
+        found.append(Chain(moments, start, omega0).certificate(t, None, wxyz))
+    return found
+
+
+def _numbers_of(state: Mapping[str, Any]) -> list[FloatArray]:
+    """Moments, attitude, angular velocity and epochs of a stored state."""
+    keys = ("moments", "wxyz0", "omega0", "t")
+    return [np.array([float.fromhex(x) for x in state[key]]) for key in keys]
 
 
 def _difference(found: FloatArray, texts: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 import attitude
+from attitude.cli import _options
 from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.motions._free_rotation import FreeRotation
 
 HELP: str = "compare this installation with reference solutions, and measure its speed"
 
@@ -15,12 +20,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--families", action="store_true", help="print the worst error of each family of states"
     )
+    parser.add_argument(
+        "--prove",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="prove bounds of the errors (extra proof); of a file of attitudes: its distances from "
+        "the free rotation of --spin",
+    )
+    parser.add_argument(
+        "--spin", metavar="FILE", help="with --prove FILE: the motion, or a name in the catalogue"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Run the self-test and print its result."""
+    """Run the self-test, or certify a file, and print the result."""
     from attitude.cli import _selftest
 
+    if arguments.spin is not None and not arguments.prove:
+        raise AttitudeError("--spin is for --prove FILE, as in --prove t.aem --spin t.toml.")
+    if arguments.prove:
+        _prove_file(arguments.prove, arguments.spin)
+        return
     other = _selftest.other_project()
     if other is not None:
         if not hasattr(attitude, "__version__"):  # its __init__.py is there in place of ours
@@ -48,9 +69,59 @@ def run(arguments: argparse.Namespace) -> None:
         f"{result.nanoseconds:.1f} ns an epoch in long arrays, angular velocity included: "
         f"{result.ratio:.2f} times numpy.sin on this machine."
     )
+    if arguments.prove is not None:
+        certificates = _selftest.certificates()
+        worst = max(float(certificate.error.max()) for certificate in certificates)
+        print(
+            f"Proved: none of {sum(each.error.size for each in certificates)} attitudes errs by "
+            f"more than {worst:.3g} rad. Assumed: {'; '.join(certificates[0].assumed)}."
+        )
     verdict = "passed" if result.passed else "FAILED"
     print(
         f"{verdict}: {_selftest.LARGEST_ERROR:.0e} is the accepted error. {result.seconds:.1f} s."
     )
     if not result.passed:
         raise SystemExit(1)
+
+
+def _prove_file(file: str, spin: str | None) -> None:
+    """Print the largest proved distance of the records of a file from a free rotation."""
+    from attitude._support import pairs
+    from attitude.formats import detect
+    from attitude.motions._certify import certify
+    from attitude.motions._table import AttitudeTable
+
+    if spin is None:
+        raise AttitudeError("--prove FILE needs --spin FILE, the motion that its records have.")
+    motion = _motion(spin)
+    with detect.opened(file).motion as table:
+        if not isinstance(table, AttitudeTable):
+            raise AttitudeError(f"{file} holds no records of attitudes, which could be certified.")
+        start, epoch = table.epoch, motion.spin.epoch
+        shift = pairs.add((start.seconds, start.low), -epoch.seconds, -epoch.low)
+        seconds, low = pairs.add((table.seconds, table.low), *shift)
+        certificate = certify(motion.body, motion.spin, seconds, table.wxyz, low=low)
+    k = int(certificate.error.argmax())
+    when = epoch.after(seconds[k], low[k]).utc_iso
+    print(
+        f"Proved: none of {certificate.error.size} records of {file} is more than "
+        f"{certificate.error[k]:.3g} rad from the free rotation of {spin} (the farthest at {when} "
+        f"UTC). Assumed: {'; '.join(certificate.assumed)}; the seconds from the epoch of the spin."
+    )
+
+
+def _motion(name: str) -> FreeRotation:
+    """The free rotation of a file or of an entry of the catalogue."""
+    from attitude import catalog
+    from attitude.formats import detect
+    from attitude.motions._free_rotation import FreeRotation
+
+    if not _options.is_file(name) and catalog.has(name):
+        return catalog.entry(name).motion()
+    motion = detect.opened(name).motion
+    if not isinstance(motion, FreeRotation):
+        raise AttitudeError(
+            f"{name} holds no free rotation; give a spin file, or a message with inertia and "
+            "angular velocity."
+        )
+    return motion

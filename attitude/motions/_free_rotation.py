@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from attitude import frames
-from attitude._solver import evaluation
+from attitude._solver import codes, evaluation
 from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
 from attitude._support import markup, validation
@@ -20,6 +20,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions import _conventions, _polhode, _predictability, _published
 from attitude.motions._body import Body
+from attitude.motions._certify import chain_of
 from attitude.motions._differentiable import Differentiable, Sensitivity
 from attitude.motions._motion import RateBounds
 from attitude.motions._spin import Spin
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.motions._published import Published
     from attitude.motions._uncertainty import Uncertain
+    from attitude.proof._certificate import Certificate
+    from attitude.proof._error_bound import ErrorBound
 
 
 # ---- The state of a motion at another epoch, as a Spin with its covariance
@@ -270,6 +273,52 @@ class FreeRotation(Differentiable):
             For several epochs, and those that `at` refuses.
         """
         return spin_of(self, epoch)
+
+    # ---- Proofs
+
+    def certificate(
+        self, t: Epochs, low: ArrayLike | None = None, *, angular_velocity: bool = False
+    ) -> Certificate:
+        """Proved upper bounds of the errors of `at`, rad, at each epoch.
+
+        Parameters
+        ----------
+        t, low : epochs
+            As `at` takes them; finite.
+        angular_velocity : bool
+            Bound the errors of the angular velocities too (`Certificate.rate_error`, rad/s).
+
+        Returns
+        -------
+        Certificate
+            Its `error` bounds the rotation angle between ``at(t).wxyz`` and the exact solution for
+            the doubles of body and spin (see `attitude.certify`).
+
+        Raises
+        ------
+        AttitudeError
+            As `at` and `attitude.certify`.
+        """
+        hi, lo = _inputs.seconds_since(self.epoch, t, low)
+        wxyz, *rates = self._evaluate(hi, lo, int(angular_velocity))
+        return chain_of(self.body, self.spin).certificate(hi, lo, wxyz, *rates)
+
+    def error_bound(self) -> ErrorBound:
+        """Two numbers b0, b1: every attitude errs by at most b0 + b1 |t| rad, by proof.
+
+        t is in seconds since the epoch, up to 1e15 turns.
+
+        Raises
+        ------
+        AttitudeError
+            If the theorem of docs/proof.md does not hold for the constants of this motion, and
+            without python-flint (extra ``proof``).
+        """
+        from attitude.proof._error_bound import error_bound_of
+
+        record = self._constants[0]
+        order = None if record["form"] == codes.UNIFORM else record["order"].tolist()
+        return error_bound_of(record, chain_of(self.body, self.spin, order=order).solution)
 
     def angular_acceleration_at(
         self,

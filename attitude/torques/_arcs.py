@@ -34,6 +34,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _free_rotation
 from attitude.motions._body import Body
+from attitude.motions._certify import chain_of, inertia_of
 from attitude.motions._differentiable import Derivatives, Differentiable
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
@@ -45,9 +46,16 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import BoolArray, EpochOrSeconds, FloatArray, Reals
+    from attitude._support.annotations import (
+        BoolArray,
+        EpochOrSeconds,
+        Epochs,
+        FloatArray,
+        Reals,
+    )
     from attitude.epochs._instants import Instant
     from attitude.motions._motion import RateBounds
+    from attitude.proof._certificate import Certificate
 
     MomentumFunction = Callable[[AttitudeHistory], Reals]
     Pair = tuple[float, float]
@@ -586,6 +594,44 @@ class Arcs(Differentiable):
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
         out[np.isnan(seconds)] = np.nan
         return out
+
+    def certificate(
+        self, t: Epochs, low: ArrayLike | None = None, *, angular_velocity: bool = False
+    ) -> Certificate:
+        """Proved upper bounds of the errors of `at`, rad, as `FreeRotation.certificate`.
+
+        Times and momenta of the changes are exact (momenta over ICRF to 31 digits).
+
+        Raises
+        ------
+        AttitudeError
+            For epochs behind a change whose time is that of an event or whose momentum is a
+            function, and as `attitude.certify`.
+        """
+        from attitude.proof._chain import Joint
+
+        hi, lo = _inputs.seconds_since(self.epoch, t, low)
+        wxyz, *rates = self._evaluate(hi, lo, int(angular_velocity))
+        joints = []
+        for k, change in enumerate(self.changes):
+            start = self._starts[k + 1]
+            if isinstance(change.at, Trigger) or callable(change.angular_momentum):
+                later = (hi > start[0]) | (
+                    (hi == start[0]) & ((0.0 if lo is None else lo) >= start[1])
+                )
+                if np.any(later):
+                    raise AttitudeError(
+                        f"changes[{k}] happens at an event, or its momentum is a function: both "
+                        "are rounded, and epochs behind it cannot be certified."
+                    )
+                break
+            added = np.zeros((3, 2))
+            added[:, 0] = change.angular_momentum
+            if change.frame != "body":
+                added = frames.vector_to_icrf(change.frame, added[:, 0])
+            body = self._bodies[k + 1]
+            joints.append(Joint(start, added, change.frame == "body", inertia_of(body)))
+        return chain_of(self.body, self.spin, joints).certificate(hi, lo, wxyz, *rates)
 
     def constant_body(self, what: str) -> Body:
         """The Body of all arcs.

@@ -1,5 +1,6 @@
 """The self-test: it passes here, it can fail, and its stored answers are those of the oracle."""
 
+import re
 import subprocess
 
 import numpy as np
@@ -41,6 +42,31 @@ def test_another_project_in_the_same_folder_is_named(tmp_path, monkeypatch, caps
     monkeypatch.delattr("attitude.__version__")  # installed after this package
     assert cli.main(["check"]) == 2
     assert "PyPI's Attitude 0.5.0" in capsys.readouterr().err
+
+
+def test_proofs_of_the_self_test_and_of_a_file(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("flint", reason="python-flint is not installed")
+    assert cli.main(["check", "--prove"]) == 0
+    shown = capsys.readouterr().out
+    worst = float(re.search(r"errs by more than (\S+) rad", shown)[1])
+    assert 5e-16 < worst < 4e-15 and "IEEE 754" in shown and "FLINT" in shown
+
+    monkeypatch.chdir(tmp_path)
+    convert = ["convert", "4179 Toutatis", "t.aem", "--stop", "2 d", "--step", "6 h"]
+    assert cli.main(convert) == 0
+    capsys.readouterr()
+    assert cli.main(["check", "--prove", "t.aem", "--spin", "4179 Toutatis"]) == 0
+    shown = capsys.readouterr().out
+    # epochs are written to 1e-12 s
+    assert "none of 9 records of t.aem" in shown
+    assert float(re.search(r"more than (\S+) rad", shown)[1]) < 4e-15
+    for wrong, sentence in (
+        (["--prove", "t.aem"], "--prove FILE needs --spin FILE"),
+        (["--spin", "4179 Toutatis"], "--spin is for --prove FILE"),
+        (["--prove", "t.aem", "--spin", "t.aem"], "t.aem holds no free rotation"),
+    ):
+        assert cli.main(["check", *wrong]) == 2
+        assert sentence in capsys.readouterr().err
 
 
 def test_every_family_of_states_is_in_the_file():

@@ -94,7 +94,7 @@ CASES = {
         "table.aem OUT.ecsv --object TOUTATIS",
         "table.aem OUT.toml --fit --axes free --rms 0.1",
     ],
-    "check": ["--families"],
+    "check": ["--families", "--prove", "--prove table.aem --spin state.toml"],
     "warm-up": ["--all"],
 }
 # The same with kernels, which spiceypy reads.
@@ -183,6 +183,8 @@ def _run(command, cases, capsys, folder):
     "command", [pytest.param(each, marks=[pytest.mark.slow] * (each in SLOW)) for each in CASES]
 )
 def test_every_option_runs(command, files, monkeypatch, capsys):
+    if command == "check":
+        pytest.importorskip("flint", reason="python-flint is not installed")
     _small(monkeypatch)
     monkeypatch.chdir(files)
     _run(command, CASES[command], capsys, files)

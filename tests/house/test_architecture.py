@@ -19,7 +19,7 @@ LAYERS = (
     ("errors",),
     ("_support",),
     ("_compilation", "_textfiles"),
-    ("_solver", "scattering", "shape"),
+    ("_solver", "proof", "scattering", "shape"),
     ("epochs", "light_curve"),
     ("frames",),
     ("paths",),

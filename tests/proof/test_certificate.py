@@ -1,0 +1,309 @@
+"""Certificates against two other witnesses: the oracle of mpmath, and rigorous quadrature."""
+
+import random
+
+import numpy as np
+import pytest
+
+from attitude import Arcs, AttitudeError, Body, FreeRotation, Impulse, InertiaChange, Spin, certify
+from tests.support import states
+from tests.support.measure import motion_of
+from tests.support.oracle import Oracle, rate_error, rotation_error
+
+flint = pytest.importorskip("flint", reason="python-flint is not installed")
+
+# Above the true error by less: the radius of a ball.
+TIGHT = 1e-18
+
+
+def _times(state, generator, count=2):
+    turns = [
+        generator.choice((-1.0, 1.0)) * 10.0 ** generator.uniform(-1.0, 9.0) for _ in range(count)
+    ]
+    return np.array(turns) * states.revolution(state)
+
+
+def _agrees(motion, oracle, t):
+    """Whether a certificate is not below the error by the oracle, and above it by 1e-18 at most."""
+    certificate = motion.certificate(t, angular_velocity=True)
+    history = motion.at(t)
+    for k, seconds in enumerate(t):
+        wxyz, omega = oracle.at(seconds)
+        error = rotation_error(history.wxyz[k], wxyz, signed=True)
+        gap = certificate.error[k] - abs(error)
+        assert -1e-24 <= gap <= TIGHT, (seconds, error, certificate.error[k])
+        assert certificate.same_sign[k]
+        relative = rate_error(history.angular_velocity[k], omega)
+        largest = max(abs(float(x)) for x in omega)
+        assert relative * largest <= certificate.rate_error[k] * (1 + 1e-12) + 1e-300
+
+
+@pytest.mark.parametrize("family", states.FAMILIES)
+def test_contains_the_oracle(family):
+    generator = random.Random(family)
+    for state in states.sample(4, 38, [family]):
+        try:
+            motion = motion_of(state)
+        except AttitudeError:
+            continue  # rates that the solution refuses to drop
+        oracle = Oracle(state.moments, state.wxyz0, state.omega0, digits=30)
+        _agrees(motion, oracle, _times(state, generator))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_contains_the_oracle_of_tensors(seed):
+    generator = random.Random(seed)
+    state = states.sample(1, seed, ["tumbling"])[0]
+    tensor, omega = states.tensor(state, generator)
+    motion = FreeRotation(Body(tensor=tensor), Spin("2026-01-01", state.wxyz0, omega))
+    oracle = Oracle.from_tensor(motion.body.tensor.tolist(), state.wxyz0, omega, digits=30)
+    _agrees(motion, oracle, _times(state, generator))
+
+
+@pytest.mark.parametrize(
+    ("tensor", "rates"),
+    [
+        ([[2, 0, 0], [0, 2.5, 0.5], [0, 0.5, 2.5]], (0.3, 0.2, -0.7)),  # symmetric: 2, 2, 3
+        ([[2, 0, 0], [0, 2.5, 0.5], [0, 0.5, 2.5]], (0.0, 1.0, 1.0)),  # about its axis
+        ([[3, 1, 0], [1, 3, 0], [0, 0, 3]], (1.0, 1.0, 0.0)),  # moments 2, 3, 4
+        ([[3, 1, 0], [1, 3, 0], [0, 0, 3]], (1.0, 0.5, 0.25)),
+        ([[3, 1, 0], [1, 3, 0], [0, 0, 3]], (0.0, 0.0, 1.0)),  # the middle axis
+        ([[3, 1, 0], [1, 3, 0], [0, 0, 3]], (0.0, 0.0, 0.0)),
+    ],
+)
+def test_degenerate_tensors_are_decided(tensor, rates):
+    motion = FreeRotation(Body(tensor=tensor), Spin("2026-01-01", (1, 2, 3, 4), rates))
+    certificate = motion.certificate([0.0, 1.5, -1e6], angular_velocity=True)
+    assert np.all(certificate.error <= 4e-15) and np.all(certificate.same_sign)
+    assert np.all(certificate.rate_error <= 4e-15)
+
+
+def test_the_separatrix_of_a_tensor_is_decided():
+    """Moments 36, 45, 81 turned by a matrix of thirds: L^2 = 2 E I2 holds in fractions."""
+    turn = np.array([[1, -2, 2], [2, -1, -2], [2, 2, 1]])
+    tensor = turn @ np.diag([4.0, 5.0, 9.0]) @ turn.T
+    motion = FreeRotation(
+        Body(tensor=tensor), Spin("2026-01-01", (1, 0, 0, 0), turn @ (3.0, 1.0, 1.0))
+    )
+    certificate = motion.certificate([0.3, -5.0])
+    assert motion.mode.name == "SEPARATRIX"
+    assert np.all(certificate.error < 4e-15) and np.all(certificate.bits == 128)
+
+
+@pytest.mark.parametrize(
+    "moments", [(10.0, 20.0, 26.0), (2.0, 2.0001, 3.0), (1e-3, 1.0, 1.0007), (3.0, 6.0, 4.0)]
+)
+def test_rigorous_quadrature_overlaps(moments):
+    """The second proof: no theta quotient, no integral of the third kind."""
+    from attitude.motions._certify import chain_of
+    from attitude.proof._certificate import precision
+    from attitude.proof._exact import rational
+    from tests.support import quadrature
+
+    generator = random.Random(str(moments))
+    for _ in range(3):
+        rates = [generator.gauss(0, 1) for _ in range(3)]
+        motion = FreeRotation(Body(moments=moments), Spin("2026-01-01", (1, 1, -1, 1), rates))
+        with precision(128):
+            solution = chain_of(motion.body, motion.spin).solution()
+            for t in (1.5, -40.0, 1e5):
+                pairs = zip(
+                    quadrature.attitude(solution, rational(t)),
+                    solution.at(rational(t)),
+                    strict=True,
+                )
+                for one, two in pairs:
+                    assert one.overlaps(two) and one.rad() < 1e-20 and two.rad() < 1e-20
+
+
+# ---- What a user sees
+
+
+MOTION = FreeRotation(
+    Body(moments=(10, 20, 26)), Spin("2026-01-01", (1, 0, 0, 0), (0.01, 0.15, 0.01))
+)
+
+
+def test_exact_quaternion_to_any_number_of_digits():
+    state = (10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0), (0.01, 0.15, 0.01)
+    exact = MOTION.certificate([0.0, 777.0]).exact(60)
+    assert [float(x) for x in exact[0]] == [1.0, 0.0, 0.0, 0.0]
+    wanted, _ = Oracle(*state, digits=70).at(777.0)
+    import mpmath
+
+    with mpmath.workdps(75):
+        for x, y in zip(exact[1], wanted, strict=True):
+            assert abs(mpmath.mpf(str(x)) - y) <= mpmath.mpf(10) ** -60
+    with pytest.raises(AttitudeError, match="digits is 0; give a whole number"):
+        MOTION.certificate([0.0]).exact(0)
+
+
+def test_epochs_of_any_kind_and_shape():
+    assert MOTION.certificate("2026-01-02").error.shape == ()
+    assert MOTION.certificate([[1.0, 2.0]], [[1e-17, 0.0]]).error.shape == (1, 2)
+    assert MOTION.certificate([]).error.shape == (0,)
+    with pytest.raises(AttitudeError, match="an epoch is not finite"):
+        MOTION.certificate([np.nan])
+
+
+def test_what_is_assumed_is_printed():
+    text = repr(MOTION.certificate([1.0, 2.0]))
+    assert text.startswith("<Certificate: 2 attitudes, errors of at most ")
+    assert "IEEE 754" in text and "FLINT" in text and "proved on paper" in text
+
+
+def test_certify_measures_what_others_computed():
+    wxyz = MOTION.at([5.0, 6.0]).wxyz
+    certificate = certify(MOTION.body, MOTION.spin, [5.0, 6.0], wxyz * [[-3.0], [1.0]])
+    assert np.all(certificate.error < 4e-15)
+    assert certificate.same_sign.tolist() == [False, True]
+    off = np.add(wxyz, (1e-6, 0.0, 0.0, 0.0))
+    assert np.all(certify(MOTION.body, MOTION.spin, [5.0, 6.0], off).error > 1e-8)
+    with pytest.raises(AttitudeError, match="wxyz"):
+        certify(MOTION.body, MOTION.spin, [5.0], wxyz)
+    with pytest.raises(AttitudeError, match="not finite or zero"):
+        certify(MOTION.body, MOTION.spin, [5.0], [[0.0, 0.0, 0.0, 0.0]])
+
+
+def test_without_the_package_a_sentence_says_how_to_install_it(monkeypatch):
+    import sys
+
+    from attitude.proof import _exact
+
+    monkeypatch.setitem(sys.modules, "flint", None)
+    _exact.flint.cache_clear()
+    with pytest.raises(AttitudeError, match=r"python-flint: pip install"):
+        MOTION.certificate([1.0])
+    _exact.flint.cache_clear()
+
+
+@pytest.mark.parametrize("frame", ["icrf", "eme2000", "ecliptic"])
+def test_attitudes_over_other_axes(frame):
+    spin = Spin("2026-01-01", (1, 0.5, 0.25, -2), (0.01, 0.15, 0.01), frame)
+    certificate = FreeRotation(MOTION.body, spin).certificate([1.0, 1e8])
+    assert np.all(certificate.error < 4e-15)
+
+
+def test_a_lost_rate_would_show():
+    """The attitude of a motion without a rate of 1e-125: 3.14 rad from the exact flip."""
+    body = Body(moments=(1, 2, 3))
+    still = FreeRotation(body, Spin("2026-01-01", (1, 0, 0, 0), (0, 1, 0)))
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (1e-125, 1, 1e-125))
+    certificate = certify(body, spin, [500.5], still.at([500.5]).wxyz)
+    assert certificate.error[0] > 0.1
+
+
+# ---- Arcs
+
+
+def test_arcs_between_exact_changes():
+    changes = [
+        Impulse(at=10.0, angular_momentum=(0.5, -0.25, 1.0)),
+        Impulse(at=25.5, angular_momentum=(0.125, 0.5, -0.5), frame="ecliptic"),
+        InertiaChange(at=40.0, body=Body(tensor=[[9, 1, 0], [1, 21, 0.5], [0, 0.5, 25]])),
+    ]
+    motion = Arcs(MOTION.body, MOTION.spin, changes)
+    t = np.array([-3.0, 9.999, 10.0, 12.0, 25.5, 30.0, 40.0, 1e5])
+    certificate = motion.certificate(t, angular_velocity=True)
+    assert np.all(certificate.error < 4e-15) and np.all(certificate.same_sign)
+    assert np.all(certificate.rate_error < 4e-15)
+    # the same state by another way: a free rotation from the exact state after the first change
+    exact = certificate.exact(40)[2]
+    later = MOTION.certificate([10.0]).exact(40)[0]
+    assert list(exact) == list(later)
+
+
+def test_exact_degenerate_arcs_are_decided():
+    """An impulse along the axis of a uniform rotation: by fractions, the next arc is uniform."""
+    body, spin = Body(moments=(1, 2, 3)), Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0.5))
+    motion = Arcs(body, spin, [Impulse(at=4.0, angular_momentum=(0, 0, 1.0))])
+    assert np.all(motion.certificate([3.0, 5.0, 1e4]).error < 4e-15)
+
+
+def test_changes_that_are_rounded_end_what_is_certified():
+    changes = [
+        Impulse(at=10.0, angular_momentum=lambda history: (0.0, 0.0, 1.0)),
+        Impulse(at=20.0, angular_momentum=(0.0, 0.0, 1.0)),
+    ]
+    motion = Arcs(MOTION.body, MOTION.spin, changes)
+    assert motion.certificate([9.0]).error[0] < 4e-15
+    with pytest.raises(AttitudeError, match=r"changes\[0\] happens at an event, or"):
+        motion.certificate([9.0, 15.0])
+
+
+# ---- Hunts
+
+
+def _random_states(count, seed):
+    """States of eight families (moments, attitudes, rates, seconds), as arrays."""
+    generator = np.random.default_rng(seed)
+    kind = np.arange(count) % 8
+    sides = generator.uniform(0.2, 3.0, (count, 3)) ** 2
+    moments = sides[:, [1, 0, 0]] + sides[:, [2, 2, 1]]
+    rates = generator.normal(size=(count, 3))
+    small = 10.0 ** -generator.uniform(1.0, 15.5, count)
+    of = [kind == k for k in range(8)]
+    moments[of[1]] = np.stack(
+        [0 * small + 2, 2 * (1 + small), 3 + generator.uniform(size=count)], axis=1
+    )[of[1]]
+    moments[of[2]] = (3.0, 4.0, 6.0)
+    rates[of[2]] = np.stack([0 * small + 1.5, small, -0.7 * small], axis=1)[of[2]]
+    moments[of[3]] = (10.0, 20.0, 26.0)
+    first = generator.uniform(0.5, 2.0, count)
+    third = first * np.sqrt(100 / 156) * (1 + generator.choice((-1, 1), count) * small)
+    rates[of[3]] = np.stack([first, 0.3 * rates[:, 1], third], axis=1)[of[3]]
+    moments[of[4]] = np.stack([0 * small + 2, 2 * (1 + small), 2 * (1 + 2.3 * small)], axis=1)[
+        of[4]
+    ]
+    moments[of[5]] = np.stack([small, 0 * small + 1, 1 + 0.7 * small], axis=1)[of[5]]
+    degenerate = np.array([[1, 1, 2], [2, 1, 2], [2, 2, 2], [2, 3, 5], [1, 2, 3]], float)
+    turning = [[0.3, -0.4, 0.5], [0.75, 0.5, 0.25], [0, 0.8, 0], [0, 0, 0.7], [0.3, -0.4, 0]]
+    moments[of[6]] = degenerate[generator.integers(0, 5, count)][of[6]]
+    rates[of[6]] = np.array(turning)[generator.integers(0, 5, count)][of[6]]
+    moments[of[7]] = (1.0, 2.0, 3.0)
+    rates[of[7]] = np.stack([small, 0 * small + 1, 0.3 * small], axis=1)[of[7]]
+    wxyz = generator.normal(size=(count, 4))
+    turns = generator.choice((-1, 1), count) * 10.0 ** generator.uniform(-2, 9, count)
+    return moments, wxyz, rates, turns / np.abs(rates).max(axis=1)
+
+
+def hunted(count, seed):
+    """Certified errors (count,) of random states, one epoch each, by the array floor."""
+    from attitude import propagate
+    from attitude.proof._chain import Chain
+
+    moments, wxyz, rates, t = _random_states(count, seed)
+    found = propagate(moments, wxyz, rates, t[:, None])[:, 0]
+    errors = np.empty(count)
+    for k in range(count):
+        pairs = np.stack([wxyz[k], np.zeros(4)], axis=1)
+        chain = Chain(moments[k], pairs, rates[k])
+        certificate = chain.certificate(t[k : k + 1], None, found[k : k + 1])
+        assert certificate.same_sign[0], (moments[k], wxyz[k], rates[k], t[k])
+        errors[k] = certificate.error[0]
+    return errors
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_hunt(seed):
+    """1e5 states of eight families in all, every one certified."""
+    assert hunted(25_000, seed).max() <= 2.5e-15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 140))
+def test_long_hunt(seed):
+    """1e6 states."""
+    assert hunted(25_000, seed).max() <= 2.5e-15
+
+
+@pytest.mark.parametrize(
+    ("moments", "wxyz", "rates", "t"),
+    [
+        # the worst of a million: 1.94e-15
+        ((2.0, 2.00000000158537, 2.000000003646351), (1, 0, 0, 0), (0.3, -0.8, 0.5), 1e6),
+    ],
+)
+def test_worst_states(moments, wxyz, rates, t):
+    motion = FreeRotation(Body(moments=moments), Spin("2026-01-01", wxyz, rates))
+    assert motion.certificate([t]).error[0] <= 2.5e-15
