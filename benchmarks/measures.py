@@ -117,7 +117,7 @@ def _collect_imports(module, node, into, modules):
             continue
         if isinstance(child, ast.ImportFrom):
             source = _source(module, child)
-            if source.startswith(PACKAGE):
+            if source.startswith(PACKAGE) and not LATER & set(source.split(".")[1:2]):
                 into |= {
                     _known(f"{source}.{alias.name}", modules) or _known(source, modules)
                     for alias in child.names
