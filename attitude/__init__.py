@@ -8,6 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from attitude._support.synonyms import absent
 from attitude.errors import AttitudeError as AttitudeError
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ if not TYPE_CHECKING:
         if name in _MODULES:
             return import_module(f"attitude.{name}")
         if name not in _WHERE:
-            raise AttributeError(f"module 'attitude' has no attribute {name!r}")
+            raise absent("attitude", name)
         value = getattr(import_module(_WHERE[name]), name)
         globals()[name] = value
         return value

@@ -28,6 +28,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import of_module
 from attitude._textfiles import toml
 from attitude._textfiles.lines import packaged
 from attitude.errors import AttitudeError
@@ -411,3 +412,8 @@ def _entry(name: str, table: Mapping[str, Any], sources: Mapping[str, str]) -> E
         printed=values(table.get("printed", [])),
         note=table.get("note", ""),
     )
+
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

@@ -14,6 +14,7 @@ import numpy as np
 from attitude import frames
 from attitude._solver import evaluation
 from attitude._support import validation
+from attitude._support.synonyms import arguments, of_module
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions import _conventions
 from attitude.motions import _polhode as curves
@@ -41,6 +42,7 @@ _POINTS = 1201
 _A_TURN = 8.0
 
 
+@arguments({}, 'overview(motion, title="Toutatis")')
 def overview(
     motion: FreeRotation,
     *,
@@ -105,11 +107,29 @@ def time_span(motion: FreeRotation, span: Real | None = None) -> float:
     return 3.0 * longest if np.isfinite(regime.P_psi) else max(3.0 * longest, once)
 
 
-def polhode(axes: Any, motion: FreeRotation) -> None:
+def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
     """Draw the path of the angular velocity on the ellipsoid of its energy.
 
     Grey: the polhodes of other momenta of the same energy; black: the separatrix.
+
+    Parameters
+    ----------
+    axes : matplotlib axes of projection "3d"
+        ``polhode(motion)`` draws into a new figure.
+    motion : FreeRotation
+
+    Returns
+    -------
+    matplotlib Figure
+        That of the axes.
+
+    Raises
+    ------
+    AttitudeError
+        For a body of which one moment is zero.
     """
+    if motion is None:
+        motion, axes = axes, new_figure((6.0, 6.0)).add_subplot(projection="3d")
     body = motion.body
     order = _conventions.order(body)
     moments = body.moments[order]
@@ -142,6 +162,8 @@ def polhode(axes: Any, motion: FreeRotation) -> None:
     axes.set_box_aspect(semi, zoom=1.5)
     axes.set_axis_off()
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
+    figure: Figure = axes.figure
+    return figure
 
 
 def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -167,6 +189,7 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
             yield color, line * (sides[0], sides[0] * sides[1], sides[1])
 
 
+@arguments({}, "sky(axes, motion, seconds)")
 def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "ecliptic") -> None:
     """Draw the directions of the long and the short axis and of the momentum on the sky.
 
@@ -189,6 +212,7 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
     axes.set_title(f"body axes on the sky ({frames.known(frame)})", fontsize=10)
 
 
+@arguments({}, "rates(axes, motion, seconds)")
 def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
     """Draw the angular velocity over the axes of inertia against time, in deg/s or deg/d.
 
@@ -205,6 +229,7 @@ def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
     _legend(axes, -0.13)
 
 
+@arguments({}, "angles(axes, motion, seconds)")
 def angles(
     axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, convention: str | None = None
 ) -> None:
@@ -260,3 +285,8 @@ def _unbroken(
     leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump
     gaps = np.flatnonzero(leap) + 1
     return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)
+
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

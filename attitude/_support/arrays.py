@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from attitude._support.synonyms import Answering
+
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
 
@@ -70,7 +72,7 @@ def put(target: NDArray[Any], source: NDArray[Any]) -> None:
         target[part] = source[part]
 
 
-class Immutable:
+class Immutable(Answering):
     """Base of objects whose attributes cannot be assigned; values computed on demand are cached."""
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -22,6 +22,7 @@ _windows    `windows`, `passes`, `glints`: intervals in which conditions hold, a
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from attitude._support.synonyms import absent
 from attitude.conditions._conditions import Condition, Observable
 from attitude.conditions._search import TOUCH
 from attitude.events._channels import (
@@ -78,4 +79,4 @@ if not TYPE_CHECKING:  # so that type checkers know that there are no other name
                 stacklevel=2,
             )
             return Observable
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        raise absent(__name__, name)

@@ -22,3 +22,11 @@ _format             the contract of a format, and the registry of formats
 _records            rows of a file to an AttitudeTable, and a history to rows
 _sampling           a motion to records within a tolerance; what a writer is given, as segments
 """
+
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

@@ -11,6 +11,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import spin_file
 from attitude.formats._format import Format, OpenedFile, endings, formats
 from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -216,6 +217,34 @@ def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
             f"{os.fspath(path)!r} would hold attitudes at epochs, not a motion; use write."
         )
     found.write(path, motion, **settings)
+
+
+def write_any(
+    path: FilePath, motion: Motion, *, t: Epochs | None = None, **settings: Any
+) -> SampledFile | None:
+    """Write a motion in the format of the file's ending: `Motion.write`."""
+    name, found = os.fspath(path), format_to_write(path)
+    if found.holds == "motion":
+        if not isinstance(motion, FreeRotation):
+            raise AttitudeError(
+                f"{name!r} would hold a free rotation, and the motion is {type(motion).__name__}; "
+                "give an ending of attitudes at epochs, such as .aem, or attitude.fit(...).motion."
+            )
+        if t is not None:
+            raise AttitudeError(f"{name!r} holds a motion, not attitudes at epochs; leave out t.")
+        return found.write(path, motion, **settings)
+    if found.holds == "span":
+        if t is not None:
+            raise AttitudeError(f"{name!r} holds a span of time; give start= and stop= for t.")
+        ends = [settings.pop(each, None) for each in ("start", "stop")]
+        return found.write(path, motion, *ends, **settings)
+    is_table = isinstance(motion, AttitudeTable)
+    if t is None and not is_table and not {"start", "stop"} <= set(settings):
+        raise AttitudeError(
+            f"{name!r} holds attitudes at epochs; give them, as in motion.write({name!r}, t), or "
+            "start=, stop= and tolerance= (rad)."
+        )
+    return found.write(path, motion, t=t, **settings)
 
 
 # ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file

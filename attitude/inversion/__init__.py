@@ -19,6 +19,9 @@ _errors        covariances that contain the error of the model; _posterior, samp
 _verdicts      relations between solutions in words; what a curve decides
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.inversion._curve import LightCurve
 from attitude.inversion._periods import Pair, Periods, periods
 from attitude.inversion._refine import Refinement, refine
@@ -36,3 +39,7 @@ __all__ = [
     "refine",
     "spin_states",
 ]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.inversion import _errors, _problem, _refinement, _search, _shapes, _states, _verdicts
@@ -111,7 +112,7 @@ def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
 # ---- What every fit to a light curve has: residuals, shape, law, predictions, a spin file
 
 
-class CurveFit(ABC):
+class CurveFit(Answering, ABC):
     """A motion and a shape that fit a light curve: `Solution` and `Refinement`.
 
     Attributes
@@ -363,7 +364,7 @@ class Solution(CurveFit):
         )
 
 
-class SpinStates(Sequence[Any]):
+class SpinStates(Answering, Sequence[Any]):
     """The solutions of a light curve, the best first; of a known shape, each a `Refinement`.
 
     Attributes

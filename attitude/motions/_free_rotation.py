@@ -15,6 +15,7 @@ from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
 from attitude._support import markup, validation
 from attitude._support.arrays import frozen, new_array
+from attitude._support.synonyms import checks_arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -114,6 +115,15 @@ def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
 _ROUNDING = 16.0 * np.finfo(float).eps
 
 
+_TAKES = "give body=Body(...) and spin=Spin(...)"
+_HINTS = {
+    **dict.fromkeys(("moments", "inertia", "tensor", "I"), f"{_TAKES}; Body takes the inertia"),
+    **dict.fromkeys(("wxyz", "quaternion", "q0", "omega", "omega0"), f"{_TAKES}; Spin the state"),
+    **dict.fromkeys(("angular_velocity", "w0", "epoch", "frame"), f"{_TAKES}; Spin the state"),
+}
+
+
+@checks_arguments(_HINTS, "FreeRotation(Body(moments=(10, 20, 26)), spin)")
 @dataclass(frozen=True, eq=False, repr=False)
 class FreeRotation(Differentiable):
     """Torque-free motion of a rigid body, in closed form.

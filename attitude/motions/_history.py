@@ -187,7 +187,7 @@ class AttitudeHistory(Immutable):
         """(S, 3) rad/s over the ICRF axes."""
         return frozen(self.body_to_inertial(self.angular_velocity))
 
-    def in_frame(self, frame: str, *, orbit: Any = None) -> FramedHistory:
+    def in_frame(self, frame: str, orbit: Any = None) -> FramedHistory:
         """The attitudes and rates relative to other axes than ICRF.
 
         Parameters

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
-from attitude._support import markup, validation
+from attitude._support import markup, synonyms, validation
 from attitude._support.arrays import Valued, copied, frozen
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._solver.regime import Regime
-    from attitude._support.annotations import Epoch, Epochs, FloatArray
+    from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray
     from attitude.motions._body import Body
 
     class HasAttitudes(Protocol):
@@ -309,6 +309,80 @@ class Motion(Valued):
         At TDB seconds + low since the epoch.
         """
         return True
+
+    def plot(self, path: FilePath | None = None, **settings: Any) -> Any:
+        """A figure of the polhode, the sky, angular velocity and Euler angles of a free rotation.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            File of the picture to write, in a format of matplotlib.
+        settings
+            span=, frame= and title= of `attitude.plots.overview`.
+
+        Returns
+        -------
+        matplotlib Figure
+            In a notebook it shows itself.
+
+        Raises
+        ------
+        AttitudeError
+            For a motion that is no FreeRotation, and as `attitude.plots.overview`.
+        """
+        figure = synonyms.named("attitude.plots:overview")(self, **settings)
+        if path is not None:
+            figure.savefig(path)
+        return figure
+
+    def view(self, output: FilePath | None = None, **settings: Any) -> Any:
+        """A page on which the body turns: `attitude.viewer.view` of this motion.
+
+        Parameters
+        ----------
+        output : str or path, optional
+            File to write, x.html; by default none.
+        settings
+            start=, stop=, shape=, title= and others of `attitude.viewer.view`.
+
+        Returns
+        -------
+        attitude.viewer.Viewer
+            In a notebook it shows itself.
+
+        Raises
+        ------
+        AttitudeError
+            As `attitude.viewer.view`.
+        """
+        return synonyms.named("attitude.viewer:view")(self, output=output, **settings)
+
+    def write(self, path: FilePath, t: Epochs | None = None, **settings: Any) -> Any:
+        """Write the motion in the format of the file's ending.
+
+        Parameters
+        ----------
+        path : str or path
+            m.toml (spin file, exact), m.apm, m.spin hold a free rotation; m.aem, m.a, m.csv,
+            m.ecsv and others attitudes at epochs; m.bc a span.  docs/formats.md lists all endings.
+            The file appears whole or not at all.
+        t : epochs, optional
+            Of a file of attitudes, as for `at`.  A table has its own.
+        settings
+            In place of t start=, stop= and tolerance= (rad); further arguments of the format's
+            writer.
+
+        Returns
+        -------
+        SampledFile, or what the writer of the format returns
+
+        Raises
+        ------
+        AttitudeError
+            For an ending of no format, a motion that the format cannot hold, and attitudes at
+            epochs without t, or start=, stop= and tolerance=.
+        """
+        return synonyms.named("attitude.formats.detect:write_any")(path, self, t=t, **settings)
 
     def close(self) -> None:
         """Release the resources of the motion; a second call does nothing."""

@@ -13,6 +13,7 @@ from attitude import frames
 from attitude._solver import covariance as covariances
 from attitude._support import validation
 from attitude._support.arrays import Valued, frozen
+from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -196,6 +197,15 @@ class Spin(Valued):
         return cls(epoch, quaternion.from_euler(sequence, angles), angular_velocity, frame)
 
     @classmethod
+    @arguments(
+        {
+            **dict.fromkeys(("period", "periods"), "give P_psi= and P_phi=, or P="),
+            **dict.fromkeys(("date", "time", "t0"), "give epoch="),
+            **dict.fromkeys(("spin_axis", "axis", "beta", "lam"), "give pole="),
+        },
+        'Spin.from_periods(body, mode="LAM", convention="L", P_psi="5.37 d", P_phi="7.4 d", '
+        'pole="180, -52 deg", phi0=0.0, psi0=0.0, epoch="2026-01-01")',
+    )
     def from_periods(
         cls,
         body: Body | None,

@@ -22,6 +22,9 @@ Importing this package imports neither astropy, skyfield nor numba; functions im
 are called.  Nothing is ever downloaded.
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.paths._composed import body, relative
 from attitude.paths._compressed import Compressed, compress
 from attitude.paths._foreign import from_skyfield
@@ -60,3 +63,7 @@ __all__ = [
     "tle",
     "uniform",
 ]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

@@ -12,6 +12,9 @@ _spectrum      sums of exponentials, and the search over pairs of frequencies, c
 _figures       a figure for each
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.photometry._curve import BadRow, Photometry, phase_angle
 from attitude.photometry._files import read
 from attitude.photometry._folding import Folded, fold
@@ -33,3 +36,7 @@ __all__ = [
     "read",
     "two_periods",
 ]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

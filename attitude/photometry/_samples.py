@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -28,7 +29,7 @@ Found = TypeVar("Found")
 _FLOOR = 0.05
 
 
-class HasSamples:
+class HasSamples(Answering):
     """Base of objects that are a light curve: `samples` returns it as numbers."""
 
     def samples(self) -> Samples:

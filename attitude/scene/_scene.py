@@ -10,6 +10,7 @@ import numpy as np
 
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Immutable, new_array
+from attitude._support.synonyms import arguments, named
 from attitude.catalog import motion_of
 from attitude.conditions._conditions import Observable
 from attitude.conditions._moments import OfReception
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import Epochs, FloatArray, Real, Reals
+    from attitude._support.annotations import Epochs, FilePath, FloatArray, Real, Reals
     from attitude.conditions._moments import Moment, Pair
     from attitude.light_curve._visibility import Visibility
     from attitude.motions._motion import HasAttitudes, Motion
@@ -162,6 +163,17 @@ class OfFunction:
                 "it must return one number for each."
             )
         return found
+
+
+# What to give for arguments that a Scene does not have.
+_HINTS = {
+    **dict.fromkeys(("path", "orbit", "position", "body", "target"), "give center="),
+    **dict.fromkeys(("site", "telescope", "station", "camera"), "give observer="),
+    **dict.fromkeys(("scattering", "brdf", "material", "materials"), "give law="),
+    **dict.fromkeys(("mesh", "model", "facets"), "give shape="),
+    **dict.fromkeys(("light", "source"), "give sun="),
+    **dict.fromkeys(("times", "epochs", "t"), "give times to .at(times)"),
+}
 
 
 class OfView(Observable):
@@ -387,6 +399,7 @@ class Scene(Immutable):
     sun_magnitude: float | None
     phase_function: Callable[[FloatArray], FloatArray] | None
 
+    @arguments(_HINTS, 'Scene(motion, center="mars", observer="earth")')
     def __init__(
         self,
         motion: HasAttitudes | str | None,
@@ -476,6 +489,28 @@ class Scene(Immutable):
             start = _instants.Instant(0.0)
         hi, lo = _inputs.seconds_since(start, times, low, "times")
         return self.since(start, hi, lo)
+
+    def view(self, output: FilePath | None = None, **settings: Any) -> Any:
+        """A page with the body, Sun, observer and light curve: `attitude.viewer.view`.
+
+        Parameters
+        ----------
+        output : str or path, optional
+            File to write, x.html; by default none.
+        settings
+            start=, stop=, title= and others of `attitude.viewer.view`.
+
+        Returns
+        -------
+        attitude.viewer.Viewer
+            In a notebook it shows itself.
+
+        Raises
+        ------
+        AttitudeError
+            As `attitude.viewer.view`.
+        """
+        return named("attitude.viewer:view")(self, output=output, **settings)
 
     def since(
         self, start: _instants.Instant, seconds: ArrayLike, low: ArrayLike | None = None

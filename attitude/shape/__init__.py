@@ -8,6 +8,9 @@ _solids      `box`, `cylinder`, `box_wing`
 _files       `read`: OBJ, DAMIT, STL, PLY
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._files import read
 from attitude.shape._mesh import FlatSide, MassProperties, Mesh, flat_sides
@@ -24,3 +27,7 @@ __all__ = [
     "flat_sides",
     "read",
 ]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

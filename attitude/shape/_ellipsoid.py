@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import MassProperties, Mesh
 
@@ -115,7 +116,8 @@ class Ellipsoid(Immutable):
     Parameters
     ----------
     semi_axes : (3,) array_like
-        Along x, y and z of the body, in any order of size: m, or a Quantity.
+        Along x, y and z of the body, in any order of size: m, or a Quantity.  Three numbers may
+        also be three arguments.
 
     Attributes
     ----------
@@ -135,7 +137,10 @@ class Ellipsoid(Immutable):
     is_convex = True
     is_closed = True
 
-    def __init__(self, semi_axes: Reals) -> None:
+    @arguments({}, "Ellipsoid((3, 2, 1))")
+    def __init__(self, semi_axes: Reals, *others: Real) -> None:
+        if others:
+            semi_axes = cast("Reals", [semi_axes, *others])
         axes = validation.real(semi_axes, "semi_axes", shape=(3,), unit="m")
         if not np.all(axes > 0.0):
             raise AttitudeError(

@@ -17,6 +17,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from attitude._support.synonyms import absent
+
 if TYPE_CHECKING:
     # The names of _WHERE, for editors and type checkers.
     from attitude.torques._custom import CustomTorque as CustomTorque
@@ -45,7 +47,7 @@ if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
     def __getattr__(name: str) -> Any:
         if name not in _WHERE:
-            raise AttributeError(f"module 'attitude.torques' has no attribute {name!r}")
+            raise absent(__name__, name)
         value = getattr(import_module(_WHERE[name]), name)
         globals()[name] = value
         return value

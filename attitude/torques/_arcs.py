@@ -28,6 +28,7 @@ from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
 from attitude._support import pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
+from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -459,6 +460,12 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
 _NO_LOW = frozen(np.zeros(1))
 
 
+_HINTS = {
+    **dict.fromkeys(("impulses", "impulse", "maneuvers", "events", "arcs"), "give changes="),
+    "torques": "arcs are free of torques; use TorquedRotation(body, spin, torques)",
+}
+
+
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Arcs(Differentiable):
     """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
@@ -503,6 +510,7 @@ class Arcs(Differentiable):
 
     _value = ("body", "spin", "changes")
 
+    @arguments(_HINTS, "Arcs(body, spin, [Impulse(at=60.0, angular_momentum=(0, 0, -13))])")
     def __init__(self, body: Body, spin: Spin, changes: Change | Iterable[Change]) -> None:
         self._bodies: Sequence[Body]
         self._constants: FloatArray

@@ -8,6 +8,9 @@ _cosmographia   `write_cosmographia`: a catalogue beside a C-kernel
 _subject        what is shown: span, attitudes, directions, light curve, surface
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.viewer._animation import animate
 from attitude.viewer._cosmographia import write_cosmographia
 from attitude.viewer._czml import write_czml
@@ -15,3 +18,7 @@ from attitude.viewer._gltf import write_glb
 from attitude.viewer._page import Viewer, view
 
 __all__ = ["Viewer", "animate", "view", "write_cosmographia", "write_czml", "write_glb"]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

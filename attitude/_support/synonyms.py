@@ -1,0 +1,355 @@
+"""Names that other packages use, answered with the name that stands here.
+
+`ATTRIBUTES` and `MODULES` hold a hint for each name that an object or a module does not have, and
+`ARGUMENTS` for each argument that a call does not have.  A name is answered only after the usual
+search has failed, so that the table costs nothing where a name exists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import wraps
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+from attitude.errors import AttitudeError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Class = TypeVar("Class", bound=type)
+
+
+def _each(hint: str, *names: str) -> dict[str, str]:
+    """The same hint for several names."""
+    return dict.fromkeys(names, hint)
+
+
+_WXYZ = "use .at(t).wxyz, scalar first, or .xyzw, scalar last"
+_AT = "use .at(t), which has wxyz, xyzw, matrix, dcm and angular_velocity"
+_PERIODS = (
+    "use period_psi and period_phi, in s, or published('L') and published('S'), which have P_psi, "
+    "P_phi, pole, phi0 and psi0 as papers print them"
+)
+_ROTATION = "use as_rotation(), a scipy Rotation, matrix (body to ICRF) or dcm (ICRF to body)"
+_FILE = "use write(file), whose format follows from the ending, such as m.toml, m.aem or m.csv"
+_TABLE = 'use table().write("x.ecsv") or table().write("x.csv")'
+_RATES = "use angular_velocity, rad/s over the body axes"
+
+# Hints by the name of a class, which hold for its subclasses too.
+ATTRIBUTES: dict[str, dict[str, str]] = {
+    "Motion": {
+        **_each(_WXYZ, "quaternion", "quaternions", "quat", "q", "wxyz", "xyzw"),
+        **_each(
+            "use .at(t).as_rotation(), a scipy Rotation, .at(t).matrix (body to ICRF) or "
+            ".at(t).dcm (ICRF to body)",
+            *("rotation", "rotations", "as_rotation", "matrix", "rotation_matrix", "dcm"),
+        ),
+        **_each('use .at(t).euler("ZXZ"), rad', "euler", "euler_angles", "eulers"),
+        **_each(
+            "use .at(t).angular_velocity, rad/s over the body axes",
+            *("omega", "angular_velocity", "rates", "rate", "w"),
+        ),
+        **_each(_AT, "propagate", "evaluate", "attitude", "attitude_at", "state", "states"),
+        **_each(_AT, "history", "integrate", "solve", "interpolate", "orientation"),
+        **_each(_FILE, "to_aem", "to_file", "to_toml", "to_csv", "to_ck", "to_apm", "to_acm"),
+        **_each(_FILE, "save", "export", "dump", "to_stk"),
+        **_each(
+            'use attitude.viewer.animate(motion, "m.mp4"), or view(output="m.html")',
+            *("animate", "animation", "movie"),
+        ),
+        **_each('use view(output="m.html"), or plot()', "show", "display", "render"),
+        **_each("use .at(t).table(), an astropy QTable", "table", "to_table", "to_pandas"),
+    },
+    "FreeRotation": {
+        **_each(_PERIODS, "period", "periods", "P_psi", "P_phi", "rotation_period", "P"),
+        **_each(_PERIODS, "precession_period", "nutation_period", "spin_period"),
+        **_each(
+            "use momentum / |momentum|, the direction of the angular momentum in ICRF, or "
+            "published('L').pole",
+            *("pole", "spin_axis", "spin_pole", "rotation_axis", "axis"),
+        ),
+        **_each("use momentum, kg m2/s in ICRF", "angular_momentum", "L", "H", "h"),
+        **_each("use energy, J", "kinetic_energy", "E", "T"),
+        **_each("use body.moments, kg m2", "moments", "inertia", "principal_moments"),
+        **_each("use body.tensor, kg m2", "tensor", "inertia_tensor"),
+        **_each("use at(t).covariance, or at(t).sigma in rad", "covariance", "sigma", "errors"),
+        **_each("use at(t).sensitivity or sensitivity_at(t)", "jacobian", "stm", "derivatives"),
+    },
+    "AttitudeHistory": {
+        **_each("use wxyz, scalar first, or xyzw, scalar last", "quaternion", "quaternions"),
+        **_each("use wxyz, scalar first, or xyzw, scalar last", "quat", "q", "as_quat"),
+        **_each(_ROTATION, "rotation", "rotations", "as_matrix", "rotation_matrix", "matrices"),
+        **_each('use euler("ZXZ"), rad', "euler_angles", "as_euler", "angles"),
+        **_each(_RATES, "omega", "rates", "rate", "w", "angular_rate", "omegas"),
+        **_each("use time, an astropy Time, or seconds since epoch", "times", "t", "epochs"),
+        **_each(_TABLE, "write", "save", "to_csv", "to_ecsv", "to_file", "export"),
+        **_each("use table(), an astropy QTable, or to_pandas()", "to_table", "to_frame"),
+        **_each("use motion.plot(), or attitude.plots", "plot", "show"),
+        **_each("use body_to_inertial(v)", "apply", "rotate", "to_inertial"),
+        **_each("use inertial_to_body(v)", "to_body", "apply_inverse"),
+        **_each("use sigma (rad), sigma_deg or covariance", "errors", "error", "std"),
+    },
+    "Body": {
+        **_each("use tensor (body axes) or moments, kg m2", "inertia", "inertia_tensor", "I"),
+        **_each("use moments, kg m2", "principal_moments", "Ixx", "Iyy", "Izz", "A", "B", "C"),
+        **_each("use principal_axes, the columns are unit vectors", "axes", "principal_frame"),
+        **_each("use center_of_mass, m", "com", "centre_of_mass", "center"),
+    },
+    "Spin": {
+        **_each("use wxyz, scalar first", "quaternion", "q", "quat", "attitude", "orientation"),
+        "xyzw": "use np.roll(spin.wxyz, -1)",
+        **_each(_RATES, "omega", "rates", "rate", "w"),
+        **_each("use epoch", "time", "date", "t", "t0"),
+        **_each(
+            "use FreeRotation(body, spin).at(spin.epoch).matrix (body to ICRF) or .dcm",
+            *("rotation", "matrix", "dcm"),
+        ),
+        **_each(
+            "periods follow from the body too: use FreeRotation(body, spin).period_psi",
+            *("period", "periods", "P_psi", "P_phi", "pole", "from_period"),
+        ),
+        **_each("use Spin(epoch=, wxyz=, angular_velocity=)", "from_quaternion", "from_quat"),
+        **_each("use Spin(epoch=, dcm=, angular_velocity=)", "from_dcm"),
+    },
+    "Scene": {
+        **_each("use at(times).magnitude", "magnitude", "magnitudes", "light_curve", "lightcurve"),
+        **_each("use at(times).brightness", "brightness", "flux"),
+        **_each("use at(times).phase_angle, rad", "phase_angle", "phase"),
+        **_each("use at(times)", "observe", "evaluate", "propagate", "geometry"),
+        **_each("use view(output=file)", "plot", "show", "render"),
+        **_each("use attitude.viewer.animate(scene, file)", "animate"),
+        **_each("use attitude.events.passes(scene, ...) or glints", "passes", "glints", "events"),
+    },
+    "View": {
+        **_each("use magnitude or reduced_magnitude", "mag", "magnitudes", "mags", "V"),
+        **_each("use phase_angle, rad", "phase", "alpha", "phase_angles"),
+        **_each("use observer_distance, m", "distance", "range", "delta"),
+        **_each("use brightness", "flux", "fluxes", "light_curve"),
+        **_each("use table(), an astropy QTable", "to_table", "write", "save", "to_csv"),
+        **_each("use sun_direction, over the body axes", "sun", "sun_vector"),
+        **_each("use observer_direction, over the body axes", "observer", "observer_vector"),
+    },
+    "HasSamples": {
+        **_each("use magnitude", "mag", "mags", "magnitudes"),
+        **_each("use sigma", "error", "errors", "err", "uncertainty"),
+        **_each("use times", "time", "t", "jd", "epochs"),
+        **_each("use attitude.photometry.periodogram(curve)", "periodogram", "period", "periods"),
+        **_each("use attitude.photometry.fold(curve, period)", "fold", "folded"),
+        **_each("use the class's read(file)", "from_file", "load", "open"),
+        **_each("use attitude.inversion.spin_states(curve, ...)", "invert", "solve"),
+    },
+    "CurveFit": {
+        **_each("use P_psi and P_phi, s, or published('L')", "period", "periods"),
+        **_each("use motion.spin and motion.body", "spin", "body"),
+        **_each("use shape, a Mesh", "mesh", "model"),
+        **_each("use write(file.toml), and shape.write(file.obj)", "save", "to_file", "export"),
+        **_each("use residuals, rms or chi_squared", "chi2", "chisq", "residual"),
+    },
+    "SpinStates": {
+        **_each("use found[0]", "best", "first", "solution"),
+        **_each("iterate over it, or use table()", "solutions", "candidates", "results"),
+        **_each("use found[0].motion", "motion"),
+        **_each("use found[0].write(file)", "write", "save"),
+        **_each("use found[0].P_psi and found[0].P_phi, s", "period", "periods", "P_psi", "P_phi"),
+        **_each("use found[0].pole", "pole"),
+        **_each("use found[0].predict(times)", "predict"),
+    },
+    "Ensemble": {
+        **_each("use at(t)", "propagate", "evaluate"),
+        **_each(_WXYZ, "quaternion", "quaternions", "q"),
+        **_each("use period_psi and period_phi, s", "period", "periods", "P_psi", "P_phi"),
+        **_each("use len(ensemble)", "size", "count", "n"),
+    },
+    "Mesh": {
+        **_each("use facets", "faces", "triangles"),
+        **_each("use vertices, m", "points", "verts"),
+        **_each("use write(file)", "save", "export", "to_obj"),
+        **_each("use attitude.shape.read(file)", "read", "load", "from_file"),
+    },
+}
+
+# Hints by the name of a module.
+MODULES: dict[str, dict[str, str]] = {
+    "attitude": {
+        **_each("use attitude.formats.detect.read(file)", "read", "open", "read_aem", "load_file"),
+        **_each("use attitude.catalog.load(name)", "load", "get", "toutatis"),
+        **_each("use attitude.plots.overview(motion), or motion.plot()", "plot", "draw"),
+        **_each("use attitude.viewer.view(motion, output=file), or motion.view()", "view", "show"),
+        **_each("use attitude.viewer.animate(motion, file)", "animate"),
+        **_each("use attitude.inversion.spin_states(curve, ...)", "invert", "spin_states"),
+        **_each(
+            "use attitude.photometry.LightCurve or attitude.inversion.LightCurve", "LightCurve"
+        ),
+        **_each("use attitude.photometry.periodogram(curve)", "periodogram", "LombScargle"),
+        **_each("use attitude.shape.Ellipsoid", "Ellipsoid"),
+        **_each("use attitude.shape.Mesh, or attitude.shape.read(file)", "Mesh", "read_shape"),
+        **_each("use attitude.motions.Motion", "Motion"),
+        **_each("use attitude.paths.tle(file)", "TLE", "tle"),
+        **_each("use attitude.paths.site(longitude, latitude)", "Site", "Observer", "Location"),
+        **_each("use attitude.torques.GravityGradient", "GravityGradient"),
+        **_each("use attitude.torques, such as torques.ConstantTorque", "Torque"),
+        **_each("use Body(moments=) with FreeRotation(body, spin)", "RigidBody", "Asteroid"),
+        **_each("use FreeRotation(body, spin)", "Rotation", "FreeMotion", "Tumbler", "Rotator"),
+        **_each("use plain arrays (..., 4), attitude.frames.quaternion", "Quaternion"),
+    },
+    "attitude.catalog": {
+        **_each("use catalog.names()", "list", "all", "keys", "search", "bodies", "objects"),
+        **_each("use catalog.load(name) or catalog.entry(name)", "get", "read", "body", "spin"),
+    },
+    "attitude.formats": {
+        **_each("use attitude.formats.detect.read(file)", "read", "load", "open"),
+        **_each("use motion.write(file), or attitude.formats.detect.write", "write", "save"),
+    },
+    "attitude.paths": {
+        **_each('use paths.body("mars")', "planet", "sun", "earth", "moon", "mars"),
+        **_each("use paths.mpc_orbit(line) or paths.kepler(...)", "mpc", "mpcorb", "elements"),
+        **_each(
+            "use paths.mpc_orbit(line), or paths.spk(file) of Horizons", "horizons", "asteroid"
+        ),
+        **_each("use paths.tle(file)", "satellite", "sgp4"),
+        **_each(
+            "use paths.site(longitude, latitude) or paths.observatory(code)", "ground", "topos"
+        ),
+    },
+    "attitude.plots": {
+        **_each("use plots.overview(motion)", "plot", "summary", "show"),
+        **_each("use attitude.viewer.animate(motion, file)", "animate"),
+    },
+    "attitude.inversion": {
+        **_each("use inversion.spin_states(curve, ...)", "invert", "solve", "run", "fit"),
+        **_each("use inversion.LightCurve.read(file)", "read", "load"),
+    },
+    "attitude.photometry": {
+        **_each("use photometry.periodogram(curve)", "lomb_scargle", "LombScargle"),
+        **_each("use photometry.read(file)", "load", "from_file"),
+    },
+    "attitude.viewer": {
+        **_each("use viewer.view(motion, output=file)", "show", "plot", "render"),
+    },
+    "attitude.shape": {
+        **_each("use shape.read(file)", "load", "read_obj", "from_file"),
+        **_each("use shape.Ellipsoid((a, b, c))", "ellipsoid", "Sphere", "sphere"),
+    },
+}
+
+
+def absent(owner: str, name: str, *, obj: Any = None) -> AttributeError:
+    """The AttributeError for a name that a module does not have, with the hint of `MODULES`."""
+    hint = MODULES.get(owner, {}).get(name)
+    sentence = f"module {owner!r} has no attribute {name!r}"
+    if hint is not None:
+        sentence += f"; {hint}."
+    return AttributeError(sentence, name=name, obj=obj)
+
+
+def of_module(owner: str) -> Callable[[str], Any]:
+    """A ``__getattr__`` of a module, which answers each absent name."""
+
+    def __getattr__(name: str) -> Any:
+        raise absent(owner, name)
+
+    return __getattr__
+
+
+class Answering:
+    """Base of classes whose absent attributes are answered with a hint of `ATTRIBUTES`."""
+
+    if not TYPE_CHECKING:
+        # Hidden from type checkers: a class with __getattr__ has every name, misspelt ones too.
+        def __getattr__(self, name: str) -> Any:
+            cls = type(self)
+            if not name.startswith("_"):
+                if hasattr(cls, name):  # a property that raised: its own error
+                    return object.__getattribute__(self, name)
+                for base in cls.__mro__:
+                    hint = ATTRIBUTES.get(base.__name__, {}).get(name)
+                    if hint is not None:
+                        sentence = f"{cls.__name__} has no attribute {name!r}; {hint}."
+                        raise AttributeError(sentence, name=name, obj=self)
+            sentence = f"{cls.__name__!r} object has no attribute {name!r}"
+            raise AttributeError(sentence, name=name, obj=self)
+
+
+# ---- Calls with arguments that do not exist
+
+
+def arguments(hints: Mapping[str, str], example: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A decorator of a function or ``__init__``: a wrong call is an AttitudeError.
+
+    Parameters
+    ----------
+    hints : mapping
+        What to do in place of an argument that does not exist.
+    example : str
+        A call that is right.
+    """
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def called(*given: P.args, **named: P.kwargs) -> R:
+            try:
+                return function(*given, **named)
+            except TypeError:
+                refusal = _refusal(function, given, named, hints, example)
+                if refusal is None:
+                    raise
+            raise AttitudeError(refusal)
+
+        return called
+
+    return decorated
+
+
+def checks_arguments(hints: Mapping[str, str], example: str) -> Callable[[Class], Class]:
+    """The decorator of `arguments` for a class whose ``__init__`` is made by dataclass."""
+
+    def decorated(cls: Class) -> Class:
+        made = vars(cls)["__init__"]
+        made.__qualname__ = f"{cls.__name__}.__init__"
+        setattr(cls, "__init__", arguments(hints, example)(made))  # noqa: B010
+        return cls
+
+    return decorated
+
+
+def _refusal(
+    function: Callable[..., Any],
+    given: tuple[Any, ...],
+    named: Mapping[str, Any],
+    hints: Mapping[str, str],
+    example: str,
+) -> str | None:
+    """What is wrong with a call, as a sentence; None if its arguments fit the function."""
+    import inspect  # 15 ms, of wrong calls only
+
+    signature = inspect.signature(function)
+    try:
+        signature.bind(*given, **named)
+    except TypeError as err:
+        reason = str(err)
+    else:
+        return None
+    name = function.__qualname__.removesuffix(".__init__")
+    known = [each for each in signature.parameters if each not in ("self", "cls")]
+    wrong = next((each for each in named if each not in known), None)
+    if wrong is not None:
+        return (
+            f"{name} has no argument {wrong}; {hints.get(wrong, _takes(known))}, as in {example}."
+        )
+    return f"{name}: {reason}; {_takes(known)}, as in {example}."
+
+
+def _takes(known: list[str]) -> str:
+    return f"it takes {', '.join(known)}"
+
+
+# ---- Methods that functions of higher folders implement
+
+
+def named(address: str) -> Any:
+    """The function of an address such as "attitude.plots:overview", imported when it is called.
+
+    A motion answers verbs such as ``plot()`` by functions of folders that import motions.
+    """
+    module, _, name = address.partition(":")
+    return getattr(import_module(module), name)

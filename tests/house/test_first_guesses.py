@@ -1,0 +1,176 @@
+"""What a new user types first: it works, or the answer names what does.
+
+Each guess is a line of code; `works` have a value, the others raise an error whose sentence holds
+the words given.  They were written down as a user would type them who knows scipy, astropy,
+skyfield, trimesh or a paper, before reading a page of the docs.
+"""
+
+import importlib
+import inspect
+import re
+
+import numpy as np
+import pytest
+
+import attitude
+from attitude import Arcs, Body, Ensemble, FreeRotation, Impulse, Scene, Spin, paths, shape
+from attitude._support import synonyms
+
+WORKS = [
+    "motion.plot()",
+    "motion.view(output=folder / 'm.html')",
+    "motion.write(folder / 'm.toml')",
+    "motion.write(folder / 'm.apm')",
+    "motion.write(folder / 'm.aem', t)",
+    "motion.write(folder / 'm.csv', t)",
+    "motion.write(folder / 'm.aem', start=0.0, stop=60.0, tolerance=1e-6)",
+    "attitude.plots.polhode(motion)",
+    "history.in_frame('ecliptic')",
+    "history.in_frame('lvlh', orbit)",
+    "shape.Ellipsoid(3, 2, 1)",
+    "attitude.inversion",
+    "attitude.viewer",
+    "Spin(epoch='2026-01-01', dcm=np.eye(3), angular_velocity=(0, 0, 1))",
+    "scene.view(output=folder / 's.html')",
+]
+ANSWERED = {
+    "Body(10, 20, 26)": "Body(moments=(10, 20, 26))",
+    "Body(inertia=(10, 20, 26))": "moments",
+    "Body(axes=(3, 2, 1))": "Body.from_ellipsoid",
+    "body.inertia": "tensor",
+    "body.I": "tensor",
+    "body.principal_moments": "moments",
+    "Spin(epoch='2026-01-01', quaternion=(1, 0, 0, 0), omega=(0, 0, 1))": "wxyz=",
+    "Spin(epoch='2026-01-01', wxyz=(1, 0, 0, 0), omega=(0, 0, 1))": "angular_velocity=",
+    "Spin.from_periods(body, period=3600.0)": "P_psi",
+    "spin.quaternion": "wxyz",
+    "spin.omega": "angular_velocity",
+    "spin.period": "period_psi",
+    "FreeRotation(moments=(1, 2, 3), spin=spin)": "Body",
+    "FreeRotation((1, 2, 3), (1, 0, 0, 0), (0, 0, 1))": "it takes body, spin",
+    "FreeRotation(body)": "spin",
+    "motion.period": "period_psi",
+    "motion.periods": "period_psi",
+    "motion.P_phi": "published",
+    "motion.pole": "momentum",
+    "motion.spin_axis": "momentum",
+    "motion.angular_momentum": "momentum",
+    "motion.quaternion": ".at(t).wxyz",
+    "motion.rotation": "as_rotation",
+    "motion.euler_angles": 'euler("ZXZ")',
+    "motion.omega": ".at(t).angular_velocity",
+    "motion.propagate": ".at(t)",
+    "motion.to_aem(folder / 'm.aem')": "write(file)",
+    "motion.save('m.toml')": "write(file)",
+    "motion.animate()": "attitude.viewer.animate",
+    "motion.write('m.aem')": "start=",
+    "motion.write('m.xyz')": ".toml",
+    "history.quaternion": "wxyz",
+    "history.omega": "angular_velocity",
+    "history.euler_angles": 'euler("ZXZ")',
+    "history.to_csv('m.csv')": "table()",
+    "history.rotation": "as_rotation()",
+    "Scene(motion, path=orbit)": "center=",
+    "Scene(motion, center=orbit, site='568')": "observer=",
+    "scene.magnitude": "at(times).magnitude",
+    "Arcs(body, spin, impulses=[impulse])": "changes=",
+    "mesh.faces": "facets",
+    "attitude.read('m.aem')": "attitude.formats.detect.read",
+    "attitude.plot(motion)": "motion.plot()",
+    "attitude.view(motion)": "attitude.viewer.view",
+    "attitude.load('toutatis')": "attitude.catalog.load",
+    "attitude.catalog.list()": "names()",
+}
+
+
+@pytest.fixture(scope="module")
+def names(tmp_path_factory):
+    """The objects that a user would have."""
+    body = Body(moments=(10, 20, 26))
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1))
+    motion = FreeRotation(body, spin)
+    t = np.linspace(0.0, 60.0, 7)
+    names = {"body": body, "spin": spin, "motion": motion, "t": t, "history": motion.at(t)}
+    names |= {each.__name__: each for each in (Arcs, Body, Ensemble, FreeRotation, Scene, Spin)}
+    center = paths.uniform((7e6, 0, 0), (0, 7500.0, 0), epoch="2026-01-01", center="earth")
+    here = Scene(motion, None, (1, 0, 0), (0, 1, 0), shape=shape.Ellipsoid((3, 2, 1)))
+    names |= {"orbit": center, "scene": here, "mesh": shape.box((1, 2, 3)), "shape": shape}
+    names |= {"impulse": Impulse(at=60.0, angular_momentum=(0, 0, 1)), "np": np}
+    return names | {"attitude": attitude, "folder": tmp_path_factory.mktemp("guesses")}
+
+
+def test_there_are_61():
+    assert len(WORKS) + len(ANSWERED) == 61
+
+
+@pytest.mark.parametrize("guess", WORKS)
+def test_works(guess, names):
+    found = eval(guess, names)
+    for each in re.findall(r"folder / '([^']+)'", guess):
+        assert (names["folder"] / each).stat().st_size > 200
+    assert found is not None or "write" in guess
+
+
+@pytest.mark.parametrize("guess", ANSWERED)
+def test_is_answered_with_the_right_name(guess, names):
+    with pytest.raises((attitude.AttitudeError, AttributeError)) as error:
+        eval(guess, names)
+    sentence = str(error.value)
+    assert ANSWERED[guess] in sentence, sentence
+    assert sentence.endswith("."), sentence
+
+
+def _classes():
+    """The public classes, with those of private modules that the table names, by name."""
+    found = {}
+    for module in attitude.PUBLIC_MODULES:
+        if module in ("attitude.jax", "attitude.torch", "attitude.survey"):
+            continue  # they need optional packages, and have no classes of the table
+        loaded = importlib.import_module(module)
+        members = vars(loaded) | {k: getattr(loaded, k) for k in getattr(loaded, "__all__", ())}
+        for value in members.values():
+            if inspect.isclass(value):
+                found |= {base.__name__: base for base in value.__mro__}
+    return found
+
+
+def test_no_hint_hides_a_name_and_each_names_one_that_exists():
+    """Every class and module of the table exists, lacks the names it answers, has those it says."""
+    classes = _classes()
+    assert set(synonyms.ATTRIBUTES) <= set(classes), set(synonyms.ATTRIBUTES) - set(classes)
+    for name, hints in synonyms.ATTRIBUTES.items():
+        assert issubclass(classes[name], synonyms.Answering), name
+        for absent, hint in hints.items():
+            assert not hasattr(classes[name], absent), f"{name}.{absent} exists"
+            assert absent not in getattr(classes[name], "__annotations__", {}), f"{name}.{absent}"
+            for module, function in re.findall(r"attitude\.([a-z_.]+?)\.(\w+)\(", hint):
+                assert hasattr(importlib.import_module(f"attitude.{module}"), function), hint
+    for name, hints in synonyms.MODULES.items():
+        module = importlib.import_module(name)
+        for absent in hints:
+            assert absent not in dir(module), f"{name}.{absent} exists"
+            with pytest.raises(AttributeError, match="use "):
+                getattr(module, absent)
+
+
+def test_the_own_error_of_a_property_is_kept():
+    class Broken(synonyms.Answering):
+        @property
+        def period(self):
+            return self.nothing
+
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = Broken().period
+
+
+def test_a_type_error_inside_of_a_call_stays_one():
+    @synonyms.arguments({}, "half(2)")
+    def half(value):
+        return value / 2
+
+    with pytest.raises(TypeError, match="unsupported operand"):
+        half("text")
+    with pytest.raises(
+        attitude.AttitudeError, match=r"half has no argument number; it takes value"
+    ):
+        half(number=2)
