@@ -2,7 +2,8 @@
 
 _torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `InternalDissipation`
 _gravity_gradient   `GravityGradient`
-_radiation          `SolarRadiation`
+_radiation          `SolarRadiation`, `AerodynamicTorque`
+_magnetic           `EddyCurrent`, `MagneticDipole`; fields: `IGRF`, `DipoleField`
 _custom             `CustomTorque`, by a function of the user
 _compiled           the compiled functions of the built-in torques
 _torqued            `TorquedRotation` (`attitude.splitting`); states after fixed and adaptive steps
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
     # The names of _WHERE, for editors and type checkers.
     from attitude.torques._custom import CustomTorque as CustomTorque
     from attitude.torques._gravity_gradient import GravityGradient as GravityGradient
+    from attitude.torques._magnetic import IGRF as IGRF
+    from attitude.torques._magnetic import DipoleField as DipoleField
+    from attitude.torques._magnetic import EddyCurrent as EddyCurrent
+    from attitude.torques._magnetic import MagneticDipole as MagneticDipole
+    from attitude.torques._magnetic import MagneticField as MagneticField
+    from attitude.torques._radiation import AerodynamicTorque as AerodynamicTorque
     from attitude.torques._radiation import SolarRadiation as SolarRadiation
     from attitude.torques._torque import ConstantTorque as ConstantTorque
     from attitude.torques._torque import InternalDissipation as InternalDissipation
@@ -31,6 +38,11 @@ if TYPE_CHECKING:
 
 # The module that defines each name, imported when the name is first used.
 _WHERE = {
+    **dict.fromkeys(
+        ("DipoleField", "EddyCurrent", "IGRF", "MagneticDipole", "MagneticField"),
+        "attitude.torques._magnetic",
+    ),
+    "AerodynamicTorque": "attitude.torques._radiation",
     "ConstantTorque": "attitude.torques._torque",
     "CustomTorque": "attitude.torques._custom",
     "GravityGradient": "attitude.torques._gravity_gradient",

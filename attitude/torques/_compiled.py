@@ -78,6 +78,32 @@ def gravity_gradient_slope(t, wxyz, y, given, p, out):
 
 
 @callback
+def eddy_current(t, wxyz, omega, given, p, out):
+    """(M (w x B - B')) x B; given: B and B' over ICRF axes; p: M (6)."""
+    field = _to_body(wxyz, given[0], given[1], given[2])
+    rate = _to_body(wxyz, given[3], given[4], given[5])
+    x, y, z = _cross((omega[0], omega[1], omega[2]), field)
+    n = _cross(_symmetric(p, 0, (x - rate[0], y - rate[1], z - rate[2])), field)
+    out[0], out[1], out[2] = n[0], n[1], n[2]
+
+
+@callback
+def magnetic_dipole(t, wxyz, omega, given, p, out):
+    """m x B; given: B over ICRF axes; p: the moment m (3)."""
+    n = _cross((p[0], p[1], p[2]), _to_body(wxyz, given[0], given[1], given[2]))
+    out[0], out[1], out[2] = n[0], n[1], n[2]
+
+
+@callback
+def magnetic_dipole_slope(t, wxyz, y, given, p, out):
+    """Derivatives of N . y by turns about the body axes, N being that of `magnetic_dipole`."""
+    # d(m x B . y)/dB = y x m
+    gradient = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
+    n = _cross(gradient, _to_body(wxyz, given[0], given[1], given[2]))
+    out[0], out[1], out[2] = n[0], n[1], n[2]
+
+
+@callback
 def constant(t, wxyz, omega, given, p, out):
     """N; p: the torque N (3)."""
     out[0], out[1], out[2] = p[0], p[1], p[2]

@@ -1,4 +1,4 @@
-"""The pressure of sunlight on the facets of a body (the YORP effect, solar torque)."""
+"""The push of sunlight and of thin air on the facets of a body."""
 
 from __future__ import annotations
 
@@ -7,13 +7,21 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import pairs, validation
 from attitude._support.arrays import frozen
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.constants import (
+    ASTRONOMICAL_UNIT_M,
+    EARTH_RADIUS_M,
+    SPEED_OF_LIGHT_M_S,
+)
 from attitude.errors import AttitudeError
+from attitude.frames import _earth
+from attitude.paths._ground import RATE as EARTH_RATE_RAD_S
 from attitude.torques._torque import Torque, path_of, positions, span_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, Real, Reals
@@ -97,31 +105,8 @@ class SolarRadiation(Torque):
         mirrored: Real | Reals = 0.0,
         flux: Real = SOLAR_CONSTANT,
     ) -> None:
-        self._set("shape", shape)
         self._set("path", path_of(path, "path"))
-        missing = [x for x in ("areas", "normals", "centroids") if not hasattr(shape, x)]
-        if missing:
-            raise AttitudeError(
-                f"shape is {type(shape).__name__} without {', '.join(missing)}; give a mesh."
-            )
-        areas = np.asarray(shape.areas)
-        if areas.ndim != 1 or areas.dtype.kind not in "fiu":
-            raise AttitudeError(
-                f"shape is {validation.shown(shape)}, whose areas are "
-                f"{validation.shown(shape.areas)}; give a mesh, or areas (N,) in m2."
-            )
-        count = len(areas)
-        for name, fraction in (("diffuse", diffuse), ("mirrored", mirrored)):
-            given = validation.broadcast(
-                validation.real(fraction, name), name, (count,), "facet of the shape"
-            )
-            self._set(name, frozen(given.copy()))
-        total = self.diffuse + self.mirrored
-        if min(self.diffuse.min(), self.mirrored.min()) < 0.0 or total.max() > 1.0:
-            raise AttitudeError(
-                "diffuse and mirrored are fractions of the light: not negative, at most 1 "
-                f"together; given up to {total.max():.3g}."
-            )
+        _set_facets(self, shape, diffuse, mirrored)
         self._set("flux", validation.positive(flux, "flux", unit="W/m2"))
 
     def address(self) -> int:
@@ -138,17 +123,8 @@ class SolarRadiation(Torque):
         AttitudeError
             For a body whose moments are relative.
         """
-        if body.relative:
-            raise AttitudeError(
-                "the moments of the body are relative, and light pressure is in newtons; give a "
-                "Body with moments in kg m2."
-            )
-        arms = np.asarray(self.shape.centroids) - body.center_of_mass
-        normals = np.asarray(self.shape.normals)
-        vectors = np.concatenate([normals, arms, np.cross(arms, normals)], axis=1).T
-        rows = [self.shape.areas, *vectors, self.diffuse, self.mirrored]
         strength = self.flux / SPEED_OF_LIGHT_M_S * ASTRONOMICAL_UNIT_M**2
-        return np.concatenate([[strength, len(arms)], np.ravel(rows)])
+        return _facet_parameters(self, body, strength, "light pressure is in newtons")
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that the path covers."""
@@ -157,3 +133,147 @@ class SolarRadiation(Torque):
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The body's positions (K, 3) from the Sun in m, ICRF axes."""
         return positions(self.path, instant, seconds, low, "path")
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class AerodynamicTorque(Torque):
+    """The torque of thin air, which turns with the Earth, on flat facets.
+
+    Parameters
+    ----------
+    shape : FlatFacets
+        As for `SolarRadiation`.
+    path : Path, or function
+        The body's position from the centre of the Earth, m.
+    density : float, Quantity, or function
+        kg/m3, or a function of heights (K,) in m above the equator's radius that returns kg/m3.
+    mirrored : float or (N,) array_like
+        Fraction of the molecules that a facet reflects as a mirror; the others leave it slowly.
+
+    Attributes
+    ----------
+    path : Path
+    mirrored : (N,) float64 array, read-only
+
+    Raises
+    ------
+    AttitudeError
+        As `SolarRadiation`; from the motion, for a density that is negative or not finite.
+
+    Notes
+    -----
+    Free molecules, fast beside their thermal speed: the force on a facet of area A that meets the
+    air at the angle t is rho v^2 A cos t ((1 - mirrored) along the flow + 2 mirrored cos t along
+    the inward normal); Wertz (1978), eq. 17-57, with mirrored = 0.  The air turns with the Earth
+    about its pole (Montenbruck & Gill, Satellite Orbits, section 3.5).  Facets do not shade each
+    other.
+    """
+
+    shape: FlatFacets
+    path: Path
+    density: Any
+    mirrored: FloatArray
+    columns = 3
+
+    def __init__(
+        self,
+        shape: FlatFacets,
+        path: Path | PositionFunction,
+        density: Real | Callable[[FloatArray], FloatArray],
+        mirrored: Real | Reals = 0.0,
+    ) -> None:
+        self._set("path", path_of(path, "path"))
+        _set_facets(self, shape, 0.0, mirrored)
+        if not callable(density):
+            density = validation.positive(density, "density", unit="kg/m3")
+        self._set("density", density)
+
+    def address(self) -> int:
+        """Address of `_compiled.solar_radiation`: the push of the air has the same form."""
+        from attitude.torques._compiled import solar_radiation
+
+        return solar_radiation.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The parameters (2 + 12 N,) of `_compiled.solar_radiation`.
+
+        Raises
+        ------
+        AttitudeError
+            For a body whose moments are relative.
+        """
+        return _facet_parameters(self, body, 1.0, "the push of air is in newtons")
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the path covers."""
+        return span_of(self.path, instant)
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """Vectors (K, 3) along the flow, ICRF axes, of length 1 / (v sqrt(density))."""
+        first, last = span_of(self.path, instant)
+        middle = np.clip(seconds, first + _STEP, last - _STEP)
+        position = positions(self.path, instant, seconds, low, "path")
+        ends = (positions(self.path, instant, middle + k * _STEP, low, "path") for k in (-1, 1))
+        before, after = ends
+        velocity = (after - before) / (2.0 * _STEP)
+        hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
+        pole = _earth.to_gcrs(*_earth.pole_of_date(hi, lo), np.array([[0.0], [0.0], [1.0]]))
+        flow = np.cross(EARTH_RATE_RAD_S * pole.T, position) - velocity
+        speed = np.sqrt(np.sum(flow * flow, axis=-1))
+        height = np.sqrt(np.sum(position * position, axis=-1)) - EARTH_RADIUS_M
+        density = self.density(height) if callable(self.density) else self.density
+        density = np.broadcast_to(np.asarray(density, dtype=np.float64), height.shape)
+        if not np.all(np.isfinite(density)) or np.any(density < 0.0):
+            raise AttitudeError(
+                "density returned a number that is negative or not finite; it must return kg/m3 "
+                "for heights in m."
+            )
+        # without air: a length that leaves no torque above 1e-200 N m
+        length = 1.0 / (np.maximum(speed, 1e-9) * np.sqrt(np.maximum(density, 1e-200)))
+        found: FloatArray = flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
+        return found
+
+
+# s: half of the step over which a path is differenced.
+_STEP = 0.5
+
+
+def _set_facets(torque: Any, shape: FlatFacets, diffuse: Any, mirrored: Any) -> None:
+    """Check and keep the shape and the fractions of its facets."""
+    torque._set("shape", shape)
+    missing = [x for x in ("areas", "normals", "centroids") if not hasattr(shape, x)]
+    if missing:
+        raise AttitudeError(
+            f"shape is {type(shape).__name__} without {', '.join(missing)}; give a mesh."
+        )
+    areas = np.asarray(shape.areas)
+    if areas.ndim != 1 or areas.dtype.kind not in "fiu":
+        raise AttitudeError(
+            f"shape is {validation.shown(shape)}, whose areas are "
+            f"{validation.shown(shape.areas)}; give a mesh, or areas (N,) in m2."
+        )
+    fractions = []
+    for name, fraction in (("diffuse", diffuse), ("mirrored", mirrored)):
+        number = validation.real(fraction, name)
+        each = validation.broadcast(number, name, (len(areas),), "facet of the shape")
+        torque._set(name, frozen(each.copy()))
+        fractions.append(each)
+    total = fractions[0] + fractions[1]
+    if min(fractions[0].min(), fractions[1].min()) < 0.0 or total.max() > 1.0:
+        raise AttitudeError(
+            "diffuse and mirrored are fractions: not negative, at most 1 together; given up to "
+            f"{total.max():.3g}."
+        )
+
+
+def _facet_parameters(torque: Any, body: Body, strength: float, unit: str) -> FloatArray:
+    """The parameters (2 + 12 N,) of `_compiled.solar_radiation`."""
+    if body.relative:
+        raise AttitudeError(
+            f"the moments of the body are relative, and {unit}; give a Body with moments in kg m2."
+        )
+    arms = np.asarray(torque.shape.centroids) - body.center_of_mass
+    normals = np.asarray(torque.shape.normals)
+    vectors = np.concatenate([normals, arms, np.cross(arms, normals)], axis=1).T
+    rows = [torque.shape.areas, *vectors, torque.diffuse, torque.mirrored]
+    return np.concatenate([[strength, len(arms)], np.ravel(rows)])

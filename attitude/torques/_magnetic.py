@@ -1,0 +1,505 @@
+"""Torques of a magnetic field: eddy currents, and a dipole; the fields of the Earth.
+
+A field is sampled along the path of the body together with its rate of change over inertial axes,
+which eddy currents feel too: without it the pole of a satellite moves wrongly by a third and more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from attitude._solver import chebyshev
+from attitude._support import pairs, validation
+from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._textfiles.lines import packaged
+from attitude.epochs import _time_scales
+from attitude.errors import AttitudeError
+from attitude.frames import _earth, quaternion
+from attitude.torques._torque import BY_RATE, Torque, path_of, positions, span_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude._support.annotations import FloatArray, Reals
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+    from attitude.paths._path import Path
+    from attitude.torques._torque import PositionFunction
+
+    FieldFunction: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
+
+# mu_0 / 4 pi, T m/A: CODATA 2018, 1.25663706212e-6 / (4 pi)
+_MU_0_OVER_4_PI = 1.00000000055e-7
+
+
+# ---- Fields
+
+
+class MagneticField(Immutable):
+    """The base of magnetic fields.
+
+    A new kind defines `at`.  `is_smooth` says that a field varies with the path alone and can be
+    fitted by polynomials along it; others are differenced.
+    """
+
+    is_smooth: bool = False
+
+    def at(
+        self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
+    ) -> FloatArray:
+        """The field (K, 3) in T over ICRF axes.
+
+        Parameters
+        ----------
+        instant : Instant
+        seconds, low : (K,) float64 arrays
+            The epochs are instant + seconds + low, TDB.
+        position : (K, 3) array
+            m from the centre of the Earth, ICRF axes.
+        """
+        raise NotImplementedError(f"{type(self).__name__} defines no at")
+
+
+class _FunctionField(MagneticField):
+    """A field by a function of TDB seconds since the instant and positions."""
+
+    function: FieldFunction
+
+    def __init__(self, function: FieldFunction) -> None:
+        self._set("function", function)
+
+    def at(
+        self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
+    ) -> FloatArray:
+        found = np.asarray(self.function(seconds, position), dtype=np.float64)
+        if found.shape != position.shape or not np.all(np.isfinite(found)):
+            raise AttitudeError(
+                f"field returned {validation.shown(found)} for {len(seconds)} epochs; it must "
+                "return finite numbers (..., 3) in T over ICRF axes."
+            )
+        return found
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class DipoleField(MagneticField):
+    """The field of a dipole that is fixed over ICRF axes, in the centre of the path.
+
+    Parameters
+    ----------
+    moment : (3,) array_like
+        A m2 over ICRF axes; the Earth's is about 7.8e22 and points south.
+
+    Notes
+    -----
+    mu_0 / (4 pi r^3) (3 u (u . m) - m), u = r/r: Jackson, Classical Electrodynamics, eq. 5.56.  The
+    Earth's tilted dipole, which turns with it, is ``IGRF(degree=1)``.
+    """
+
+    moment: FloatArray
+    is_smooth = True
+
+    def __init__(self, moment: Reals) -> None:
+        self._set("moment", frozen(validation.real(moment, "moment", shape=(3,), unit="A m2")))
+
+    def at(
+        self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
+    ) -> FloatArray:
+        """The field (K, 3) in T over ICRF axes; see `MagneticField.at`."""
+        r = np.sqrt(np.sum(position * position, axis=-1, keepdims=True))
+        u = position / r
+        along = np.sum(u * self.moment, axis=-1, keepdims=True)
+        found: FloatArray = _MU_0_OVER_4_PI / r**3 * (3.0 * along * u - self.moment)
+        return found
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class IGRF(MagneticField):
+    """The Earth's main field: International Geomagnetic Reference Field, 14th generation.
+
+    Parameters
+    ----------
+    degree : int
+        From 1, the tilted dipole, to 13.
+
+    Raises
+    ------
+    AttitudeError
+        For another degree; from `at`, for epochs before 1955 or after 2030.
+
+    Notes
+    -----
+    Coefficients of IAGA V-MOD, doi.org/10.5281/zenodo.14012302 (November 2024), linear between
+    epochs of five years; from 2025 on a prediction.  Cunningham's recursion, regular at the poles
+    (Montenbruck & Gill, Satellite Orbits, eqs. 3.29 to 3.33).
+    """
+
+    degree: int
+    is_smooth = True
+
+    def __init__(self, degree: int = 13) -> None:
+        degree = validation.count(degree, "degree")
+        if not 1 <= degree <= 13:
+            raise AttitudeError(f"degree is {degree}; the model has the degrees 1 to 13.")
+        self._set("degree", degree)
+
+    def at(
+        self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
+    ) -> FloatArray:
+        """The field (K, 3) in T over ICRF axes; see `MagneticField.at`."""
+        hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
+        years = 2000.0 + (hi + lo) / _time_scales.DAY / 365.25
+        known, table = _coefficients()
+        if np.any(years < known[0]) or np.any(years > known[-1]):
+            raise AttitudeError(
+                f"the field of the Earth is asked for in {float(years.flat[0]):.1f}; IGRF "
+                f"covers {known[0]:.0f} to {known[-1]:.0f}."
+            )
+        place = np.clip(np.searchsorted(known, years, side="right") - 1, 0, len(known) - 2)
+        share = ((years - known[place]) / (known[place + 1] - known[place]))[:, None, None]
+        numbers = table[place] * (1.0 - share) + table[place + 1] * share
+        to_icrf = _earth.to_icrf("itrf", hi, lo)
+        fixed = quaternion.rotate(quaternion.conjugate(to_icrf), position)
+        return quaternion.rotate(to_icrf, _gradient(fixed, numbers, self.degree))
+
+
+# m: reference radius of the model
+_RADIUS = 6371200.0
+
+
+@cache
+def _coefficients() -> tuple[FloatArray, FloatArray]:
+    """Years (N,), and coefficients of unnormalised functions (N, 14, 14), T.
+
+    Entry [n, m] is that of the cosine, [m - 1, n] that of the sine of m times the longitude.
+    """
+    lines = [
+        line.split()
+        for line in packaged("reference/igrf14.txt").splitlines()
+        if not line.startswith("#")
+    ]
+    years = np.array(lines[0], dtype=np.float64)
+    table = np.zeros((len(years), 14, 14))
+    for n, m, *numbers in lines[1:]:
+        degree, order = int(n), abs(int(m))
+        # from Schmidt's to unnormalised functions
+        between = np.arange(degree - order + 1, degree + order + 1, dtype=np.float64)
+        factor = np.sqrt((2.0 if order else 1.0) / np.prod(between))
+        place = (order - 1, degree) if int(m) < 0 else (degree, order)
+        table[:, *place] = 1e-9 * factor * np.array(numbers, dtype=np.float64)
+    return frozen(years), frozen(table)
+
+
+def _gradient(r: FloatArray, table: FloatArray, degree: int) -> FloatArray:
+    """The field (K, 3) at Earth-fixed positions (K, 3), from coefficients (K, 14, 14)."""
+    square = np.sum(r * r, axis=-1)
+    x, y, z = (_RADIUS * r.T) / square
+    shrunk = _RADIUS * _RADIUS / square
+    top = degree + 2
+    v = np.zeros((top, top, len(r)))
+    w = np.zeros((top, top, len(r)))
+    v[0, 0] = _RADIUS / np.sqrt(square)
+    for m in range(top):
+        if m:
+            v[m, m] = (2 * m - 1) * (x * v[m - 1, m - 1] - y * w[m - 1, m - 1])
+            w[m, m] = (2 * m - 1) * (x * w[m - 1, m - 1] + y * v[m - 1, m - 1])
+        for n in range(m + 1, top):
+            for function in (v, w):
+                before = function[n - 2, m] if n > m + 1 else 0.0
+                function[n, m] = (
+                    (2 * n - 1) * z * function[n - 1, m] - (n + m - 1) * shrunk * before
+                ) / (n - m)
+    field = np.zeros((3, len(r)))
+    for n in range(1, degree + 1):
+        c = table[:, n, 0]
+        field += np.array([c * v[n + 1, 1], c * w[n + 1, 1], (n + 1) * c * v[n + 1, 0]])
+        for m in range(1, n + 1):
+            c, s = table[:, n, m], table[:, m - 1, n]
+            inner = (n - m + 2) * (n - m + 1)
+            field[0] += 0.5 * (c * v[n + 1, m + 1] + s * w[n + 1, m + 1])
+            field[0] -= 0.5 * inner * (c * v[n + 1, m - 1] + s * w[n + 1, m - 1])
+            field[1] += 0.5 * (c * w[n + 1, m + 1] - s * v[n + 1, m + 1])
+            field[1] += 0.5 * inner * (c * w[n + 1, m - 1] - s * v[n + 1, m - 1])
+            field[2] += (n - m + 1) * (c * v[n + 1, m] + s * w[n + 1, m])
+    return field.T
+
+
+def field_of(given: MagneticField | FieldFunction) -> MagneticField:
+    """The field itself, or that of a function."""
+    if isinstance(given, MagneticField):
+        return given
+    validation.refuse_class(given, "field")
+    if not callable(given):
+        raise AttitudeError(
+            f"field is {validation.shown(given)}; give IGRF(), DipoleField(moment), or a function "
+            "of seconds (K,) since the epoch of the spin and positions (K, 3) in m that returns "
+            "(K, 3) in T, both over ICRF axes."
+        )
+    return _FunctionField(given)
+
+
+# ---- Samples along a path
+
+# Polynomials of 16 coefficients on pieces in which the direction of the path turns by 1/4 rad: the
+# 13th harmonic of the field then has half a wave, and errs by 1e-11 of the field.
+_COUNT, _TURN = 16, 0.25
+# Pieces that are kept, and the step (s) of differences where nothing is fitted.
+_MOST_PIECES = 100_000
+_STEP = 0.5
+
+
+class FieldOnPath:
+    """A field and its rate of change over ICRF axes along a path, fitted piece by piece.
+
+    Parameters
+    ----------
+    field : MagneticField
+    path : Path
+        The body's position from the centre of the Earth.
+    """
+
+    def __init__(self, field: MagneticField, path: Path) -> None:
+        self._field, self._path = field, path
+        # Instant -> width of a piece, and the pieces by number
+        self._pieces: dict[tuple[float, float], tuple[float, dict[int, FloatArray]]] = {}
+
+    def direct(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """The field (K, 3) in T, ICRF axes."""
+        position = positions(self._path, instant, seconds, low, "path")
+        if not np.all(np.any(position != 0.0, axis=-1)):
+            raise AttitudeError("path passes through the centre; give a path at a distance.")
+        return self._field.at(instant, seconds, low, position)
+
+    def at(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """The field in T, and its rate of change in T/s, ICRF axes: (K, 6)."""
+        if self._field.is_smooth and len(seconds):
+            return self._fitted(instant, seconds, low)
+        return self._differenced(instant, seconds, low)
+
+    def _differenced(self, instant, seconds, low):
+        """The rate by differences of fourth order; inwards at the ends of the path's span."""
+        first, last = span_of(self._path, instant)
+        middle = np.clip(seconds, first + 2.0 * _STEP, last - 2.0 * _STEP)
+        sides = [self.direct(instant, middle + k * _STEP, low) for k in (-2, -1, 1, 2)]
+        rate = (8.0 * (sides[2] - sides[1]) - (sides[3] - sides[0])) / (12.0 * _STEP)
+        return np.concatenate([self.direct(instant, seconds, low), rate], axis=1)
+
+    def _fitted(self, instant, seconds, low):
+        key = instant.seconds, instant.low
+        if key not in self._pieces:
+            self._pieces[key] = self._width(instant, float(seconds[0])), {}
+        width, known = self._pieces[key]
+        number = np.floor(seconds / width)
+        wanted, piece = np.unique(number, return_inverse=True)
+        first, last = span_of(self._path, instant)
+        inside = (wanted * width >= first) & ((wanted + 1.0) * width <= last)
+        out = np.empty((len(seconds), 6))
+        outside = ~inside[piece]
+        if np.any(outside):
+            out[outside] = self._differenced(instant, seconds[outside], low[outside])
+        rows = np.flatnonzero(~outside)
+        if rows.size:
+            used, place = np.unique(number[rows], return_inverse=True)
+            if len(known) + len(used) > _MOST_PIECES:
+                known.clear()
+            missing = [k for k in used if int(k) not in known]
+            if missing:
+                known |= self._fit(instant, np.array(missing), width)
+            records = read_only(np.array([known[int(k)] for k in used]))
+            x = 2.0 * (((seconds[rows] - number[rows] * width) + low[rows]) / width) - 1.0
+            value, rate = np.empty((3, rows.size)), np.empty((3, rows.size))
+            chebyshev.values_and_rates(
+                records, 0, _COUNT, place.astype(np.int64), x, np.array([width]), 1.0, value, rate
+            )
+            out[rows, :3], out[rows, 3:] = value.T, rate.T
+        return out
+
+    def _fit(self, instant, numbers, width):
+        """Records by number."""
+        x = chebyshev.nodes(_COUNT)
+        at = (numbers[:, None] + 0.5 * (x + 1.0)) * width
+        field = self.direct(instant, at.ravel(), np.zeros(at.size)).reshape(*at.shape, 3)
+        table = chebyshev.coefficients(np.moveaxis(field, 1, 0))  # (count, pieces, 3)
+        rows = np.ascontiguousarray(np.moveaxis(table, 0, -1)).reshape(len(numbers), -1)
+        return {int(k): row for k, row in zip(numbers, rows, strict=True)}
+
+    def _width(self, instant, start):
+        """Seconds in which the direction of the path, or the Earth, turns by `_TURN`."""
+        first, last = span_of(self._path, instant)
+        t = np.clip(start + np.array([-10.0, 10.0]), first, last)
+        before, after = positions(self._path, instant, t, np.zeros(2), "path")
+        size = np.sqrt(np.sum(before * before) * np.sum(after * after))
+        turn = np.sqrt(np.sum(np.cross(before, after) ** 2)) / size
+        seconds = max(float(t[1] - t[0]), 1e-3)
+        slowest = _time_scales.DAY / (2.0 * np.pi) * _TURN
+        # an eccentric orbit is faster elsewhere
+        return float(min(slowest, 0.5 * _TURN * seconds / max(turn, 1e-12)))
+
+
+# ---- Torques
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class EddyCurrent(Torque):
+    """The torque of the currents that a magnetic field induces in a conducting body.
+
+    N = (M (w x B - B')) x B, where B' is the rate of change of the field over inertial axes along
+    the path: rotation is braked, and the momentum turned towards that of the field.
+
+    Parameters
+    ----------
+    tensor : (3, 3) array_like or float
+        The magnetic tensor M in S m4 over the body axes, symmetric and not negative; a number means
+        a multiple of the unit matrix.  A thin spherical shell has 2 pi/3 sigma R^4 e, a solid
+        sphere 2 pi/15 sigma R^5 (conductivity sigma in S/m, radius R, thickness e in m).
+    field : MagneticField, or function
+        ``IGRF()``, `DipoleField`, or a function of seconds (K,) since the epoch of the spin and
+        positions (K, 3), m, that returns (K, 3), T; both over ICRF axes.
+    path : Path, or function
+        The body's position from the centre of the Earth; see `GravityGradient`.
+
+    Raises
+    ------
+    AttitudeError
+        For a tensor that is not symmetric or has a negative eigenvalue, other shapes and units, a
+        field or path of another type; from the motion, for epochs that field or path lack.
+
+    Notes
+    -----
+    Ortiz Gomez & Walker, Adv. Space Res. 56, 1134 (2015): magnetic tensor.  Praly et al., Acta
+    Astronaut. 76, 145 (2012).  The turning of the field: Efimov, Pritykin & Sidorenko,
+    arXiv:1712.08596.
+    """
+
+    tensor: FloatArray
+    field: MagneticField
+    path: Path
+    kind = BY_RATE
+    columns = 6
+
+    def __init__(
+        self,
+        tensor: Reals | float,
+        field: MagneticField | FieldFunction,
+        path: Path | PositionFunction,
+    ) -> None:
+        matrix = validation.real(tensor, "tensor", unit="S m4")
+        if matrix.shape == ():
+            matrix = matrix * np.eye(3)
+        matrix = validation.real(matrix, "tensor", shape=(3, 3))
+        largest = np.max(np.abs(matrix))
+        if np.max(np.abs(matrix - matrix.T)) > 1e-12 * largest:
+            raise AttitudeError("tensor is not symmetric; give the magnetic tensor in S m4.")
+        if np.linalg.eigvalsh(matrix).min() < -1e-12 * largest:
+            raise AttitudeError(
+                "tensor has a negative eigenvalue, and currents would add energy; give a matrix "
+                "that is positive semidefinite."
+            )
+        self._set("tensor", frozen(0.5 * (matrix + matrix.T)))
+        _set_field(self, field, path)
+
+    def address(self) -> int:
+        """Address of `_compiled.eddy_current`."""
+        from attitude.torques._compiled import eddy_current
+
+        return eddy_current.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The upper triangle of the tensor by rows (6,), S m4."""
+        _refuse_relative(body)
+        return self.tensor[np.triu_indices(3)]
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the path covers."""
+        return span_of(self.path, instant)
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """The field in T and its rate of change in T/s along the path, ICRF axes: (K, 6)."""
+        found: FloatArray = self._on_path.at(instant, seconds, low)
+        return found
+
+    @cached_property
+    def _on_path(self) -> FieldOnPath:
+        return FieldOnPath(self.field, self.path)
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class MagneticDipole(Torque):
+    """The torque m x B on a dipole that is fixed in the body: a residual dipole, a magnet.
+
+    Parameters
+    ----------
+    moment : (3,) array_like
+        A m2 over the body axes.
+    field, path
+        As for `EddyCurrent`.
+
+    Raises
+    ------
+    AttitudeError
+        As `EddyCurrent`.
+
+    Notes
+    -----
+    Wertz (1978), Spacecraft Attitude Determination and Control, eq. 17-68.
+    """
+
+    moment: FloatArray
+    field: MagneticField
+    path: Path
+    columns = 3
+
+    def __init__(
+        self,
+        moment: Reals,
+        field: MagneticField | FieldFunction,
+        path: Path | PositionFunction,
+    ) -> None:
+        self._set("moment", frozen(validation.real(moment, "moment", shape=(3,), unit="A m2")))
+        _set_field(self, field, path)
+
+    def address(self) -> int:
+        """Address of `_compiled.magnetic_dipole`."""
+        from attitude.torques._compiled import magnetic_dipole
+
+        return magnetic_dipole.address
+
+    def slope_address(self) -> int:
+        """Address of `_compiled.magnetic_dipole_slope`."""
+        from attitude.torques._compiled import magnetic_dipole_slope
+
+        return magnetic_dipole_slope.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The moment (3,), A m2 over the body axes."""
+        _refuse_relative(body)
+        return np.array(self.moment)
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the path covers."""
+        return span_of(self.path, instant)
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """The field (K, 3) in T along the path, ICRF axes."""
+        found: FloatArray = np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
+        return found
+
+    @cached_property
+    def _on_path(self) -> FieldOnPath:
+        return FieldOnPath(self.field, self.path)
+
+
+def _set_field(torque: Any, field: Any, path: Any) -> None:
+    torque._set("field", field_of(field))
+    torque._set("path", path_of(path, "path"))
+
+
+def _refuse_relative(body: Body) -> None:
+    if body.relative:
+        raise AttitudeError(
+            "the moments of the body are relative, and magnetic torques are in N m; give a Body "
+            "with moments in kg m2."
+        )
