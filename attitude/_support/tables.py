@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from astropy.table import QTable
+from astropy.time import Time
 
 from attitude.errors import AttitudeError
 
@@ -35,9 +36,16 @@ class FlatTable(QTable):
 
         The names of columns in other units than SI end in the unit, as in "elevation [deg]".
         """
+        return self._by_components(are_times_numbers=False)
+
+    def _by_components(self, *, are_times_numbers: bool) -> QTable:
+        """The columns of `flat`; with `are_times_numbers` times as `_of_times` has them."""
         found = QTable(meta=self.meta)
         for name in self.colnames:
             column = self[name]
+            if are_times_numbers and isinstance(column, Time):
+                found.update(_of_times(name, column))
+                continue
             unit = _unit_in_name(column)
             if len(column.shape) == 1:
                 found[name + unit] = column
@@ -51,12 +59,21 @@ class FlatTable(QTable):
         return found
 
     def write(self, *given: Any, **options: Any) -> None:
-        """As `astropy.table.Table.write`; to CSV the columns of `flat`."""
+        """As `astropy.table.Table.write`; to CSV the columns of `flat`.
+
+        Times keep both doubles: ECSV has them as jd1 and jd2, CSV as the columns tdb_jd1 and
+        tdb_jd2 (of the scale of the times), or those in UTC as text of 9 decimals, column "utc".
+        """
         kind = options.get("format", "")
         if not kind and given and isinstance(given[0], (str, os.PathLike)):
             kind = os.path.splitext(os.fspath(given[0]))[1].lstrip(".")
-        plain = self.flat() if str(kind).lower().split(".")[-1] == "csv" else QTable(self)
-        plain.write(*given, **options)
+        ending = str(kind).lower().split(".")[-1]
+        if ending == "csv":
+            self._by_components(are_times_numbers=True).write(*given, **options)
+            return
+        if ending == "ecsv":
+            options.setdefault("serialize_method", {Time: "jd1_jd2"})
+        QTable(self).write(*given, **options)
 
     def to_pandas(self, *given: Any, **options: Any) -> Any:
         """A pandas DataFrame: times as UTC, the columns of `flat`, units in ``.attrs``."""
@@ -67,8 +84,6 @@ class FlatTable(QTable):
                 "a DataFrame needs pandas, which is not installed; run pip install pandas, or use "
                 ".table()."
             ) from err
-        from astropy.time import Time
-
         columns, units = {}, {}
         plain = self.flat()
         for name in plain.colnames:
@@ -91,6 +106,19 @@ def _unit_in_name(column: Any) -> str:
     if unit is None or unit.decompose().scale == 1.0:
         return ""
     return f" [{unit}]"
+
+
+def _of_times(name: str, time: Time) -> dict[str, Any]:
+    """The columns of CSV for a column of times, each with the time scale in its name."""
+    before = "" if name == "time" else f"{name}_"
+    if time.scale == "utc":
+        text = time.copy(format="isot")
+        text.precision = 9
+        masked = np.broadcast_to(np.asarray(time.mask), time.shape)
+        return {f"{before}utc": np.where(masked, "", np.asarray(np.ma.getdata(text.value)))}
+    parts = {"jd1": time.jd1, "jd2": time.jd2}
+    scale = f"{before}{time.scale}"
+    return {f"{scale}_{part}": np.ma.filled(values, np.nan) for part, values in parts.items()}
 
 
 def _utc(time: Any) -> Any:

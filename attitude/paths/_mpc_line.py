@@ -75,6 +75,30 @@ def mpc_orbit(line: str, *, gm: Real = GM["sun"]) -> Kepler:
     )
 
 
+def is_line(text: str) -> bool:
+    """Whether a text begins as a line of MPCORB.DAT or is one of CometEls.txt."""
+    text = text.rstrip("\r\n")
+    if "\n" in text:
+        return False
+    if _PACKED_DATE.fullmatch(text[20:25]):
+        return len(text) >= 79
+    return len(text) >= 79 and bool(re.fullmatch(r"\s*-?\d+ \d\d [ \d]\d\.\d+\s*", text[14:29]))
+
+
+def names(line: str) -> set[str]:
+    """Number, name, designation of the body of a line, in lower case."""
+    if _PACKED_DATE.fullmatch(line[20:25]):
+        label = line[166:194].strip()
+        packed = line[:7].strip()
+    else:
+        label, packed = line[102:158].strip(), line[:12].strip()
+    numbered = re.match(r"\((\d+)\)\s*(.*)", label)
+    words = {label, packed, packed.lstrip("0")}
+    if numbered:
+        words |= {*numbered.groups(), f"{numbered[1]} {numbered[2]}"}
+    return {each.lower() for each in words} - {""}
+
+
 def _minor_planet(line, gm):
     """The path of a line of MPCORB.DAT."""
     value = _numbers(line, _MINOR_PLANET)

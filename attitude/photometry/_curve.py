@@ -20,7 +20,7 @@ from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.paths import _composed, _ground
+from attitude.paths import _composed
 from attitude.photometry._samples import HasSamples, Samples
 from attitude.scattering import _weighted
 
@@ -466,11 +466,10 @@ def _place(name: str, site: Any) -> Any:
         return site
     if not name:
         return "earth"
-    if "," in name:
-        longitude, latitude = validation.real(name, "site", shape=(2,), unit="rad")
-        return _ground.site(longitude, latitude)
+    from attitude.paths import _places
+
     try:
-        return _ground.observatory(name)
+        return _places.place(name, "site", is_observer=True)
     except AttitudeError as err:
         raise AttitudeError(f"{err} Or give site= for points of {name!r}.") from None
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import datetime
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +28,7 @@ from attitude.scene._light_time import Steps
 from attitude.scene._view import View
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Mapping
+    from collections.abc import Callable, Hashable, Iterable
 
     from numpy.typing import ArrayLike
 
@@ -62,7 +64,11 @@ def place(
     value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
 ) -> Place:
     """The path or direction given, that of astropy or skyfield, or of a body by name or number."""
-    foreign = None if isinstance(value, (Place, str, list, tuple)) else place_of(value, name)
+    if isinstance(value, (str, os.PathLike, Mapping)):
+        from attitude.paths import _places
+
+        value = _places.place(value, name, is_observer=name == "observer", ephemeris=ephemeris)
+    foreign = None if isinstance(value, (Place, list, tuple)) else place_of(value, name)
     value = value if foreign is None else foreign
     if isinstance(value, Place):
         if is_direction_allowed or not value.is_direction:
@@ -77,7 +83,7 @@ def place(
         raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
         return _path.direction(value, name=name)
-    if isinstance(value, str) or naif_index(value) is not None:
+    if naif_index(value) is not None:
         return NamedBody(body_name(value, name), ephemeris)
     raise AttitudeError(
         f"{name} is {type(value).__name__}; give the name of a body, a path of attitude.paths"
@@ -302,10 +308,12 @@ class Scene(Immutable):
     motion : Motion, object with ``at(t)``, or None
         A FreeRotation, Arcs, an AttitudeTable, ...; None for quantities that need no attitude.
     center : str, int, Path or None
-        The path (`attitude.paths`) of the body's centre of mass, or the name or NAIF number of a
-        body of the ephemeris.  None if Sun and observer are directions, infinitely far away.
+        The path (`attitude.paths`) of the body's centre of mass, the name or NAIF number of a
+        body of the ephemeris, or a file, an orbit line or elements as `paths.place` takes them.
+        None if Sun and observer are directions, infinitely far away.
     observer, sun : str, int, Path, Direction or (3,) array_like
-        A body, a path, a `paths.direction`, or a vector in ICRF as a direction.  A Scene keeps
+        A body, a path, a `paths.direction`, a vector in ICRF as a direction, or text as
+        `paths.place` takes it: "568", "-70.7, -30.2 deg, 2700 m".  A Scene keeps
         each place as a path or a direction; a body given by name as the path of this name, which
         opens the ephemeris when a position is needed.
     shape : Ellipsoid or Mesh, optional

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, cli, epochs, inversion
+from attitude import AttitudeError, Body, cli, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import _errors, _search, _spin_states, _states
@@ -176,17 +176,6 @@ def test_a_mission_against_observations(tmp_path, capsys):
     assert "a: 7 points, zero point +3.000" in text and "rms of all 13 points: 0.000" in text
     assert out.read_text().startswith("utc,session,observed,computed,residual")
     assert drawn.stat().st_size > 1000
-
-
-def test_the_site_is_text_with_units():
-    """One unit behind longitude and latitude, or one each."""
-    from attitude.cli.invert import _site
-
-    start, zero = epochs.instant("2020-01-01"), np.zeros(1)
-    one, other = (_site(f"{text}, 2700 m") for text in ("-70.7, -30.2 deg", "-70.7 deg, -30.2 deg"))
-    np.testing.assert_array_equal(one.position(start, zero), other.position(start, zero))
-    with pytest.raises(AttitudeError, match="give longitude, latitude"):
-        _site("12 deg")
 
 
 def test_many_points_are_averaged_with_a_note(tmp_path, capsys, monkeypatch):

