@@ -304,7 +304,7 @@ def test_axes_of_the_orbit_of_an_spk(tmp_path):
         run(tmp_path / "lvlh.aem", tmp_path / "a.csv", "--orbit", kernel_file, "--orbit-of", name)
         assert apart(detect.read(tmp_path / "a.csv").wxyz, PASS.at(T).wxyz) < 1e-14
     for words, sentence in (
-        ((), "may hold many bodies; give the one"),
+        ((), "may hold many bodies; name one by its name or NAIF number"),
         (("--orbit-of", "-123456"), "-123456"),
         (("--orbit-of", "3"), "relative to the barycenter of the solar system"),
     ):
@@ -318,14 +318,14 @@ def test_axes_of_the_orbit_of_an_spk(tmp_path):
     [
         ((), r"give orbit=.*on the command line --orbit"),
         (("--orbit-of", "27386"), "give the file with --orbit"),
-        (("--orbit", "none.oem"), "none.oem' cannot be read: No such file"),
+        (("--orbit", "none.oem"), "--orbit is 'none.oem', which is not a file"),
         (("--orbit", ENVISAT, "--orbit-of", "HUBBLE"), "0 satellites called 'HUBBLE'"),
         (("--orbit", DATA / "apophis-2029-encounter.oem"), "APOPHIS is known from"),
         (
             ("--orbit", DATA / "apophis-2029-encounter.oem", "--orbit-of", "APOPHIS"),
-            "no meaning for an OEM",
+            "is an OEM, which holds one body; leave out 'APOPHIS'",
         ),
-        (("--orbit", "in.toml"), "in no known format; give an OEM"),
+        (("--orbit", "in.toml"), "'in.toml' has neither a center, as a mission file, nor elements"),
     ],
 )
 def test_orbits_that_are_refused(tmp_path, relative, spin, monkeypatch, words, sentence):
