@@ -3,7 +3,7 @@
 The code is in photometry/_samples.py and photometry/_series.py.
 """
 
-from attitude.photometry._samples import HasSamples, Line, Samples, lines
+from attitude.photometry._samples import Line, Samples, lines
 from attitude.photometry._series import SeriesFit, fit, search
 
-__all__ = ["HasSamples", "Line", "Samples", "SeriesFit", "fit", "lines", "search"]
+__all__ = ["Line", "Samples", "SeriesFit", "fit", "lines", "search"]

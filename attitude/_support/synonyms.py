@@ -129,7 +129,7 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use sun_direction, over the body axes", "sun", "sun_vector"),
         **_each("use observer_direction, over the body axes", "observer", "observer_vector"),
     },
-    "HasSamples": {
+    "LightCurve": {
         **_each("use magnitude", "mag", "mags", "magnitudes"),
         **_each("use sigma", "error", "errors", "err", "uncertainty"),
         **_each("use times", "time", "t", "jd", "epochs"),

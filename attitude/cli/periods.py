@@ -9,7 +9,7 @@ from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.photometry._curve import Photometry
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._periodogram import Periodogram
     from attitude.photometry._two_periods import TwoPeriods
 
@@ -83,25 +83,25 @@ def run(arguments: argparse.Namespace) -> None:
         print(arguments.figure)
 
 
-def data_of(arguments: argparse.Namespace) -> Photometry:
+def data_of(arguments: argparse.Namespace) -> LightCurve:
     """The photometry of the options that `add_data` adds, reduced where its geometry is known."""
     from attitude._support import validation
-    from attitude.photometry import _files
+    from attitude.photometry._curve import LightCurve
 
-    data = _files.read(arguments.file)
+    data = LightCurve.read(arguments.file)
     if arguments.filter is not None:
         data = data.select(filter=arguments.filter)
     validation.one_of(arguments.zero_points, "--zero-points", ("auto", "free", "shared"))
     path = _options.path_of(arguments)
     site = _options.site_of(arguments)
-    if path is not None or data.sun is not None:
+    if path is not None or data.has_geometry:
         return data.reduced(path, site=site, g=arguments.g)
     if arguments.g is not None:
         raise AttitudeError("--g needs the geometry; give --orbit, or vectors in the file.")
     return data
 
 
-def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
+def _one(data: LightCurve, arguments: argparse.Namespace) -> Periodogram:
     from attitude.photometry import _periodogram
 
     found = _periodogram.periodogram(
@@ -127,7 +127,7 @@ def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
     return found
 
 
-def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
+def _two(data: LightCurve, arguments: argparse.Namespace) -> TwoPeriods:
     from attitude.photometry import _two_periods
 
     found = _two_periods.two_periods(

@@ -10,8 +10,8 @@ import numpy as np
 from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _problem, _refinement
-from attitude.inversion._curve import LightCurve
 from attitude.photometry import _spectrum
+from attitude.photometry._curve import LightCurve
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray, Real

@@ -1,8 +1,8 @@
 """Photometry of a tumbling body: files, reduction, periods.
 
-_curve         `Photometry`: brightness at epochs with errors, filters, sites, sessions; `BadRow`;
-               `phase_angle` and the reduction to 1 au; CSV with named columns
-_files         `read`: any known format
+_curve         `LightCurve`: brightness at epochs with errors, sessions, sites and geometry; the
+               reduction to 1 au; CSV with named columns
+_files         photometry in files of any known format; `BadRow`
 _periodogram   `periodogram`: one period; the spectral window of the epochs, aliases in words
 _two_periods   `two_periods`: pairs of periods, blind; their candidates (P_psi, P_phi)
 _folding       `fold`: folded light curves, series and residuals
@@ -15,8 +15,8 @@ _figures       a figure for each
 from typing import TYPE_CHECKING
 
 from attitude._support.synonyms import of_module
-from attitude.photometry._curve import BadRow, Photometry, phase_angle
-from attitude.photometry._files import read
+from attitude.photometry._curve import LightCurve, phase_angle
+from attitude.photometry._files import BadRow
 from attitude.photometry._folding import Folded, fold
 from attitude.photometry._periodogram import Peak, Periodogram, periodogram
 from attitude.photometry._two_periods import PeriodCandidate, PeriodPair, TwoPeriods, two_periods
@@ -24,6 +24,7 @@ from attitude.photometry._two_periods import PeriodCandidate, PeriodPair, TwoPer
 __all__ = [
     "BadRow",
     "Folded",
+    "LightCurve",
     "Peak",
     "PeriodCandidate",
     "PeriodPair",
@@ -36,6 +37,10 @@ __all__ = [
     "read",
     "two_periods",
 ]
+
+# The earlier name of the class, and its reader.
+Photometry = LightCurve
+read = LightCurve.read
 
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.

@@ -10,7 +10,7 @@ from attitude import plots
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
-    from attitude.photometry._curve import Photometry
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
     from attitude.photometry._periodogram import Periodogram
     from attitude.photometry._two_periods import TwoPeriods
@@ -24,7 +24,7 @@ _NAMED, _COLOURS = 5, 10
 _POINTS = 20_000
 
 
-def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
+def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
     figure = plots.new_figure((10.0, 5.0))
     axes = figure.subplots()

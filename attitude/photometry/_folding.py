@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Real, Reals
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._curve import LightCurve
+    from attitude.photometry._samples import Samples
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +92,7 @@ class Folded(Immutable):
 
 
 def fold(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve | Samples,
     period: Real | Reals,
     values: Reals | None = None,
     errors: Reals | None = None,
@@ -106,7 +107,7 @@ def fold(
 
     Parameters
     ----------
-    t : Photometry, LightCurve, or (N,) epochs
+    t : LightCurve, or (N,) epochs
     period : float, Quantity or text
         s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
     values, errors, curve

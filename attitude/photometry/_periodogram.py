@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, Real, Reals
     from attitude._support.tables import FlatTable
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._samples import Samples
 
 
 # Grid frequencies per 1/span, and power from which a line of the window makes aliases.
@@ -219,7 +220,7 @@ class Periodogram(Immutable):
     def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
         """The light curve folded with the period of a peak; see `photometry.fold`."""
         return _folding.fold(
-            _samples.GivenSamples(self.samples),
+            self.samples,
             self.peaks[rank].period,
             order=order or max(self.order, 2),
         )
@@ -267,7 +268,7 @@ class Periodogram(Immutable):
 
 
 def periodogram(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve,
     values: Reals | None = None,
     errors: Reals | None = None,
     *,
@@ -286,8 +287,8 @@ def periodogram(
 
     Parameters
     ----------
-    t : Photometry, LightCurve, or (N,) epochs
-        Photometry has its values, errors, sessions and filters, which have their own zero points.
+    t : LightCurve, or (N,) epochs
+        A light curve has its values, errors, sessions and filters, which have zero points.
     values, errors, curve
         As in `spectrum.fit`.
     min_period, max_period : float, Quantity or text, optional

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epochs, FloatArray, IntArray, Real, Reals
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._curve import LightCurve
+    from attitude.photometry._samples import Samples
 
 
 # Singular values below this part of the greatest belong to lines that the span does not resolve.
@@ -121,7 +122,7 @@ class SeriesFit(Immutable):
 
 
 def fit(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve,
     values: Reals | None = None,
     P_psi: Real | None = None,
     P_phi: Real | None = None,
@@ -134,9 +135,9 @@ def fit(
 
     Parameters
     ----------
-    t : (N,) epochs, or HasSamples
-        Time objects, dates, time Quantities or plain seconds, in any order; or a `Photometry` or
-        `LightCurve`, without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
+    t : (N,) epochs, or LightCurve
+        Time objects, dates, time Quantities or plain seconds, in any order; or a `LightCurve`,
+        without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
     values : (N,) array_like
         Magnitudes or intensities; Quantities in any unit.
     P_psi, P_phi : float, Quantity or text
@@ -207,7 +208,7 @@ def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
 
 
 def search(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve,
     values: Reals | None = None,
     P_psi: Real | None = None,
     P_phi: Real | None = None,

@@ -35,8 +35,9 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, Real, Reals
     from attitude._support.tables import FlatTable
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._samples import Samples
     from attitude.photometry._spectrum import RefinedSeries
 
 
@@ -312,7 +313,7 @@ class TwoPeriods(Immutable):
 
     def fold(self, rank: int = 0) -> Folded:
         """The light curve folded with both periods of a pair; see `photometry.fold`."""
-        given = _samples.GivenSamples(self.samples)
+        given = self.samples
         return _folding.fold(given, self.pairs[rank].periods, order=self.order)
 
     def bootstrap(self, rank: int = 0, *, draws: int = 100, seed: int = 0) -> tuple[float, float]:
@@ -368,7 +369,7 @@ class TwoPeriods(Immutable):
 
 
 def two_periods(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve,
     values: Reals | None = None,
     errors: Reals | None = None,
     *,

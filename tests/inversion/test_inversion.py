@@ -237,7 +237,7 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
     ("given", "words"),
     [
         ({"magnitude": np.full(40, np.nan)}, "not finite"),
-        ({"flux": np.linspace(-1.0, 1.0, 40)}, "not positive"),
+        ({"flux": np.linspace(-1.0, 1.0, 40)}, "not above zero"),
         ({"magnitude": np.ones(40), "sigma": -np.ones(40)}, "below zero"),
         ({"magnitude": np.ones(39)}, "one for each of 40"),
         ({"magnitude": np.ones(40), "flux": np.ones(40)}, "either magnitude or flux"),
@@ -248,7 +248,7 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
 )
 def test_bad_curves_are_sentences(given, words):
     with pytest.raises(AttitudeError, match=words):
-        inversion.LightCurve(EPOCHS, **{**CURVE, **given})
+        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **given}))
 
 
 def test_epochs_given_twice_are_averaged_and_few_are_refused():
@@ -264,9 +264,10 @@ def test_epochs_given_twice_are_averaged_and_few_are_refused():
     assert f"row 5, JD {2451545.0 + EPOCHS[5] / 86400.0:.6f}" in words
     assert len(inversion.LightCurve(times, magnitude, **CURVE, session=np.arange(41))) == 41
     with pytest.raises(AttitudeError, match="has 5 points"):
-        inversion.LightCurve(EPOCHS[:5], np.ones(5), **CURVE)
+        inversion.spin_states(inversion.LightCurve(EPOCHS[:5], np.ones(5), **CURVE), "20 /d")
     with pytest.raises(AttitudeError, match="2 points at different epochs"):
-        inversion.LightCurve(np.repeat(EPOCHS[:2], 12), np.ones(24), **CURVE)
+        twice = inversion.LightCurve(np.repeat(EPOCHS[:2], 12), np.ones(24), **CURVE)
+        inversion.spin_states(twice, "20 /d")
 
 
 def test_vectors_of_an_observer_on_the_earth_over_other_axes_are_doubted():
@@ -288,7 +289,7 @@ def test_vectors_of_an_observer_on_the_earth_over_other_axes_are_doubted():
 
 def test_notes_of_doubtful_curves():
     magnitude = np.maximum(np.sin(EPOCHS), 0.2)
-    curve = inversion.LightCurve(EPOCHS, magnitude, **CURVE)
+    curve = inversion_problem.usable(inversion.LightCurve(EPOCHS, magnitude, **CURVE))
     assert "no error" in curve.notes[0] and "saturated" in curve.notes[1]
 
 
