@@ -111,7 +111,7 @@ def fold(
     period : float, Quantity or text
         s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
     values, errors, curve
-        As in `spectrum.fit`.
+        As in `periods`.
     order : int
         Of the series: harmonics of one period, lines |i f1 + j f2| with |i|, |j| up to it of two.
     epoch : epoch, optional
@@ -137,7 +137,7 @@ def fold(
     if len(periods) == 1:
         numbers = np.arange(1, number + 1)[:, None]
     else:
-        # (i of the second, j of the first), as spectrum.lines has them
+        # (i of the second, j of the first), as `lines` has them
         numbers = np.array(line_numbers((number, number)))[:, ::-1]
 
     def folded(own: Samples) -> Folded:

@@ -316,7 +316,7 @@ def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSer
     return _spectrum.refined(data, np.array([frequency]), numbers)
 
 
-def peaks(
+def best_peaks(
     data: Samples, found: Scan, order: int, count: int
 ) -> list[tuple[float, float, float, str]]:
     """Frequency, error, share of chi-squared left and relation of the best peaks, in that order.
@@ -348,6 +348,11 @@ def peaks(
     rows.sort(key=lambda row: row[2])
     rows = rows[:count]
     return [
-        (f, error, left, relation(f, [row[0] for row in rows[:k]], found.window.lines, 1 / data.span))
+        (
+            f,
+            error,
+            left,
+            relation(f, [row[0] for row in rows[:k]], found.window.lines, 1 / data.span),
+        )
         for k, (f, error, left) in enumerate(rows)
     ]

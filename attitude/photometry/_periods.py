@@ -183,7 +183,14 @@ class Periods(Immutable):
 
     def lines(self, rank: int = 0) -> list[tuple[Line, float]]:
         """The lines i f2 + j f1 of a peak with their amplitudes, the strongest first."""
-        return self._series(rank).lines()
+        series = self._series(rank)
+        strongest = []
+        for k in np.argsort(-series.amplitudes, kind="stable"):
+            j, i = (*(int(n) for n in series.numbers[k]), 0)[:2]
+            frequency = abs(float(series.numbers[k] @ series.frequencies))
+            period = 1.0 / frequency if frequency > 0.0 else np.inf
+            strongest.append((Line(i, j, frequency, period), float(series.amplitudes[k])))
+        return strongest
 
     def candidates(self, count: int = 10) -> list[PeriodCandidate]:
         """Periods (P_psi, P_phi) in LAM and SAM that have the lines of two periods, ranked.
@@ -222,6 +229,8 @@ class Periods(Immutable):
 
     def table(self) -> FlatTable:
         """A row for each peak: one period, or both."""
+        from astropy import units
+
         from attitude._support.tables import FlatTable
 
         unit = quantity_text.time_unit(self.period)
@@ -230,7 +239,7 @@ class Periods(Immutable):
         for k, name in enumerate(names):
             for suffix, key in (("", "periods"), ("_error", "errors")):
                 seconds = np.array([getattr(each, key)[k] for each in self.peaks])
-                columns[name + suffix] = quantity_text.in_unit(seconds, unit)
+                columns[name + suffix] = seconds / quantity_text.TIME_UNITS[unit] * units.Unit(unit)
         columns["power"] = [each.power for each in self.peaks]
         columns["left"] = [each.left for each in self.peaks]
         columns["significant"] = [each.left < self.false_alarm for each in self.peaks]
@@ -408,7 +417,7 @@ def _one(
     found = _periodogram.scan(data, bounds, order, method, bins, engine, seed)
     peaks = tuple(
         Peak((f,), (error,), left, words)
-        for f, error, left, words in _periodogram.peaks(data, found, order, kept)
+        for f, error, left, words in _periodogram.best_peaks(data, found, order, kept)
     )
     return Periods(
         peaks,
@@ -469,9 +478,7 @@ def _numbers(order: int, count: int) -> Any:
     return np.array(line_numbers((order, order)))[:, ::-1]
 
 
-def _bounds(
-    data: Samples, least: Any, most: Any, first: Any, second: Any, order: int
-) -> _Bounds:
+def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order: int) -> _Bounds:
     """Grid numbers of both ranges of frequencies; the range of longer periods first."""
     if not data.span > 0.0:
         raise AttitudeError("all values are of one epoch; give values of two epochs or more.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -27,6 +28,8 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
+# Change of the phase angle, rad, from which its terms are fitted; width of the opposition surge.
+_SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +54,8 @@ class Samples:
     joined : (N,) array of int or None
         Zero points in place of `curve` if all sessions share one, where it is not known whether
         they do; `settled` decides.
+    terms : (N, L) array or None
+        Further terms in which the values are linear, such as those of the phase angle.
     """
 
     t: FloatArray
@@ -61,6 +66,7 @@ class Samples:
     is_flux: bool = False
     names: tuple[str, ...] = ()
     joined: IntArray | None = None
+    terms: FloatArray | None = None
 
     @property
     def span(self) -> float:
@@ -78,8 +84,23 @@ class Samples:
         return int(self.curve.max()) + 1
 
     @property
+    def linear(self) -> int:
+        """The number of zero points and further linear terms."""
+        return self.curves + (0 if self.terms is None else self.terms.shape[1])
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """One column (N, linear) for each zero point, 1 or 0, and for each further term."""
+        own = (self.curve[:, None] == np.arange(self.curves)).astype(float)
+        return own if self.terms is None else np.concatenate([own, self.terms], axis=1)
+
+    @cached_property
     def detrended(self) -> FloatArray:
-        """Values (N,) without the weighted mean of each curve."""
+        """Values (N,) without the zero points and terms that fit them best."""
+        if self.terms is not None:
+            matrix = self.columns * self.weights[:, None]
+            solution = np.linalg.lstsq(matrix, self.values * self.weights, rcond=None)[0]
+            return np.asarray(self.values - self.columns @ solution)
         weights = self.weights**2
         total = np.bincount(self.curve, weights)
         mean = np.bincount(self.curve, weights * self.values) / total
@@ -159,7 +180,20 @@ def of_curve(curve: LightCurve) -> Samples:
         is_flux=curve.is_flux,
         names=tuple(" ".join(each for each in both if each) for both in words),
         joined=None if is_settled else np.unique(curve.filter, return_inverse=True)[1].reshape(-1),
+        terms=_phase_terms(curve),
     )
+
+
+def _phase_terms(curve: LightCurve) -> FloatArray | None:
+    """Terms (N, 2) of the phase angle: None where it is known or changes little.
+
+    Of fluxes too, whose logarithm is linear in them: to first order.
+    """
+    if not curve.has_geometry or curve.zero_phase or np.ptp(curve.phase_angle) < _SWEEP:
+        return None
+    alpha = curve.phase_angle
+    terms = np.stack([alpha, np.exp(-alpha / _SURGE)], axis=1)
+    return terms - terms.mean(axis=0)
 
 
 def of(
