@@ -24,7 +24,6 @@ from attitude.paths._path import Direction, Path
 from attitude.photometry import _files
 from attitude.photometry._files import PLACES, BadRow
 from attitude.scattering import _weighted
-from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
         Real,
         Reals,
     )
+    from attitude.scene._scene import Scene
 
     Site = Path | Direction | str | ArrayLike | Mapping[str, Any]
 
@@ -743,6 +743,8 @@ def _scenes(
     sites: tuple[str, ...],
 ) -> dict[str, Scene]:
     """The scene of each site; empty where the geometry is given as vectors, or not at all."""
+    from attitude.scene._scene import Scene
+
     ways = [has_vectors, scene is not None, path is not None]
     if sum(ways) > 1:
         raise AttitudeError(f"the geometry is given in {sum(ways)} ways; give one of {WAYS}.")

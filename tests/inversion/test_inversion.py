@@ -9,10 +9,10 @@ from astropy import units
 from astropy.time import Time
 
 from attitude import Body, FreeRotation, Spin, inversion, photometry
+from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
-    _curve,
     _ellipsoid,
     _errors,
     _motions,
@@ -75,7 +75,7 @@ def test_magnitudes_of_an_ellipsoid_are_those_of_the_package(nutation, x):
     state[:16] = _start(nutation, x)
     if nutation > 0.0:
         state[0] = 33.0
-    motion = _states.motion(state, 1.0, _curve._J2000, None)
+    motion = _states.motion(state, 1.0, Instant(0.0), None)
     turn = motion.at(t).matrix
     s, o = (np.ascontiguousarray(np.einsum("tij,it->jt", turn, each)) for each in (sun, observer))
     a, b = math.exp(-0.5 * state[14]), math.exp(-0.5 * state[15])
