@@ -72,10 +72,10 @@ def predicted(
 def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Epochs of emission from that of the curve, and vectors to Sun and observer."""
     if times is None:
-        return curve.emission, curve.sun, curve.observer
+        return curve.emission, *curve.vectors
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
-        return times.emission + shift, times.sun, times.observer
+        return times.emission + shift, *times.vectors
     hi, lo = _inputs.seconds_since(curve.epoch, times)
     t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
     known, first = np.unique(curve.seconds, return_index=True)
@@ -87,7 +87,7 @@ def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, Fl
         )
     sun, observer = (
         np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
-        for vectors in (curve.sun, curve.observer)
+        for vectors in curve.vectors
     )
     late = float(np.median(curve.seconds - curve.emission))
     light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0

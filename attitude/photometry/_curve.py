@@ -20,7 +20,7 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.paths import _composed, _places
-from attitude.paths._path import Direction, Path
+from attitude.paths._path import Path, Place
 from attitude.photometry import _files
 from attitude.photometry._files import PLACES, BadRow
 from attitude.scattering import _weighted
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     )
     from attitude.scene._scene import Scene
 
-    Site = Path | Direction | str | ArrayLike | Mapping[str, Any]
+    Site = Place | str | ArrayLike | Mapping[str, Any]
 
 
 _MAGNITUDE = 2.5 / np.log(10.0)
@@ -129,7 +129,7 @@ class LightCurve(Immutable):
     sun, observer : (N, 3) arrays or None
         m, ICRF.
     scenes : dict
-        The Scene, without a motion, of each site, where path= or scene= was given.
+        The Scene of each site, where path= or scene= was given.
     notes : tuple of str
         What was assumed or is doubtful: epochs that occur twice in one session and filter, which
         are averaged, a frame in which the Sun leaves the ecliptic, notes of the file.
@@ -318,15 +318,25 @@ class LightCurve(Immutable):
         return self.sun is not None
 
     @property
+    def vectors(self) -> tuple[FloatArray, FloatArray]:
+        """Vectors (N, 3) to Sun and observer, m, ICRF; AttitudeError if they are not known."""
+        if self.sun is None or self.observer is None:
+            raise AttitudeError(
+                f"the light curve has no vectors to Sun and observer; give {WAYS}, as in "
+                'LightCurve.read(file, path="orbit.oem", site="568") or curve.reduced(path).'
+            )
+        return self.sun, self.observer
+
+    @property
     def emission(self) -> FloatArray:
         """TDB s (N,) from the epoch, at which the light left the body."""
-        _require_geometry(self)
+        vectors = self.vectors
         if self.time_of in _CENTERS:
             raise AttitudeError(
                 f"the dates of the light curve are those of light at the {self.time_of}; give "
                 "path=, as in LightCurve.read(file, path=orbit), which converts them."
             )
-        return self.seconds - _late((self.sun, self.observer), self.time_of)
+        return self.seconds - _late(vectors, self.time_of)
 
     @property
     def span(self) -> float:
@@ -358,8 +368,7 @@ class LightCurve(Immutable):
         """Magnitudes (N,) by which distances make the values fainter than they are at 1 au."""
         if self.unit_distances:
             return np.zeros(len(self))
-        _require_geometry(self)
-        return dimming(self.sun, self.observer)
+        return dimming(*self.vectors)
 
     @property
     def reduced_magnitude(self) -> FloatArray:
@@ -369,8 +378,7 @@ class LightCurve(Immutable):
     @property
     def phase_angle(self) -> FloatArray:
         """Angle (N,) at the body between Sun and observer, rad."""
-        _require_geometry(self)
-        return angle_between(self.sun, self.observer)
+        return angle_between(*self.vectors)
 
     def __getitem__(self, which: Any) -> LightCurve:
         """The points of a mask, of a slice or of whole numbers."""
@@ -466,7 +474,7 @@ class LightCurve(Immutable):
         """
         if path is not None:
             where = "places" if isinstance(site, Mapping) and any(self.sites) else "site"
-            changes = {} if site is None else {where: site}
+            changes: dict[str, Any] = {} if site is None else {where: site}
             return self.replaced(sun=None, observer=None, path=path, **changes).reduced(
                 phase_function=phase_function, g=g
             )
@@ -754,7 +762,7 @@ def _scenes(
         return dict.fromkeys(sites, scene)
     if path is None:
         return {}
-    body = _places.place(path, "path")
+    body: Any = _places.place(path, "path")
     return {name: Scene(None, body, _place(name, places)) for name in sites}
 
 
@@ -813,6 +821,7 @@ def _received(scene: Scene, epoch: Instant, given: FloatArray, time_of: str) -> 
     """Seconds of reception from those of light at the body, or in the plane through a center."""
     if time_of == "reception" or scene.observer.is_direction or not scene.light_time:
         return given
+    observer_path: Any = scene.observer
     seconds = np.array(given)
     for _ in range(_ROUNDS):
         observer = vectors_of(scene, epoch, seconds)[1]
@@ -820,7 +829,7 @@ def _received(scene: Scene, epoch: Instant, given: FloatArray, time_of: str) -> 
         if time_of == "emission":
             seconds = given + far / SPEED_OF_LIGHT_M_S
             continue
-        place = scene.observer.position(epoch, seconds)
+        place = observer_path.position(epoch, seconds)
         if (center := _CENTERS[time_of]) is not None:
             place = place - _composed.body(center).position(epoch, seconds)
         seconds = given + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
@@ -832,14 +841,6 @@ def _late(vectors: Any, time_of: str) -> Any:
     if vectors is None or time_of != "reception":
         return 0.0
     return np.linalg.norm(vectors[1], axis=1) / SPEED_OF_LIGHT_M_S
-
-
-def _require_geometry(curve: LightCurve) -> None:
-    if not curve.has_geometry:
-        raise AttitudeError(
-            f"the light curve has no vectors to Sun and observer; give {WAYS}, as in "
-            'LightCurve.read(file, path="orbit.oem", site="568") or curve.reduced(path).'
-        )
 
 
 def angle_between(one: FloatArray, other: FloatArray) -> FloatArray:

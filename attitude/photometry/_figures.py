@@ -103,6 +103,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     figure = plots.new_figure((12.0, 9.0))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
+    assert found.edges is not None and found.map is not None
     edges = [each * _DAY for each in found.edges]
     shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
@@ -132,6 +133,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
 
 
 def _window(axes: Any, found: Periods) -> None:
+    assert found.window is not None
     axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
     for line in found.window.lines:
         axes.annotate(
