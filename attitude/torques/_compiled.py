@@ -138,6 +138,71 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
+@subroutine
+def _weights(x):
+    """Of four equally spaced values, for the place x between the second (0) and third (1)."""
+    return (
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -(x + 1.0) * x * (x - 2.0) / 2.0,
+        (x + 1.0) * x * (x - 1.0) / 6.0,
+    )
+
+
+@subroutine
+def _place(value, first, inverse, count):
+    """The first of four nodes about a value within the table, and the place after the second."""
+    at = min(max((value - first) * inverse, 0.0), count - 1.0)
+    begin = min(max(math.floor(at) - 1.0, 0.0), count - 4.0)
+    return int(begin), at - begin - 1.0
+
+
+@callback
+def rheological_dissipation(t, wxyz, omega, given, p, out):
+    """As `internal_dissipation`, with a strength by energy and momentum from a table.
+
+    p: moments A <= B <= C; their axes by rows; first node, inverse of the spacing and number of
+    nodes of ln(L/C) and of the logarithm of share/rest; logarithms of strengths near the short and
+    near the long axis.
+    """
+    a, b, c = p[0], p[1], p[2]
+    x, y, z = omega[0], omega[1], omega[2]
+    u = p[3] * x + p[4] * y + p[5] * z
+    v = p[6] * x + p[7] * y + p[8] * z
+    w = p[9] * x + p[10] * y + p[11] * z
+    # over the principal axes: momentum, and what is left of L^2 - 2 B T
+    hu, hv, hw = a * u, b * v, c * w
+    size = math.sqrt(hu * hu + hv * hv + hw * hw)
+    apart = c * (c - b) * w * w - a * (b - a) * u * u
+    if apart >= 0.0:
+        table = 0
+        share = b * (a * u * u * (c - a) + b * v * v * (c - b))
+        rest = c * apart
+    else:
+        table = 1
+        share = b * (c * w * w * (c - a) + b * v * v * (b - a))
+        rest = -a * apart
+    strength = 0.0
+    if size > 0.0 and share > 0.0:
+        logarithm = math.log(share / rest) if rest > share * 1e-30 else 100.0
+        rates, shares = int(p[14]), int(p[17])
+        i, fast = _place(math.log(size / c), p[12], p[13], p[14])
+        j, near = _place(logarithm, p[15], p[16], p[17])
+        by_rate, by_share = _weights(fast), _weights(near)
+        values = vector(p, 18 + 2 * rates * shares)[18:].reshape(2, rates, shares)
+        total = 0.0
+        for k in range(4):
+            row = 0.0
+            for m in range(4):
+                row += by_share[m] * values[table, i + k, j + m]
+            total += by_rate[k] * row
+        strength = math.exp(total) / size
+    n = _cross((hu, hv, hw), (u, v, w))
+    out[0] = strength * (p[3] * n[0] + p[6] * n[1] + p[9] * n[2])
+    out[1] = strength * (p[4] * n[0] + p[7] * n[1] + p[10] * n[2])
+    out[2] = strength * (p[5] * n[0] + p[8] * n[1] + p[11] * n[2])
+
+
 @reduction_callback
 def solar_radiation(t, wxyz, omega, given, p, out):
     """Torque of light pressure on flat facets that face the Sun.
