@@ -12,7 +12,7 @@ import math
 
 from attitude._compilation.callbacks import callback, reduction_callback
 from attitude._compilation.decorators import subroutine
-from attitude._compilation.pointers import vector
+from attitude._compilation.pointers import number, vector
 
 
 @subroutine
@@ -231,4 +231,75 @@ def solar_radiation(t, wxyz, omega, given, p, out):
         bz += along_normal * rows[9, k]
     n = _cross((ax, ay, az), (sx, sy, sz))
     pressure = -p[0] / (r * r)
+    out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)
+
+
+@subroutine
+def _pushed(p, k, sun):
+    """Area of facet k that takes a push along the sunlight, and that along the normal.
+
+    p: the rows of `solar_radiation`, from its third number on.
+    """
+    cosine = max(p[1, k] * sun[0] + p[2, k] * sun[1] + p[3, k] * sun[2], 0.0)
+    size, mirrored = p[0, k] * cosine, p[11, k]
+    return size * (1.0 - mirrored), size * 2.0 * (mirrored * cosine + p[10, k] * (1.0 / 3.0))
+
+
+@subroutine
+def _on_face(x, y, z):
+    """The face of the cube of `light_curve._visibility` that a direction meets, and its place."""
+    ax, ay, az = abs(x), abs(y), abs(z)
+    if ay < ax and az < ax:
+        face, w, u, v = 0, x, y, z
+    elif az > ay:
+        face, w, u, v = 4, z, x, y
+    else:
+        face, w, u, v = 2, y, z, x
+    if w < 0.0:
+        face += 1
+    return face, _evened(u / abs(w)), _evened(v / abs(w))
+
+
+@subroutine
+def _evened(u):
+    """As `light_curve._sums.evened`."""
+    s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
+    return s if u >= 0.0 else -s
+
+
+@reduction_callback
+def shaded_radiation(t, wxyz, omega, given, p, out):
+    """As `solar_radiation`, on the shares of facets that are free of shadows.
+
+    p: the address of a table (6 (n + 2)^2, N) of these shares by cell of the sky, n, and what
+    `solar_radiation` takes.
+    """
+    back, r = _direction(wxyz, given)
+    sun = -back[0], -back[1], -back[2]
+    cells, count = int(p[1]), int(p[3])
+    rows = vector(p, 4 + 12 * count)[4:].reshape(12, count)
+    face, u, v = _on_face(sun[0], sun[1], sun[2])
+    # between the middles of four cells, of those of the face and one row around them
+    x, y = 0.5 * (u + 1.0) * cells + 0.5, 0.5 * (v + 1.0) * cells + 0.5
+    i, j, wide = min(max(int(x), 0), cells), min(max(int(y), 0), cells), cells + 2
+    x, y = x - i, y - j
+    first = ((face * wide + j) * wide + i) * count
+    table, right, above = int(p[0]), count, wide * count
+    ax = ay = az = bx = by = bz = 0.0
+    for k in range(count):
+        along_sun, along_normal = _pushed(rows, k, sun)
+        if along_sun > 0.0 or along_normal > 0.0:
+            at = first + k
+            lower = (1.0 - x) * number(table, at) + x * number(table, at + right)
+            upper = (1.0 - x) * number(table, at + above) + x * number(table, at + above + right)
+            lit = (1.0 - y) * lower + y * upper
+            along_sun, along_normal = lit * along_sun, lit * along_normal
+            ax += along_sun * rows[4, k]
+            ay += along_sun * rows[5, k]
+            az += along_sun * rows[6, k]
+            bx += along_normal * rows[7, k]
+            by += along_normal * rows[8, k]
+            bz += along_normal * rows[9, k]
+    n = _cross((ax, ay, az), sun)
+    pressure = -p[2] / (r * r)
     out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)

@@ -461,4 +461,5 @@ def parameters(rheology: Rheology, body: Body) -> FloatArray:
     unit = np.sort(np.asarray(body.moments))
     first = [math.log(_SLOWEST), 1.0 / _RATE_SPACING, table.shape[1]]
     second = [_FIRST, 1.0 / _SPACING, table.shape[2]]
-    return np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])
+    found: FloatArray = np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])
+    return found
