@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from attitude.catalog import Entry
     from attitude.motions._free_rotation import FreeRotation
     from attitude.paths._path import Path, Place
+    from attitude.scattering._law import Law
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
 
     Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
 
@@ -328,6 +331,7 @@ class Target(NamedTuple):
     source, note : str or None
     given : tuple of str
         Options whose values replace or complete those of the entry.
+    shape, law : of a spin file, or None
     """
 
     motion: FreeRotation
@@ -335,6 +339,8 @@ class Target(NamedTuple):
     source: str | None
     note: str | None
     given: tuple[str, ...] = ()
+    shape: Ellipsoid | Mesh | None = None
+    law: Law | None = None
 
     @property
     def label(self) -> str:
@@ -399,7 +405,8 @@ def _from_file(arguments: argparse.Namespace) -> Target:
             "spin file."
         )
     found = detect.read_state(arguments.target)
-    return Target(found.motion, found.name or arguments.target, found.source, found.note)
+    labels = found.name or arguments.target, found.source, found.note
+    return Target(found.motion, *labels, shape=found.shape, law=found.law)
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -37,7 +37,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import of_table, register_message
+from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.frames import quaternion
@@ -856,6 +856,7 @@ def write(
     AttitudeError
         As `aem.write`, and for variances of a motion without a covariance.
     """
+    refuse_foreign(path, "acm")
     parts = _sampling.segments(source, t)
     motion, meta = parts[0].motion, parts[0].meta
     axes = _axes.named(frame or meta.get("frame") or "ICRF")

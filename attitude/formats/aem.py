@@ -26,7 +26,13 @@ from attitude.errors import AttitudeError
 from attitude.formats import _aem_notations, _attitude_types, _recipes, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
-from attitude.formats._format import Option, message_labels, register_message, table_reader
+from attitude.formats._format import (
+    Option,
+    message_labels,
+    refuse_foreign,
+    register_message,
+    table_reader,
+)
 from attitude.formats._messages import VERSIONS, written_header
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
@@ -194,6 +200,7 @@ def write(
         For unknown names of versions, types, axes or time systems, for epochs that do not increase,
         for settings that the tool `for_` does not read, and for a file that cannot be written.
     """
+    refuse_foreign(path, "aem")
     meta, has_rates = _sampling.known_of(source, t)
     settings: dict[str, Any] = {
         "version": version,

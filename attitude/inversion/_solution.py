@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
@@ -192,14 +193,32 @@ class CurveFit(Answering, ABC):
         """
         return predicted(self, times)
 
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
+    def write(self, path: FilePath, **labels: Any) -> None:
+        """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
+        `labels` are name, source and note, as `formats.spin_file.write` takes them.  ``attitude
+        view``, ``attitude lightcurve`` and mission files that name the file draw its shape; the
+        shape alone is written by ``shape.write("x.obj")``.
+
+        Raises
+        ------
+        AttitudeError
+            For a name that does not end in .toml, and as `formats.spin_file.write`.
+        """
+        from attitude.formats import _surface, spin_file
+
+        if not os.fspath(path).lower().endswith(".toml"):
+            raise AttitudeError(
+                f"{os.fspath(path)!r} is to hold the state, its errors and the shape as a spin "
+                "file; give a name that ends in .toml. The shape alone is written by "
+                'shape.write("x.obj"), also .txt (DAMIT), .stl and .ply.'
+            )
+        law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
         first = FreeRotation(self.motion.body, self.motion.spin)
-        spin_file.write(path, first, source=source, note=note, **labels)
+        surface = {"shape": self.shape, "law": law}
+        spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
 
 _DAY = 86400.0
