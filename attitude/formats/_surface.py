@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -348,6 +350,46 @@ def _number(value: Any, name: str, unit: str | None) -> Any:
     return validation.real(value, name, unit=unit)[()]
 
 
+# ---- Shape and law of a spin or mission file, whatever else it holds
+
+
+def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
+    """Shape and law of the sections [shape] and [scattering] of a file in TOML."""
+    content = toml.parsed(toml.read(path, "file with a section [shape]"), path)
+    if "shape" not in content:
+        raise AttitudeError(f"{path}: has no section [shape]; give a file with one, or a mesh.")
+    if isinstance(content["shape"], dict) and content["shape"].get("ellipsoid") == "moments":
+        raise AttitudeError(f'{path}: [shape] ellipsoid is "moments"; give three semi-axes here.')
+    try:
+        found = shape_of(content["shape"], None, _beside(path))["shape"]
+        return found, law_of(content.get("scattering", {}), found)
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
+
+
+def law_of_file(path: str, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
+    """The law of the section [scattering] of a file in TOML, for a shape."""
+    content = toml.parsed(toml.read(path, "file with a section [scattering]"), path)
+    if "scattering" not in content:
+        raise AttitudeError(f"{path}: has no section [scattering]; give a file with one.")
+    try:
+        return law_of(content["scattering"], shape)
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
+
+
+def _beside(path: str) -> Callable[[Any, str], FilePath]:
+    """How a file names other files: relative to its folder."""
+    return partial(beside, folder=os.path.dirname(path))
+
+
+def beside(given: Any, name: str, folder: str) -> str:
+    """A file named relative to a folder; AttitudeError for what is not text."""
+    if not isinstance(given, str):
+        raise AttitudeError(f"{name} is {quoted(given)}; give the name of a file.")
+    return os.path.join(folder, os.path.expanduser(given))
+
+
 # ---- The lines of sections [shape] and [scattering]
 
 
@@ -374,7 +416,7 @@ def law_lines(law: Law) -> list[str]:
     AttitudeError for a law without a registered name.
     """
     if isinstance(law, scattering_materials.Materials):
-        lines = []
+        lines: list[str] = []
         for name in law.names:
             head = f"[scattering.materials.{toml.quoted(name, 'materials')}]"
             lines += [*([""] if lines else []), head, *_fields(law[name])]

@@ -570,7 +570,7 @@ def write(
     originator: str = "ATTITUDE",
     comments: Sequence[str] | None = None,
     creation_date: str | None = None,
-    digits: int = ccsds_epochs.DIGITS,
+    digits: int | None = None,
 ) -> None:
     """Write the state and the inertia of a FreeRotation as an APM.
 

@@ -53,7 +53,7 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -417,11 +417,7 @@ def _surface(content, body, folder):
         return None, None
     from attitude.formats import _surface as surface
 
-    def file(given, name):
-        if not isinstance(given, str):
-            raise AttitudeError(f"{name} is {quoted(given)}; give the name of a file.")
-        return os.path.join(folder, os.path.expanduser(given))
-
+    file = partial(surface.beside, folder=folder)
     found = surface.shape_of(content["shape"], body, file)
     if "shadows" in found:
         raise AttitudeError("[shape] shadows belongs to a mission file; leave it out.")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from attitude import frames
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude.epochs import _inputs, _instants
@@ -202,6 +202,24 @@ class LightCurve(Immutable, HasSamples):
             f"<LightCurve of {len(self)} points in {len(self.sessions)} sessions over "
             f"{span:.4g} d about {self.epoch.utc_iso} UTC>"
         )
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the reduced magnitudes against time."""
+        days = (self.seconds - self.seconds.min()) / 86400.0
+        rows = [
+            ("points", str(len(self))),
+            ("sessions", str(len(self.sessions))),
+            ("span", f"{np.ptp(days):.6g} d about {self.epoch.utc_iso} UTC"),
+            ("errors", f"{np.median(self.sigma):.3g} mag (median)"),
+            ("zero points", str(self.zero_points)),
+        ]
+        picture = markup.line_plot(
+            [(days, self.reduced)],
+            f"reduced magnitude over {np.ptp(days):.4g} d",
+            is_downward=True,
+            is_dotted=True,
+        )
+        return markup.table(f"Light curve {self.name or ''}".strip(), rows, picture)
 
     def samples(self) -> Samples:
         """Reduced magnitudes at the epochs of emission, a zero point a session and filter.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from attitude._support import markup
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
@@ -373,6 +374,36 @@ class Solution(CurveFit):
 
         return _figures.of_solution(self, path)
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks, the fit and the shape."""
+        longitude, latitude = np.degrees(self.pole)
+        psi, phi = self.periods_sigma
+        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        if not self.is_axial:
+            rows.append(("P_psi", _in_days(self.P_psi, psi)))
+        rows += [
+            ("period" if self.is_axial else "P_phi (long axis)", _in_days(self.P_phi, phi)),
+            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
+            ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
+            ("moments", " : ".join(f"{each:.4g}" for each in self.moments / self.moments[0])),
+            ("rms", f"{self.rms:.4f} mag"),
+        ]
+        shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
+        return markup.table("Solution", rows, *self._fit_picture(), shape)
+
+    def _fit_picture(self) -> list[str]:
+        """Observed and computed magnitudes, less the mean of each, against time."""
+        problem = self.weighted.problem
+        days = (problem.t - problem.t.min()) * self.curve.span / _DAY
+        return [
+            markup.line_plot(
+                [(days, self.residuals)],
+                f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
+                is_downward=True,
+                is_dotted=True,
+            )
+        ]
+
     def __repr__(self) -> str:
         psi, phi = self.P_psi / _DAY, self.P_phi / _DAY
         longitude, latitude = np.degrees(self.pole)
@@ -381,6 +412,10 @@ class Solution(CurveFit):
             f"<Solution {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
             f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
         )
+
+
+def _in_days(seconds: float, sigma: float) -> str:
+    return f"{seconds / _DAY:.6g} +- {sigma / _DAY:.2g} d"
 
 
 class SpinStates(Answering, Sequence[Any]):
@@ -453,6 +488,10 @@ class SpinStates(Answering, Sequence[Any]):
         if not isinstance(self[0], Solution):
             return _figures.of_fit(self[0], path)
         return _figures.of_states(self, path)
+
+    def _repr_html_(self) -> str:
+        """Verdict and ranked solutions for notebooks."""
+        return markup.of_table(f"{self.verdict}: {self.criterion}", self.table())
 
     def __repr__(self) -> str:
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"

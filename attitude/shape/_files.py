@@ -133,7 +133,7 @@ def damit_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
 
 def _kind_of(file: Path, format: str | None, done: str) -> str:
     """The format that is given, or that of the ending of a file to be read or written."""
-    kind = format or _FORMATS.get(file.suffix.lower())
+    kind = format or _FORMATS.get(file.suffix.lower(), "")
     if kind not in _FORMATS.values():
         raise AttitudeError(
             f"{file.name}: a shape is {done} as obj, damit, stl or ply; name the file .obj, .txt, "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import synonyms, validation
+from attitude._support import markup, synonyms, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.quoting import quoted
 from attitude._support.validation import shown
@@ -452,6 +452,8 @@ def listed(indices: IntArray) -> str:
 
 # The material of facets that are given none.
 SURFACE: str = "surface"
+# Most facets of the picture of a notebook.
+_DRAWN = 2000
 # Rounding of vertices and normals in heights, over the size of the body.
 _FLAT = 1e-12 + 32.0 * np.finfo(float).eps
 
@@ -528,6 +530,25 @@ class Mesh(Immutable):
     def __repr__(self) -> str:
         kind = "closed" if self.is_closed else "open"
         return f"<Mesh: {len(self.vertices)} vertices, {len(self.facets)} facets, {kind}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the body seen from one side."""
+        size = np.ptp(self.vertices, axis=0)
+        rows = [
+            ("vertices, facets", f"{len(self.vertices)}, {len(self)}"),
+            ("surface", "closed" if self.is_closed else "open"),
+            ("size x, y, z", f"{', '.join(f'{x:.6g}' for x in size)} m"),
+            ("area", f"{self.area:.6g} m2"),
+        ]
+        if self.is_closed:
+            rows.append(("volume", f"{self.volume:.6g} m3"))
+            rows.append(("convex", "yes" if self.is_convex else "no"))
+        if set(self.materials) != {SURFACE}:
+            rows.append(("materials", ", ".join(sorted(set(self.materials)))))
+        picture = ""
+        if len(self) <= _DRAWN:
+            picture = markup.solid(self.corners, self.normals, "seen from x, y, z > 0")
+        return markup.table("Mesh", rows, *([picture] if picture else []))
 
     def __len__(self) -> int:
         """The number of facets."""
