@@ -227,7 +227,13 @@ def refuse_foreign(path: object, name: str) -> None:
         return
     ending, own = ending_of(path), formats()[name]
     other = endings().get(ending)
-    is_foreign = other is not None and other.module != own.module
+    # Messages in XML are often named .xml, whatever they are, and other packages build on writers.
+    is_foreign = (
+        other is not None
+        and other.module != own.module
+        and other.module.startswith("attitude.formats.")
+        and ending != ".xml"
+    )
     if is_foreign or ending in _FOREIGN:
         holds = other.title if other is not None else _FOREIGN[ending]
         raise AttitudeError(
