@@ -19,6 +19,7 @@ from attitude import (
     fit,
     inversion,
     paths,
+    photometry,
     plots,
     scattering,
     shape,
@@ -158,7 +159,7 @@ def test_a_light_curve_and_solutions():
     observer = au * np.array([1.0, 0.1, 0.3])
     scene = Scene(motion, None, (1.0, 0.1, 0.3), (1, 0.2, 0.1), shape=shape.Ellipsoid((2, 1.3, 1)))
     magnitude = scene.at(times).reduced_magnitude
-    curve = inversion.LightCurve(
+    curve = photometry.LightCurve(
         motion.at(times).time, magnitude, 0.02, sun=sun, observer=np.tile(observer, (120, 1))
     )
     tree, words = parsed(curve)
