@@ -16,10 +16,15 @@ HELP: str = "find the spin states of a tumbling body from a light curve"
 EPILOG: str = """\
 example:
   attitude invert toutatis.csv --max-frequency "0.75 /d" --output solution.toml --figure fit.png
+  attitude view solution.toml
+  attitude invert pass.csv --max-frequency "0.08 Hz" --shape satellite.obj --law materials.toml \\
+      --moments satellite.toml
 
 Prints the verdict with its criterion, and the ranked solutions. The CSV has a line of names: an
 epoch (utc, jd_tdb, jd_utc), magnitude or flux, sigma, session, filter, and the geometry (sun_x ..
-observer_z in au, or ra, dec, delta); otherwise give --orbit and --site.
+observer_z in au, or ra, dec, delta); otherwise give --orbit and --site. --output writes state,
+errors and shape, which "attitude view", "attitude lightcurve" and mission files draw. With --shape
+the shape is known, and rates and attitude are sought.
 """
 
 
@@ -44,6 +49,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="shape",
         help='"shape" (the default), "free", a tolerance, three known moments "3.1, 3.2, 1", or a '
         "spin file with the body",
+    )
+    parser.add_argument(
+        "--shape",
+        metavar="FILE",
+        help="the known shape: OBJ, DAMIT, STL or PLY, or a spin or mission file with [shape]",
+    )
+    parser.add_argument("--unit", default="m", metavar="UNIT", help="of the mesh (default: m)")
+    parser.add_argument(
+        "--law",
+        metavar="NAME|FILE",
+        help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
+        "the file of the shape)",
     )
     parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
@@ -72,6 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.max_frequency,
         modes=tuple(each.strip() for each in arguments.modes.split(",")),
         moments=moments,
+        **_surface(arguments),
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )
@@ -119,6 +137,30 @@ def _moments(text: str) -> Any:
             f'--moments is {text!r}; give "shape", "free", a number (the tolerance), three moments '
             'such as "3.1, 3.2, 1", or the name of a spin file (.toml).'
         ) from None
+
+
+def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of a known shape from --shape and --law."""
+    if arguments.shape is None:
+        if arguments.law is not None:
+            raise AttitudeError("--law is that of a known shape; give --shape too.")
+        return {}
+    from attitude.formats import _surface as surface
+    from attitude.shape import _files
+    from attitude.shape._ellipsoid import Ellipsoid
+
+    shape, law = None, None
+    if arguments.shape.endswith(".toml"):
+        shape, law = surface.of_file(arguments.shape)
+    else:
+        shape = _files.read(arguments.shape, unit=arguments.unit)
+    if isinstance(shape, Ellipsoid):
+        shape = shape.facets()
+    if arguments.law is not None and arguments.law.endswith(".toml"):
+        law = surface.law_of_file(arguments.law, shape)
+    elif arguments.law is not None:
+        law = surface.law_of({"law": arguments.law}, shape)
+    return {"shape": shape} if law is None else {"shape": shape, "law": law}
 
 
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:

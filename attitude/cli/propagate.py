@@ -27,8 +27,8 @@ A mission file with sections [[torque]] is propagated under these torques.
 
 --sigma needs the section [errors] of the spin file.
 
-A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). The step is in seconds of
-TDB if start and stop both count from the epoch, else in seconds of UTC.
+A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). Steps, and times after the
+epoch, are seconds of UTC, of TDB if the start is a date in TDB.
 
 AEM, C-kernels and other formats are written by "attitude convert".
 """

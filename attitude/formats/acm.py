@@ -37,7 +37,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import of_table, register_message
+from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.frames import quaternion
@@ -828,7 +828,7 @@ def write(
     originator: str = "ATTITUDE",
     comments: Sequence[str] | None = None,
     creation_date: str | None = None,
-    digits: int = ccsds_epochs.DIGITS,
+    digits: int | None = None,
     orbit: Path | None = None,
 ) -> None:
     """Write attitudes as an ACM, with the body, the impulses and the errors of their motion.
@@ -856,6 +856,7 @@ def write(
     AttitudeError
         As `aem.write`, and for variances of a motion without a covariance.
     """
+    refuse_foreign(path, "acm")
     parts = _sampling.segments(source, t)
     motion, meta = parts[0].motion, parts[0].meta
     axes = _axes.named(frame or meta.get("frame") or "ICRF")
@@ -867,15 +868,16 @@ def write(
     start, _ = ccsds_epochs.texts(parts[0].epoch, *begin, scale, digits)
     _, stop = ccsds_epochs.texts(parts[-1].epoch, *end, scale, digits)
     tags = TimeTags(scale, ccsds_epochs.instant(start, scale))
+    decimals = ccsds_epochs.DIGITS if digits is None else digits
 
     def texts(history: AttitudeHistory) -> list[str]:
         low = 0.0 if history.low is None else history.low
         epoch = history.epoch
-        return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), digits)
+        return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), decimals)
 
     def seconds(hi: float, lo: float) -> str:
         instant = motion.epoch.after(hi, lo)
-        return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
+        return tags.text(np.array([instant.seconds]), np.array([instant.low]), decimals)[0]
 
     blocks = [_attitudes(part, name, axes, body, texts, orbit) for part in parts]
     has_inertia = motion.body is not None and not motion.body.relative

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from attitude._support import markup
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
@@ -187,14 +189,32 @@ class CurveFit(Answering, ABC):
         """
         return predicted(self, times)
 
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
+    def write(self, path: FilePath, **labels: Any) -> None:
+        """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
+        `labels` are name, source and note, as `formats.spin_file.write` takes them.  ``attitude
+        view``, ``attitude lightcurve`` and mission files that name the file draw its shape; the
+        shape alone is written by ``shape.write("x.obj")``.
+
+        Raises
+        ------
+        AttitudeError
+            For a name that does not end in .toml, and as `formats.spin_file.write`.
+        """
+        from attitude.formats import _surface, spin_file
+
+        if not os.fspath(path).lower().endswith(".toml"):
+            raise AttitudeError(
+                f"{os.fspath(path)!r} is to hold the state, its errors and the shape as a spin "
+                "file; give a name that ends in .toml. The shape alone is written by "
+                'shape.write("x.obj"), also .txt (DAMIT), .stl and .ply.'
+            )
+        law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
         first = FreeRotation(self.motion.body, self.motion.spin)
-        spin_file.write(path, first, source=source, note=note, **labels)
+        surface = {"shape": self.shape, "law": law}
+        spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
 
 _DAY = 86400.0
@@ -349,6 +369,36 @@ class Solution(CurveFit):
 
         return _figures.of_solution(self, path)
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks, the fit and the shape."""
+        longitude, latitude = np.degrees(self.pole)
+        psi, phi = self.periods_sigma
+        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        if not self.is_axial:
+            rows.append(("P_psi", _in_days(self.P_psi, psi)))
+        rows += [
+            ("period" if self.is_axial else "P_phi (long axis)", _in_days(self.P_phi, phi)),
+            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
+            ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
+            ("moments", " : ".join(f"{each:.4g}" for each in self.moments / self.moments[0])),
+            ("rms", f"{self.rms:.4f} mag"),
+        ]
+        shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
+        return markup.table("Solution", rows, *self._fit_picture(), shape)
+
+    def _fit_picture(self) -> list[str]:
+        """Observed and computed magnitudes, less the mean of each, against time."""
+        problem = self.weighted.problem
+        days = (problem.t - problem.t.min()) * self.curve.span / _DAY
+        return [
+            markup.line_plot(
+                [(days, self.residuals)],
+                f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
+                is_downward=True,
+                is_dotted=True,
+            )
+        ]
+
     def __repr__(self) -> str:
         psi, phi = self.P_psi / _DAY, self.P_phi / _DAY
         longitude, latitude = np.degrees(self.pole)
@@ -357,6 +407,10 @@ class Solution(CurveFit):
             f"<Solution {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
             f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
         )
+
+
+def _in_days(seconds: float, sigma: float) -> str:
+    return f"{seconds / _DAY:.6g} +- {sigma / _DAY:.2g} d"
 
 
 class SpinStates(Answering, Sequence[Any]):
@@ -429,6 +483,10 @@ class SpinStates(Answering, Sequence[Any]):
         if not isinstance(self[0], Solution):
             return _figures.of_fit(self[0], path)
         return _figures.of_states(self, path)
+
+    def _repr_html_(self) -> str:
+        """Verdict and ranked solutions for notebooks."""
+        return markup.of_table(f"{self.verdict}: {self.criterion}", self.table())
 
     def __repr__(self) -> str:
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
