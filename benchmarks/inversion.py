@@ -6,17 +6,24 @@
                                                       "sessions", "slow-tumblers"; a fourth
                                                       number: from this case on
     python benchmarks/inversion.py constant 300 SEED  slow tumblers that are called constant
+    python benchmarks/inversion.py nonconvex 24 SEED  bodies with shadows, offsets of nights; also
+                                                      "albedo", "inertia", "wobble", "survey",
+                                                      "outliers", "exposures", "moons", "rotators"
 
 Nothing of a truth is in the input; the search goes up to 3.2 turns in a mean rotation.  Processor
 seconds of one core; the first call, which compiles, is not counted.  Rotators about one axis whose
 magnitude varies by less than its errors, which no light curve decides, are not drawn: their seeds
 are printed (`inversion_cases.is_decidable`, of the truth alone).
+
+Bodies from "nonconvex" on are those of `inversion_meshes`: random ones, or, where the environment
+variable MESHES names a folder, its OBJ files.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -44,7 +51,7 @@ from attitude.inversion import (
 from attitude.inversion._problem import CurveProblem
 from attitude.inversion._spin_states import is_better_constant, is_constant
 from attitude.photometry import _spectrum
-from benchmarks import inversion_cases
+from benchmarks import inversion_cases, inversion_meshes
 from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
 
@@ -124,12 +131,41 @@ SLOW = [
 ]
 
 
+
+
+def _varied(styles: list[dict], kinds: tuple[str, ...], **more: object) -> list[dict]:
+    """Styles with kinds of bodies in turn, and other keywords of `inversion_meshes.case`."""
+    bodies = itertools.cycle(kinds)
+    return [{**style, "kind": next(bodies), **more} for style in styles]
+
+
+LUMPY, CONCAVE = ("lumpy",), ("bilobed", "bent", "lumpy", "bent", "bilobed")
+# Binaries: periods (d) of the primary, spans (d), nights.
+BINARIES = [
+    dict(zip(_NAMES, ("PA", P, span, nights, (4, 8), 8, 0.015), strict=True))
+    for P, span, nights in ((0.1, 20, 12), (0.13, 25, 14), (0.2, 30, 16), (0.11, 15, 10))
+]
+
+
 class Kind(NamedTuple):
-    """What cases are drawn: styles, zero points, and whether undecidable ones are left out."""
+    """What cases are drawn: styles, zero points, and whether undecidable ones are left out.
+
+    `meshes`: by `inversion_meshes`, with files where there are any.
+    """
 
     styles: list[dict]
     zero_points: str
     decidable: bool = False
+    meshes: bool = False
+
+    def case(self, seed: int, number: int) -> inversion_cases.Case:
+        """The case of a seed, of the style of a number."""
+        style = self.styles[number % len(self.styles)]
+        if not self.meshes:
+            return inversion_cases.case(seed, style)
+        folder = os.environ.get("MESHES")
+        files = sorted(Path(folder).glob("*.obj")) if folder and style["kind"] != "lumpy" else None
+        return inversion_meshes.case(seed, style, files)
 
 
 KINDS = {
@@ -138,7 +174,29 @@ KINDS = {
     "axial": Kind(AXIAL, "shared", decidable=True),
     "sessions": Kind(STYLES, "auto"),
     "slow-tumblers": Kind(SLOW, "auto", decidable=True),
-}
+    "nonconvex": Kind(_varied(STYLES, CONCAVE, zero=(0.02, 0.1)), "auto", meshes=True),
+    "albedo": Kind(_varied(STYLES, LUMPY, spots=0.25), "shared", meshes=True),
+    "inertia": Kind(_varied(STYLES, LUMPY, inertia=True), "shared", meshes=True),
+    "wobble": Kind(_varied(STYLES, LUMPY, tilt=(1.5, 15.0)), "shared", meshes=True),
+    "survey": Kind(
+        _varied([x for x in STYLES if x["span"] >= 25], LUMPY, survey=(100, 200)), "shared",
+        meshes=True,
+    ),
+    "outliers": Kind(
+        _varied(STYLES, LUMPY, outliers=0.03, halved=True, clock=0.002), "shared", meshes=True
+    ),
+    "exposures": Kind(
+        [
+            {**style, "exposure": 0.2 * style["P"]}
+            for style in _varied([x for x in STYLES if x["P"] < 0.7], LUMPY)
+        ],
+        "shared", meshes=True,
+    ),
+    "moons": Kind(_varied(BINARIES, LUMPY, moon=True, most=3.0), "shared", meshes=True),
+    "rotators": Kind(
+        _varied(AXIAL, CONCAVE, zero=(0.02, 0.05)), "auto", decidable=True, meshes=True
+    ),
+}  # fmt: skip
 
 
 def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCurve:
@@ -150,6 +208,7 @@ def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCur
         sun=case.sun * units.au,
         observer=case.observer * units.au,
         session=case.session,
+        filter=case.filter,
         zero_points=zero_points,
         frame="ecliptic",
     )
@@ -197,7 +256,7 @@ def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarr
 def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
     """Cases of successive seeds, styles in turn; seeds that are left out are printed."""
     for k in range(count):
-        case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+        case = kind.case(seed, k)
         while kind.decidable and not inversion_cases.is_decidable(case):
             print(
                 f"left out: seed {seed}, {inversion_cases.variation(case):.3f} mag of variation in "
@@ -205,7 +264,7 @@ def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
                 flush=True,
             )
             seed += 1
-            case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+            case = kind.case(seed, k)
         yield case
         seed += 1
 
