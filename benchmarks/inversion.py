@@ -44,11 +44,13 @@ from attitude.inversion import (
     _lattices,
     _pole_map,
     _problem,
+    _refinement,
     _search,
     _states,
-    _verdicts,
 )
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CurveProblem
+from attitude.inversion._settings import DEFAULT
 from attitude.inversion._spin_states import is_better_constant, is_constant
 from attitude.photometry import _spectrum
 from benchmarks import inversion_cases, inversion_meshes
@@ -129,8 +131,6 @@ SLOW = [
         strict=True,
     )
 ]
-
-
 
 
 def _varied(styles: list[dict], kinds: tuple[str, ...], **more: object) -> list[dict]:
@@ -220,16 +220,16 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
     near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
     if case.mode != "PA":
         near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
-    pole = matrix_to_icrf("ecliptic").T @ _search.pole(found.state)
+    pole = matrix_to_icrf("ecliptic").T @ SearchState.of(found.state).pole
     angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
     return bool(near and found.mode == case.mode), angle
 
 
 def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
     """The pole, and its mirror image in the plane of the scene, ecliptic axes."""
-    here, normal = _search.pole(found.state), _verdicts.plane_of(found.weighted.problem)
+    here, normal = SearchState.of(found.state).pole, _pole_map.plane_of(found.weighted.problem)
     turn = matrix_to_icrf("ecliptic").T
-    return turn @ here, turn @ _verdicts.mirrored(here, normal)
+    return turn @ here, turn @ _pole_map.mirrored(here, normal)
 
 
 def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
@@ -361,7 +361,7 @@ def is_called_constant(case: inversion_cases.Case, curve: inversion.LightCurve) 
     periods are tried here, some 1 s in place of 10.
     """
     most = case.most / 86400.0
-    given = most, _search.ELLIPSOID_ERROR
+    given = most, DEFAULT.ellipsoid_error
     one, own = (_problem.problem(curve, *given, each)[0] for each in ("shared", "auto"))
     if is_constant(one) or not is_constant(own):
         return is_constant(one)
@@ -371,9 +371,7 @@ def is_called_constant(case: inversion_cases.Case, curve: inversion.LightCurve) 
         f = -f
     rates = [_lattices.Candidate(0.5 * (twice + max(f, 0.0)), f)]
     tie, generator = _states.of("shape"), np.random.default_rng(0)
-    made = _search.Search(
-        one, most * curve.span, (case.mode,), tie, (), generator, math.inf, lambda _: None
-    )
+    made = _search.Search(one, most * curve.span, (case.mode,), tie, (), generator, lambda _: None)
     held = _ellipsoid.Held(0.15)
     pool = _ellipsoid.around(one, generator, rates, 40, iterations=40, tie=held)
     made.begin(_ellipsoid.in_order(pool).states[:8])
@@ -418,6 +416,12 @@ def speed() -> tuple[float, float]:
     states = np.tile([20.3, 14.7, 0.2, -1.0, 0.2, *np.eye(3).ravel(), 0.7, 0.4], (100, 1))
     spent = _best(lambda: list(curve.rows(states, True))) / 100
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
+    body = np.concatenate([states[0], np.zeros(_refinement.WIDTH - _ellipsoid.WIDTH)])
+    counted = CurveProblem.of(*given)
+    with _refinement.limited():
+        step = _best(lambda: _refinement.refine(counted, body, iterations=2)) / 2.0
+    estimate = counted.settings.step_cost + 400 * counted.settings.body_cost
+    print(f"step of a body, 400 points: {step * 1e3:.2f} ms, counted as {estimate * 1e3:.2f}")
     return pair, spent / 400 * 1e9
 
 

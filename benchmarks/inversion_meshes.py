@@ -329,7 +329,7 @@ def unlike_shape(rng: np.random.Generator, moments: np.ndarray, least=0.07, most
     while True:
         change = rng.choice([-1.0, 1.0], 2) * rng.uniform(least, most, 2)
         other = np.append(moments[:2] * (1.0 + change), 1.0)
-        if 0.03 < other[1] - other[0] and other[1] < 0.985 and other[0] + other[1] > 1.02:
+        if other[1] - other[0] > 0.03 and other[1] < 0.985 and other[0] + other[1] > 1.02:
             return other
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
-from attitude.inversion import _lattices, _problem, _refinement
+from attitude.inversion import _evidence, _lattices, _problem
 from attitude.inversion._curve import LightCurve
 from attitude.photometry import _spectrum
 
@@ -175,5 +175,5 @@ def _cost(problem: CurveProblem, pair: FloatArray, order: int) -> float:
         chi_squared = own.chi_squared(np.zeros(len(own)))
         left = float(_lattices.exactly(own, pair, order)[1][0])
         size = 2.0 * float(np.sum(np.log(own.root)))
-        costs.append(left * chi_squared - size + _refinement.volume_of_offsets(own))
+        costs.append(left * chi_squared - size + _evidence.volume_of_offsets(own))
     return min(costs)
