@@ -286,21 +286,27 @@ def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
     no line that a rotation about one axis has not: four parameters more fit what its shape lacks.
     It counts as that rotation, if chi-squared of this is not far larger.
     """
-    settings = problem.settings
-    rotators = [one for one in found if SearchState.of(one.refined.state).is_axial]
     out = []
     for one in found:
-        state, behind = SearchState.of(one.refined.state), 0.0
-        for rotator in rotators:
-            other = SearchState.of(rotator.refined.state)
-            if (
-                not state.is_axial
-                and _is_comb(state, 2.0 * other.precession, settings.comb_width)
-                and rotator.chi_squared < settings.axial_worse * one.chi_squared
-            ):
-                behind = max(behind, rotator.evidence + 1.0 - one.evidence)
-        out.append(replace(one, evidence=one.evidence + behind))
+        behind = [
+            rotator.evidence + 1.0 - one.evidence
+            for rotator in found
+            if counts_as(one, rotator, problem)
+        ]
+        out.append(replace(one, evidence=one.evidence + max([0.0, *behind])))
     return out
+
+
+def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
+    """Whether a tumbling state is on the comb of a rotator that explains the curve too."""
+    settings = problem.settings
+    state, other = SearchState.of(one.refined.state), SearchState.of(rotator.refined.state)
+    return (
+        other.is_axial
+        and not state.is_axial
+        and _is_comb(state, 2.0 * other.precession, settings.comb_width)
+        and rotator.chi_squared < settings.axial_worse * one.chi_squared
+    )
 
 
 def _is_comb(state: SearchState, rotation: float, width: float) -> bool:

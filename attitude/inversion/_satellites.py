@@ -34,16 +34,36 @@ _ROTATIONS, _MORE = 12, 4
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
 _STEPS, _LONGEST = 4, 0.1
+# Skewness of dips at least, of binaries 1.2 to 2.1; orbits in the span at least; range at most, mag:
+# half of a pair of equal bodies is 0.75, and noise adds to it.
+_LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
+# Epochs of an orbit at which its series is evaluated.
+_PHASES = 360
 # Standard deviation, mag, of the amplitudes of a series beside a body before the curve is seen.
 _AMPLITUDE = 0.1
 
 
 class AdditivePair(NamedTuple):
-    """Frequencies of rotation and orbit, turns per span, and the share of chi-squared left."""
+    """Frequencies of rotation and orbit, turns per span, and the share of chi-squared left.
+
+    range, mag, and skewness are those of the series in the orbit.
+    """
 
     rotation: float
     orbit: float
     left: float
+    range: float = 0.0
+    skewness: float = 0.0
+
+    @property
+    def are_dips(self) -> bool:
+        """Whether the series in the orbit looks like eclipses: short, faint, seen several times.
+
+        Series that mimic tumbling are skewed to either side, reach many magnitudes, or last for
+        most of the span.
+        """
+        is_short = self.skewness > _LEAST_SKEWNESS and self.orbit > _LEAST_ORBITS
+        return is_short and self.range < _DEEPEST
 
 
 def series(frequency: float, order: int, t: FloatArray) -> FloatArray:
@@ -122,6 +142,7 @@ def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePai
     total = float(y @ y)
     pair = np.array([rotation, orbit])
     best = AdditivePair(rotation, orbit, math.inf)
+    orbit_series = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES)
     multiples = [np.arange(1, order + 1) for order in ORDERS]
     for _ in range(_STEPS):
         bases = [series(f, order, problem.t) for f, order in zip(pair, ORDERS, strict=True)]
@@ -131,7 +152,10 @@ def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePai
         residual = y - joint.T @ amplitudes
         left = 1.0 - float(amplitudes @ (joint @ y)) / total
         if left < best.left:
-            best = AdditivePair(float(pair[0]), float(pair[1]), left)
+            dips = orbit_series @ amplitudes[2 * ORDERS[0] :]
+            off = dips - dips.mean()
+            skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
+            best = AdditivePair(float(pair[0]), float(pair[1]), left, float(np.ptp(dips)), skewness)
         slopes, start = [], 0
         for base, order, numbers in zip(bases, ORDERS, multiples, strict=True):
             cosine, sine = amplitudes[start : start + order], amplitudes[start + order :][:order]

@@ -159,7 +159,7 @@ class Search:
     def is_decided(self) -> bool:
         """Whether the verdict is met."""
         if self.rival is not None:
-            return self.satellite_is_ahead() > self.settings.competing
+            return self.satellite_is_ahead() > self.settings.alone
         given = self.solutions, self.problem, self.is_complete, self.most
         return _verdicts.verdict(*given)[0] != _verdicts.OPEN
 
@@ -180,11 +180,11 @@ class Search:
         if self.is_over or self.problem.orbit or not self.solutions:
             return
         best = self.solutions[0]
-        pairs = _satellites.additive_pairs(self.problem, self.most)
+        pairs = _satellites.additive_pairs(self.problem, self.most, self.settings.orbits)
         left = _evidence.share_left(best, self.problem)
         rivals = []
-        for pair in pairs[: self.settings.orbits]:
-            if pair.left > self.settings.orbit_worse**2 * left:
+        for pair in pairs:
+            if not pair.are_dips or pair.left > self.settings.orbit_worse**2 * left:
                 continue
             rival = replace(
                 self,

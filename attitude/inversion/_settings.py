@@ -65,7 +65,7 @@ class Settings:
     # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in each.
     pairs: int = 200
     quick_starts: int = 6
-    scan_starts: int = 16
+    scan_starts: int = 10
     deep_starts: int = 40
     # Rounds at most: the last one tries 64 times as many starts as the first.
     rounds: int = 7

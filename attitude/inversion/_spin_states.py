@@ -349,9 +349,8 @@ def _results(curve, found):
     verdict, criterion = _verdicts.verdict(*given)
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
-        verdict, criterion = _verdicts.of_satellite(
-            (verdict, criterion), period, ahead, found.settings
-        )
+        given = (verdict, criterion), period, ahead, found.settings.alone
+        verdict, criterion = _verdicts.of_satellite(*given)
     if verdict == _verdicts.OPEN and found.is_over:
         criterion += f" The budget of {found.problem.tally.budget:g} s ended the search."
     return SpinStates(solutions, verdict, criterion, tuple(searched.notes))

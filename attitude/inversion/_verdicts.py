@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._settings import Settings
 
 
 # ---- How one spin state relates to another that fits the same light curve, in words
@@ -104,6 +103,13 @@ _NUTATION = 4
 _STEPS = 40
 
 
+def needed(best: Weighted, problem: CurveProblem) -> float:
+    """By how much other periods have to lie behind a solution in evidence."""
+    settings = problem.settings
+    is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
+    return settings.competing if is_at_floor else settings.alone
+
+
 def verdict(
     found: Sequence[Weighted],
     problem: CurveProblem,
@@ -129,14 +135,14 @@ def verdict(
         for each in found[1:]
         if _has_periods(each.refined.state, state, problem) and _competes(each, best, problem)
     ]
-    needed = settings.competing if floor < settings.floor else settings.alone
+    behind = needed(best, problem)
     words = (
         f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
         f"{settings.floor:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
         "are "
-        f"{gap:.1f} behind in -2 ln(evidence) ({needed:g} needed)"
+        f"{gap:.1f} behind in -2 ln(evidence) ({behind:g} needed)"
     )
-    accepted = (floor < settings.floor or left < settings.left) and gap > needed
+    accepted = (floor < settings.floor or left < settings.left) and gap > behind
     turns = abs(float(state[0]))
     if not SearchState.of(state).is_axial:
         turns = min(turns, abs(float(state[1])))
@@ -145,19 +151,27 @@ def verdict(
     if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
     if SearchState.of(state).is_axial:
-        tumbling = [each for each in found[1:] if not SearchState.of(each.refined.state).is_axial]
-        close = sum(each.evidence - best.evidence < needed for each in tumbling)
-        better = _better_by_nutation(found, problem, needed, most)
+        tumbling = [
+            each
+            for each in found[1:]
+            if not SearchState.of(each.refined.state).is_axial
+            and not _evidence.counts_as(each, best, problem)
+        ]
+        close = sum(each.evidence - best.evidence < behind for each in tumbling)
+        better = _better_by_nutation([best, *tumbling], problem, behind, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     if poles:
-        return (
-            PERIODS,
-            f"{words}; {len(poles)} other poles lie within {settings.competing_poles:g}.",
-        )
-    return SOLVED, f"{words}; no other pole lies within {settings.competing_poles:g}."
+        return PERIODS, f"{words}; {len(poles)} other poles lie {_within(problem)}."
+    return SOLVED, f"{words}; no other pole lies {_within(problem)}."
+
+
+def _within(problem: CurveProblem) -> str:
+    settings = problem.settings
+    errors = f"{settings.pole_errors:g} standard errors between nights"
+    return f"within {settings.competing_poles:g} or {errors}"
 
 
 def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
@@ -179,27 +193,28 @@ def _is_near(other: Weighted, best: Weighted, width: float) -> bool:
 
 
 def of_satellite(
-    verdict: tuple[str, str], period: float, ahead: float, settings: Settings
+    verdict: tuple[str, str], period: float, ahead: float, needed: float
 ) -> tuple[str, str]:
     """The verdict and its criterion where a rotation about one axis beside an orbit competes.
 
     `period` of the orbit, days; `ahead`: by how much its evidence is better than that of the best
-    body without one.
+    body without one, and `needed`, by how much it has to be.
     """
     rival = (
         f"rotation about one axis with an additive series of period {period:.6g} d, as of a moon"
     )
-    if ahead > settings.competing:
+    if ahead > needed:
         words = f"{rival} is {ahead:.1f} ahead of every body alone; of the rotation: {verdict[1]}"
         return f"{SATELLITE} {period:.6g} d", words
-    if ahead > -settings.competing:
+    if ahead > -needed:
         side = "ahead of" if ahead > 0.0 else "behind"
-        return OPEN, f"{rival} is {abs(ahead):.1f} {side} the best body alone. {verdict[1]}"
+        words = f"{rival} is {abs(ahead):.1f} {side} the best body alone ({needed:g} needed)."
+        return OPEN, f"{words} {verdict[1]}"
     return verdict
 
 
 def _better_by_nutation(
-    found: Sequence[Weighted], problem: CurveProblem, needed: float, most: float
+    found: Sequence[Weighted], problem: CurveProblem, behind: float, most: float
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
@@ -214,7 +229,7 @@ def _better_by_nutation(
         for each in found[1:]
         if not SearchState.of(each.refined.state).is_axial
         and each.refined.state[3] > math.log(settings.wide)
-        and each.evidence - best.evidence < needed + counted
+        and each.evidence - best.evidence < behind + counted
     ]
     chance = exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
     if max(gains, default=0.0) < chance:

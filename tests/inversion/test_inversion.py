@@ -315,7 +315,7 @@ def solved():
     style = {**figures.STYLES[6], "per_hour": 9}
     case = inversion_cases.case(31, style)
     curve = figures.curve_of(case, "shared")
-    half = inversion.Settings(pairs=100, classes=15, convex=20, short_classes=30)
+    half = inversion.Settings(pairs=100, classes=15, convex=20, short_classes=30, rounds=1)
     found = inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1, settings=half)
     return case, curve, found
 

@@ -144,9 +144,10 @@ def test_additive_pairs_of_rotation_and_dips():
         2.0 * rotation, abs=0.1
     )
     assert best.orbit == pytest.approx(orbit, abs=0.05) and best.left < 0.03
+    assert best.are_dips and best.range == pytest.approx(0.2, abs=0.12)
     product = 0.3 * np.cos(2.0 * math.pi * 61.37 * t) * np.cos(2.0 * math.pi * 13.21 * t)
     none = _satellites.additive_pairs(_given(turned * (1.0 + 3.0 * product) + product, t), 90.0)
-    assert none[0].left > 0.1
+    assert none[0].left > 0.1 and not any(pair.are_dips for pair in none)
 
 
 def test_a_body_with_an_orbit_predicts_its_dips():
