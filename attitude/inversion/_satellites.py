@@ -34,7 +34,7 @@ _ROTATIONS, _MORE = 12, 4
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
 _STEPS, _LONGEST = 4, 0.1
-# Skewness of dips at least, of binaries 1.2 to 2.1; orbits in the span at least; range at most, mag:
+# Skewness of dips at least (binaries: 1.2 to 2.1), orbits in the span at least, range at most, mag:
 # half of a pair of equal bodies is 0.75, and noise adds to it.
 _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
 # Epochs of an orbit at which its series is evaluated.
