@@ -21,8 +21,8 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._curve import CALIBRATED, LightCurve
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.shape._mesh import Mesh
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.motions._body import Body
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
 
     ZeroPoints = str | float | tuple[str, ...]
@@ -107,6 +108,7 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
+    curve = usable(curve)
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency, settings)
         seconds = validation.positive(budget, "budget", unit="s")
@@ -143,8 +145,6 @@ def _compile(curve: LightCurve, most: float) -> None:
 
 def _checked_turns(curve, max_frequency, settings):
     """The largest frequency, Hz."""
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns, limit = most * curve.span, settings.most_turns
     if turns < 2.0:
