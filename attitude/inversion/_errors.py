@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import KnownShape, Tie
 
 
@@ -331,9 +331,16 @@ def costs(
 
     Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
     """
+    count_states(problem, known, len(wxyz))
     turned = propagate(moments, wxyz, omega, seconds)
     sun, observer = over_body(quaternion.matrix(turned), problem)
     return of_magnitudes(problem, known.magnitudes(sun, observer, least))
+
+
+def count_states(problem: CurveProblem, known: KnownShape, states: int) -> None:
+    """Count the work of the magnitudes of so many states."""
+    terms = states * len(problem) * len(known.mesh.facets)
+    problem.tally.add(terms, problem.settings.facet_cost)
 
 
 def over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
-from attitude.inversion import _lattices, _search, _verdicts
+from attitude.inversion import _lattices
+from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _spectrum
 from attitude.photometry._spectrum import OVERSAMPLING
 
@@ -56,7 +57,7 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     for each in found:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
-        phi, psi = np.array(_verdicts.rates(each.state)) / each.curve.span * _DAY
+        phi, psi = np.array(SearchState.of(each.state).rates) / each.curve.span * _DAY
         axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", mfc="none", color=colour)
         longitude, latitude = np.degrees(each.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour)
@@ -76,7 +77,7 @@ def _map(axes: Any, best: Solution) -> None:
     if best.is_axial:
         return
     problem = best.weighted.problem
-    phi, psi = _verdicts.rates(best.state)
+    phi, psi = SearchState.of(best.state).rates
     step = 1.0 / OVERSAMPLING
     sides = []
     for centre in (phi, 2.0 * psi):
@@ -117,9 +118,9 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
 
 def _folded(axes: Any, solution: Solution, which: int) -> None:
     problem = solution.weighted.problem
-    rate = _verdicts.rates(solution.state)[which]
+    rate = SearchState.of(solution.state).rates[which]
     name = ("P_phi", "P_psi")[which]
-    if _search.is_axial(solution.state) and which:
+    if solution.is_axial and which:
         axes.set_visible(False)
         return
     magnitude = problem.magnitude - np.mean(problem.magnitude)

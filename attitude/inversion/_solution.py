@@ -17,7 +17,8 @@ from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.inversion import _errors, _problem, _refinement, _search, _shapes, _states, _verdicts
+from attitude.inversion import _errors, _problem, _refinement, _satellites, _shapes, _states
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
 from attitude.photometry._curve import LightCurve, angle_between, dimming
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epochs, FilePath, FloatArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors, Modelled
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._posterior import Posterior
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import Tie
     from attitude.motions._published import Published
     from attitude.scattering._law import Law
@@ -103,6 +104,9 @@ def _terms(solution: CurveFit, emission: FloatArray, alpha: FloatArray) -> Float
     made = _problem.phase_terms(alpha, emission / own.span)
     found[:, : made.shape[1]] = made
     found[:, made.shape[1]] = 1.0
+    if own.orbit:
+        series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
+        found[:, -series.shape[1] :] = series
     return found
 
 
@@ -254,7 +258,7 @@ class Solution(CurveFit):
     @property
     def is_axial(self) -> bool:
         """Whether the body rotates about one principal axis."""
-        return _search.is_axial(self.state)
+        return SearchState.of(self.state).is_axial
 
     @cached_property
     def motion(self) -> FreeRotation:
@@ -296,19 +300,19 @@ class Solution(CurveFit):
     @property
     def P_psi(self) -> float:
         """s; infinite for rotation about one axis."""
-        psi = _verdicts.rates(self.state)[1]
+        psi = SearchState.of(self.state).rates[1]
         return self.curve.span / psi if psi > 0.0 else math.inf
 
     @property
     def P_phi(self) -> float:
         """s, of the long axis about the momentum; the period of rotation about one axis."""
-        return self.curve.span / _verdicts.rates(self.state)[0]
+        return self.curve.span / SearchState.of(self.state).rates[0]
 
     @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
         c = self._covariances[1].covariance
-        phi, psi = _verdicts.rates(self.state)
+        phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
         sign = 1.0 if self.state[1] > 0.0 else -1.0
@@ -324,7 +328,7 @@ class Solution(CurveFit):
         """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
         from attitude.frames import matrix_to_icrf
 
-        x, y, z = matrix_to_icrf("ecliptic").T @ _search.pole(self.state)
+        x, y, z = matrix_to_icrf("ecliptic").T @ SearchState.of(self.state).pole
         return np.array([math.atan2(y, x) % (2.0 * math.pi), math.asin(max(-1.0, min(1.0, z)))])
 
     @property
@@ -419,7 +423,8 @@ class SpinStates(Answering, Sequence[Any]):
     Attributes
     ----------
     verdict : str
-        "solved", "periods only" (the pole is not decided) or "not solved".
+        "solved", "periods only" (the pole is not decided), "not solved", or "a satellite of period"
+        and that period: rotation about one axis, beside dips at the period of a moon.
     criterion : str
         The numbers that led to the verdict.
     notes : tuple of str
