@@ -151,7 +151,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
         hours, model, band = night.line
         above.fill_between(hours, model - band, model + band, color=_MODEL, alpha=0.25, lw=0)
         above.plot(hours, model, color=_MODEL, lw=1.2)
-        if len(night.hours):
+        if below is not None and len(night.hours):
             error = np.nan_to_num(night.error)
             style: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.7, "color": _DATA}
             above.errorbar(night.hours, night.value, error, **style)
