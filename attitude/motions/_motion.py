@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from attitude._solver.regime import Regime
     from attitude._support.annotations import (
-        Epoch,
         EpochOrSeconds,
         Epochs,
         FilePath,
@@ -254,7 +253,7 @@ class Motion(Valued):
         """Name of the class in error messages."""
         return type(self).__name__
 
-    def body_at(self, t: Epoch | float) -> Body | None:
+    def body_at(self, t: EpochOrSeconds) -> Body | None:
         """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
         return self.body
 
@@ -277,9 +276,8 @@ class Motion(Valued):
         AttitudeError
             For several epochs, and those that `at` refuses.
         """
-        from attitude.motions._free_rotation import spin_of
-
-        return spin_of(self, epoch)
+        spin: Spin = synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
+        return spin
 
     def published(
         self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
@@ -299,8 +297,6 @@ class Motion(Valued):
         AttitudeError
             For a motion without a body, and as `FreeRotation.published`.
         """
-        from attitude.motions._free_rotation import FreeRotation
-
         time = 0.0 if at is None else at
         body = self.body_at(time)
         if body is None:
@@ -308,7 +304,9 @@ class Motion(Valued):
                 f"the form of papers follows from a body's inertia, but the motion ({self._kind}) "
                 "has none; give a motion with a body."
             )
-        return FreeRotation(body, self.spin_at(time)).published(convention, frame)
+        free = synonyms.named("attitude.motions._free_rotation:FreeRotation")
+        found: Published = free(body, self.spin_at(time)).published(convention, frame)
+        return found
 
     def constant_body(self, what: str) -> Body:
         """The Body that the motion has at all epochs.

@@ -445,7 +445,8 @@ def _separatrix(moments: FloatArray) -> float:
 
 def _shares() -> FloatArray:
     """Nodes of ln(share/rest)."""
-    return _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1)
+    found: FloatArray = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
+    return found
 
 
 def _rates() -> FloatArray:
