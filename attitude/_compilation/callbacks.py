@@ -113,14 +113,9 @@ _ATTRIBUTE = "_attitude_callback"
 class Callback:
     """A C function, compiled at the first use of its address.
 
-    Parameters
-    ----------
-    python : function
-        Of the six arguments of `pointers.C_FUNCTION`.
-    fastmath : bool or set
-        The argument of `numba.cfunc`.
-    kept : bool
-        Whether the machine code is kept on disk.
+    python: of the six arguments of `pointers.C_FUNCTION`.
+    fastmath: the argument of `numba.cfunc`.
+    kept: whether the machine code is kept on disk.
     """
 
     def __init__(

@@ -74,21 +74,13 @@ class Compilable:
 
     A call from Python runs the function in Python; compiled code calls its machine code.
 
-    Parameters
-    ----------
-    python : function
-        The function in Python.
-    options : mapping
-        Options of `numba.njit`.
-    kept : bool
-        Whether the machine code is kept on disk.
+    python: the function in Python.
+    options: options of `numba.njit`.
+    kept: whether the machine code is kept on disk.
 
-    Attributes
-    ----------
-    py_func : function
-        The function in Python.
-    targetoptions : mapping
-        Options of `numba.njit`.  numba reads both names of a global function to inline it.
+    py_func: the function in Python.
+    targetoptions: options of `numba.njit`.  numba reads both names of a global function to inline
+        it.
     """
 
     def __init__(
@@ -141,10 +133,7 @@ class Compilable:
 class EntryPoint(Compilable):
     """A `Compilable` that Python calls too: compiled at the first call for each set of types.
 
-    Attributes
-    ----------
-    run : callable
-        What a call of the entry point calls: for loops in which 0.1 us counts.  Read it at each
+    run: what a call of the entry point calls: for loops in which 0.1 us counts.  Read it at each
         call; it is replaced at the first.
     """
 

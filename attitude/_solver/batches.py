@@ -37,14 +37,10 @@ class _Prepared(NamedTuple):
 class Batch(NamedTuple):
     """The states of B bodies.
 
-    Attributes
-    ----------
-    inertia : (B, 3) or (B, 3, 3) array
-        Principal moments about the body axes, or tensors in body axes, whose doubles are exact.
-    wxyz : (B, 4) array
-        Attitudes at t = 0, body to inertial, of any length.
-    omega : (B, 3) array
-        rad/s over the body axes.
+    inertia: (B, 3) or (B, 3, 3), principal moments about the body axes, or tensors in body axes,
+        whose doubles are exact.
+    wxyz: (B, 4), attitudes at t = 0, body to inertial, of any length.
+    omega: (B, 3), rad/s over the body axes.
     """
 
     inertia: FloatArray

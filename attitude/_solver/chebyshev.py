@@ -98,14 +98,10 @@ def _clenshaw(table, piece, x):
 class Pieces:
     """A function of time on a span, as equal Chebyshev pieces.  Made by `Pieces.fit`.
 
-    Attributes
-    ----------
-    start, width : float
-        The start of the first piece and the length of each, in the unit of the function's time.
-    table : (degree + 1, ..., pieces) array, read-only
-        Coefficients, as `evaluate` takes them.
-    error : float
-        The largest absolute error of any component, measured between the nodes of every piece.
+    start, width: the start of the first piece and the length of each, in the unit of the function's
+        time.
+    table: (degree + 1, ..., pieces), coefficients, as `evaluate` takes them.
+    error: the largest absolute error of any component, measured between the nodes of every piece.
 
     >>> path = Pieces.fit(lambda t: np.stack([np.cos(t), np.sin(t)], axis=-1), 0.0, 100.0, 1e-12)
     >>> path(np.linspace(0.0, 100.0, 7)).shape, path.error < 1e-12

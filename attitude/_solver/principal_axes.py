@@ -526,18 +526,12 @@ def _put_differences(w, x, z, tempo, out):
 class PrincipalAxes(NamedTuple):
     """Principal moments and axes of B symmetric tensors, whose doubles are taken as exact.
 
-    Attributes
-    ----------
-    words : (B, 7 KEPT) array
-        The moments and the axes to 115 digits, integers of `wide`.
-    moments : (B, 3, 2) array
-        Pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor its diagonal.
-        A least moment that is zero within rounding is 0; the body is then a rod.
-    axes : (B, 3, 3, 2) array
-        Pairs of doubles: unit columns over the body axes, right-handed.  The largest component of
-        each is positive, except where that would make the third left-handed.
-    wxyz : (B, 4) array
-        Unit quaternions from the principal axes to the body axes, w >= 0.
+    words: (B, 7 KEPT), the moments and the axes to 115 digits, integers of `wide`.
+    moments: (B, 3, 2), pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor
+        its diagonal. A least moment that is zero within rounding is 0; the body is then a rod.
+    axes: (B, 3, 3, 2), pairs of doubles: unit columns over the body axes, right-handed.  The
+        largest component of each is positive, except where that would make the third left-handed.
+    wxyz: (B, 4), unit quaternions from the principal axes to the body axes, w >= 0.
     """
 
     words: NDArray[np.int64]

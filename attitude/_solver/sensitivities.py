@@ -77,12 +77,9 @@ def evaluate(
 class Factored(NamedTuple):
     """What `covariances` needs of B motions and the covariances of their parameters.
 
-    Attributes
-    ----------
-    factors : (B, 9, 9) array
-        W of covariances W W^T, such that W^T makes the columns triangular.
-    tangents : (B,) structured array
-        Those of parameters of which the given ones are combinations by the factors.
+    factors: (B, 9, 9), W of covariances W W^T, such that W^T makes the columns triangular.
+    tangents: (B,) structured, those of parameters of which the given ones are combinations by the
+        factors.
     """
 
     factors: FloatArray

@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 def read(path: str | os.PathLike[str], kind: str) -> str:
     """The text of a file; `kind` is its kind in the error message, such as "spin file".
 
-    Raises
-    ------
-    AttitudeError
-        If the file cannot be read or is not UTF-8.
+    AttitudeError if the file cannot be read or is not UTF-8.
     """
     return whole(path, f"give the name of a {kind}")
 

@@ -252,12 +252,8 @@ _LONGEST = 4096  # bytes of a record: patterns of longer ones would take long to
 def pattern_of(record: bytes, texts: int) -> bytes | None:
     """The regular expression of records with the structure of one; None for other than plain texts.
 
-    Parameters
-    ----------
-    record : bytes
-        A whole element, well-formed.
-    texts : int
-        Number of texts in the record, which are the groups of the expression.
+    record: a whole element, well-formed.
+    texts: number of texts in the record, which are the groups of the expression.
 
     >>> found = re.compile(pattern_of(b"<a><b>1</b> <c u='m'>2</c></a>", 2))
     >>> found.match(b"  <a><b>3</b> <c u='m'>4</c></a>").groups()

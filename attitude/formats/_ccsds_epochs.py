@@ -132,12 +132,8 @@ def parsed_days(
 class BadEpoch(Exception):
     """An epoch that cannot be read.
 
-    Attributes
-    ----------
-    index : int
-        Its place in the sequence that `parsed` was given.
-    reason : str
-        What is wrong with it.
+    index: its place in the sequence that `parsed` was given.
+    reason: what is wrong with it.
     """
 
     def __init__(self, index: int, reason: str):

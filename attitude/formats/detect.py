@@ -253,11 +253,7 @@ def write_any(
 class State(NamedTuple):
     """A motion with its labels.
 
-    Attributes
-    ----------
-    motion : FreeRotation
-        From a DAMIT spin file, which has no inertia, that of a body with equal moments.
-    name, source, note : str or None
+    motion: from a DAMIT spin file, which has no inertia, that of a body with equal moments.
     """
 
     motion: FreeRotation

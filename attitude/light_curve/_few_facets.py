@@ -48,15 +48,10 @@ _Y, _Z, _AREA = (np.uint64(k * SIZE) for k in (1, 2, 3))
 class Packs:
     """Facets in packs of eight that have the same row of a law.
 
-    Attributes
-    ----------
-    facets : (P * 32,) array
-        Pack by pack: x, y and z of the normals, and areas in units of the whole area, 0 in empty
-        places.
-    first : (M + 1,) array of int
-        The packs of row m of the law are first[m] to first[m + 1].
-    order : (P * 8,) array of int
-        The facet in each place, -1 in empty places.
+    facets: (P * 32,), pack by pack: x, y and z of the normals, and areas in units of the whole
+        area, 0 in empty places.
+    first: (M + 1,) array of int, the packs of row m of the law are first[m] to first[m + 1].
+    order: (P * 8,) array of int, the facet in each place, -1 in empty places.
     """
 
     facets: FloatArray

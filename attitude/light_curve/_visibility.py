@@ -76,12 +76,9 @@ _APART = 0.2
 class Hierarchy:
     """Facets in groups of nearby ones.
 
-    Attributes
-    ----------
-    boxes : (2 L, 6) array
-        For each node the lowest and the highest coordinates of its facets, m; node 0 is unused.
-    order : (F,) array of int
-        The facets, leaf by leaf.
+    boxes: (2 L, 6), for each node the lowest and the highest coordinates of its facets, m; node 0
+        is unused.
+    order: (F,) array of int, the facets, leaf by leaf.
     """
 
     boxes: FloatArray
@@ -136,20 +133,15 @@ def _cut(places: FloatArray, leaves: int) -> IntArray:
 class Outlines:
     """The outlines of the nodes of a `Hierarchy`, and bounds of the directions that they face.
 
-    Attributes
-    ----------
-    edges : (N, 6) array
-        Start and end of edges, m: the outline of each node, then all edges of the facets of each
-        leaf, each once.
-    sides : (N, 2) array of int
-        The places in the tree of the facets to the left and to the right of each edge; LEAF L
-        where there is none.
-    first : (3 L + 1,) array of int
-        Node k has the edges first[k] to first[k + 1], and the leaf of node L + k those from
-        first[2 L + k] to first[2 L + k + 1].
-    fronts : (2 L, 8) array
-        The smallest and the largest components of the normals of the facets of a node, and the
-        smallest and the largest height of their planes above the middle of its box, m.
+    edges: (N, 6), start and end of edges, m: the outline of each node, then all edges of the facets
+        of each leaf, each once.
+    sides: (N, 2) array of int, the places in the tree of the facets to the left and to the right of
+        each edge; LEAF L where there is none.
+    first: (3 L + 1,) array of int, node k has the edges first[k] to first[k + 1], and the leaf of
+        node L + k those from first[2 L + k] to first[2 L + k + 1].
+    fronts: (2 L, 8), the smallest and the largest components of the normals of the facets of a
+        node, and the smallest and the largest height of their planes above the middle of its box,
+        m.
     """
 
     edges: FloatArray

@@ -228,23 +228,12 @@ _STEP = 1.0
 class Axes:
     """Reference axes: their orientation relative to ICRF and their angular velocity.
 
-    Parameters
-    ----------
-    name : str
-    kind : str
-    inertial : bool
-        Whether rates in these axes are relative to inertial space.
-    at : Instant, optional
-        Axes of date at this epoch, which are fixed.
+    inertial: whether rates in these axes are relative to inertial space.
+    at: axes of date at this epoch, which are fixed.
 
-    Attributes
-    ----------
-    name : str
-        Name in the file.
-    kind : str
-        One of the table above, or "gcrf".
-    turning : bool
-        Whether the axes turn relative to ICRF.
+    name: name in the file.
+    kind: one of the table above, or "gcrf".
+    turning: whether the axes turn relative to ICRF.
     """
 
     def __init__(
@@ -406,14 +395,9 @@ class FramedHistory(Immutable):
 
     S is the shape of the epochs.
 
-    Attributes
-    ----------
-    history : AttitudeHistory
-        Relative to ICRF.
-    frame : str
-        As given, in lower case.
-    wxyz : (S, 4) array
-        Body to frame, scalar first; continuous in sign along one row of epochs.
+    history: relative to ICRF.
+    frame: as given, in lower case.
+    wxyz: (S, 4), body to frame, scalar first; continuous in sign along one row of epochs.
     """
 
     history: Any

@@ -402,10 +402,7 @@ class Motion(Valued):
 class Foreign(Motion):
     """Any other object with ``.at(t)`` that returns an AttitudeHistory, as a Motion.
 
-    Parameters
-    ----------
-    given : object
-        Its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+    given: its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
         ``momentum``, ``span`` and ``meta`` are used if it has them.
     """
 

@@ -258,18 +258,11 @@ _IN_ORDER = np.arange(3)[None]
 class Labels(NamedTuple):
     """Moments, axes, mode and convention of N bodies, as the compiled solution takes them.
 
-    Attributes
-    ----------
-    moments : (N, 3) array
-        Ascending.
-    order : (N, 3) array
-        Indices of the principal moments, ascending.
-    axes : (1 or N, 3, 3) array
-        Principal axes as columns over the body axes.
-    long_axis, long_labels : (N,) arrays
-        Whether the mode is "LAM", the convention "L".
-    branches : (N,) array
-        0 where theta_branch is not given, else 1 for "acute" and 2 for "obtuse".
+    moments: (N, 3), ascending.
+    order: (N, 3), indices of the principal moments, ascending.
+    axes: (1 or N, 3, 3), principal axes as columns over the body axes.
+    long_axis, long_labels: (N,) arrays, whether the mode is "LAM", the convention "L".
+    branches: (N,), 0 where theta_branch is not given, else 1 for "acute" and 2 for "obtuse".
     """
 
     moments: FloatArray

@@ -157,17 +157,11 @@ _POLE = np.array([0.0, 0.0, 1.0])
 class Site(Immutable, Path):
     """A place at rest on the rotating Earth.  Made by `site` and `observatory`.
 
-    Attributes
-    ----------
-    itrs : (3,) array, read-only
-        Position in m, ITRS axes.
-    up : (3,) array, read-only
-        Unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the normal of
-        the ellipsoid at that place.
-    long_term : bool
-        Whether a model replaces the IERS table at epochs outside of the table.
-    name, center, source, span
-        As for all paths.
+    itrs: (3,), position in m, ITRS axes.
+    up: (3,), unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the
+        normal of the ellipsoid at that place.
+    long_term: whether a model replaces the IERS table at epochs outside of the table.
+    name, center, source, span: as for all paths.
     """
 
     itrs: FloatArray

@@ -55,17 +55,11 @@ Value = TypeVar("Value")
 class LazyProperty(Generic[Value]):
     """A property of a view, computed once per view; made by `quantity` and `kept`.
 
-    Attributes
-    ----------
-    name : str
-    unit : str
-        In the spelling of astropy; "" for pure numbers and for values that are not numbers.
-    parts : tuple of str
-        Names of the entries of the last axis; () for one number at each epoch.
-    is_column : bool
-        Whether a table can hold the property: one number, or one row of `parts`, at each epoch.
-    about : str
-        Description in one line.
+    unit: in the spelling of astropy; "" for pure numbers and for values that are not numbers.
+    parts: names of the entries of the last axis; () for one number at each epoch.
+    is_column: whether a table can hold the property: one number, or one row of `parts`, at each
+        epoch.
+    about: description in one line.
     """
 
     name: str
