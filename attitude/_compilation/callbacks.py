@@ -162,10 +162,7 @@ def is_compiled(function: object) -> bool:
 
 
 def callback_of(function: Callable[..., Any]) -> Callback:
-    """The C function that calls a user's compiled function of (t, wxyz, omega).
-
-    It is kept as an attribute of the function: compiled once, and freed with the function.
-    """
+    """The C function of a user's compiled function of (t, wxyz, omega), kept as its attribute."""
     made: Callback | None = getattr(function, _ATTRIBUTE, None)
     if made is not None:
         return made

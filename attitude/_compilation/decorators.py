@@ -262,9 +262,8 @@ def compiled_names() -> set[str]:
 
 
 def _for_python(given: Callable[..., Any]) -> Callable[..., Any]:
-    """The function with `ieee` under the name ``math`` and entry points that are not compiled.
-
-    Compiled ones would be compiled anew for the types of Python.
+    """The function with `ieee` as ``math`` and entry points not compiled, which they would be anew
+    for it.
     """
     function = cast(FunctionType, given)
     names = {**function.__globals__, "math": ieee}
@@ -360,8 +359,7 @@ def reduction_within(function: Callable[..., Any]) -> Compilable:
 
 
 def reduction_inlined(function: Callable[..., Any]) -> Compilable:
-    """As `reduction`, for functions that numba copies into their callers before it infers types.
-
-    A loop with a call is not vectorised and six times slower.
+    """As `reduction`, copied into callers before types are inferred: a call would stop
+    vectorisation.
     """
     return Compilable(function, {**_ANY_ORDER, "inline": "always"})

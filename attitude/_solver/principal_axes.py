@@ -318,9 +318,8 @@ _WORTH, _APART = 2.0**-12, 2.0**-20
 
 @subroutine
 def approach(tensor, exponent, t, axes, wxyz, w):
-    """Turn the matrix of w, and its axes, which are those of the body, to axes of the tensor.
-
-    t, axes (3, 3) and wxyz (4,) are memory for doubles.
+    """Turn the matrix of w and its axes to axes of the tensor; t, axes (3, 3), wxyz (4,) are
+    memory.
     """
     for i in range(3):
         for j in range(3):
@@ -553,9 +552,8 @@ class PrincipalAxes(NamedTuple):
         return found
 
     def over_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angular velocities over the principal axes, and differences beside them.
-
-        Shapes: omega (N, 3), returns rates (N, 3, 2), returns differences (N, 3, 2).
+        """Angular velocities (N, 3) over the principal axes, (N, 3, 2), and differences (N, 3, 2)
+        beside them.
         """
         rates, differences = np.empty((len(omega), 3, 2)), np.empty((len(omega), 3, 2))
         _over_axes_all(self.words, omega, rates, differences)

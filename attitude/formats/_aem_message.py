@@ -51,9 +51,8 @@ _RATES = {"1.0": "RATE_FRAME", "2.0": "ANGVEL_FRAME"}
 
 
 def fill(segment: MessageSegment) -> None:
-    """Give a segment the keywords that it lacks, and note each of them.
-
-    START_TIME and STOP_TIME are left out: they follow from the records.
+    """Give a segment the keywords that it lacks, and note each; START_TIME, STOP_TIME follow from
+    records.
     """
     version, values = segment.message.version, segment.values
     missing = {**_MISSING, **(_MISSING_1 if version == "1.0" else {})}

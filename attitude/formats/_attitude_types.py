@@ -147,9 +147,8 @@ def has_rates(kind: str) -> bool:
 
 
 def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes and angular velocities from the columns of a file.
-
-    Shapes: rows (N, columns) s, returns wxyz (N, 4), returns rates (N, 3).
+    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the columns of a file, rows (N,
+    columns).
     """
     family = kind.partition("/")[0]
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
@@ -175,9 +174,8 @@ def encoded(
     acceleration: FloatArray | None,
     how: Convention,
 ) -> FloatArray:
-    """The columns (N, columns) of an attitude type, in deg, deg/s and s; inverse of `decoded`.
-
-    Shapes: wxyz (N, 4), rates (N, 3), acceleration (N, 3).
+    """The columns (N, columns) of an attitude type, in deg, deg/s and s, from wxyz (N, 4), rates
+    (N, 3) and acceleration (N, 3); inverse of `decoded`.
     """
     family = kind.partition("/")[0]
     if family == "SPIN":
@@ -224,9 +222,8 @@ def _of_quaternions(kind, rows, how):
 
 
 def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
-    """Angular velocities (N, 3), rad/s over the body axes, relative to the external axes.
-
-    Shapes: wxyz (N, 4), change (N, 3).
+    """Angular velocities (N, 3), rad/s over the body axes, from wxyz (N, 4) and change (N, 3) of
+    angles.
     """
     assert how.sequence is not None
     given = (

@@ -46,10 +46,7 @@ _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 
 def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
-    """The time scale, in lower case, of a CCSDS time system.
-
-    `name` is the name of the argument or of the file's keyword in the error message.
-    """
+    """The time scale, in lower case, of a CCSDS time system; `name` stands in the error message."""
     given = time_system.strip().upper() if isinstance(time_system, str) else None
     if given not in TIME_SYSTEMS:
         raise AttitudeError(
@@ -75,10 +72,7 @@ def now() -> str:
 
 
 def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]:
-    """TDB seconds since J2000, hi + lo, of N epochs.
-
-    Shapes: returns hi, lo (N,).
-    """
+    """TDB seconds since J2000, hi + lo (N,), of N epochs."""
     lengths = np.fromiter(map(len, tokens), dtype=np.intp, count=len(tokens))
     if np.any(lengths > _LONGEST):
         raise BadEpoch(int(np.argmax(lengths > _LONGEST)), "it is too long")
