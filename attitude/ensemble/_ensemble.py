@@ -943,9 +943,8 @@ class Ensemble(Immutable):
         return MemberRows(len(self), who, seconds, lows, in_runs)
 
     def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
-        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
-
-        AttitudeError for those out of range.
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs; errors
+        out of range.
         """
         try:
             array = np.asarray(member)

@@ -389,9 +389,8 @@ class Members:
     def prepared(
         self, which: slice | IntArray, *, rates: bool = True
     ) -> tuple[NDArray[Any], IntArray]:
-        """The constants (B,) of some members, and which of them (K,) are not physical.
-
-        Those are given constants that evaluate to NaN.
+        """The constants (B,) of some members, and those (K,) not physical, whose constants evaluate
+        to NaN.
         """
         moments, wxyz, omega = self.states(which)
         principal = self.principal if len(self.principal) == 1 else self.principal[which]

@@ -86,9 +86,8 @@ def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs 
 def arranged(
     masks: NDArray[np.uint8], packs: Packs, order: IntArray | None = None
 ) -> NDArray[np.uint64]:
-    """The masks of `Visibility`, a column for each facet in `order`, as a word for each pack.
-
-    Zeros without an order.
+    """The masks of `Visibility`, a column for each facet in `order`, a word a pack; zeros without
+    an order.
     """
     found = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
     if order is not None:

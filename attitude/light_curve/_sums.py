@@ -410,9 +410,8 @@ def _laid_out(ways, first, x, y, z):
 
 @reduction_inlined
 def _cosines(x, y, ways, way, own):
-    """Cosines between a direction and normals of slopes x and y, over the normals' heights.
-
-    `way` and `own` are the indices of `Clusters.axes`.
+    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `own` as
+    `Clusters.axes`.
     """
     return x * ways[way] + y * ways[way + _1] + ways[own]
 
@@ -592,10 +591,8 @@ def gather(
 
 @cache
 def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
-    """The sum over gathered facets for the functions of a law, one facet at a time.
-
-    It is compiled for each pair, so that the loop over facets has no branch for the law; see
-    `Law`.  Arguments as in `by_sixteen`.
+    """As `by_sixteen`, one facet at a time; compiled for each law, so that the loop has no branch
+    for it.
     """
 
     @reduction_over(of_phase, element)

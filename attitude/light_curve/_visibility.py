@@ -233,9 +233,8 @@ def axes_of(face):
 
 @reduction_within
 def side_shown(boxes, fronts, node, middle):
-    """1 if all facets of a group show their fronts to all points about a facet, -1 their backs.
-
-    0 where some may do one, some the other.  `middle` is a row of `surroundings`.
+    """1 if all facets of a group show their fronts to all points about a facet, -1 their backs,
+    else 0.
     """
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
@@ -527,9 +526,8 @@ def _above(height, slope, resolution):
 
 @reduction_subroutine
 def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, members):
-    """Clear the bits of the cells above the horizon whose counts are not zero, and the counts.
-
-    `sky` has the bytes of all `members` of each cell, cell by cell.
+    """Clear the bits of cells above the horizon whose counts are not 0, and the counts; `sky` cell
+    by cell.
     """
     for face in range(FACES):
         w, u, v = axes_of(face)
@@ -570,9 +568,8 @@ _THREE = np.uint64(3)
 
 
 def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray]:
-    """Tangents along the rows and the columns of a face for each cell and point, two flat arrays.
-
-    shift (8, 2) is in cells.
+    """Tangents along rows and columns of a face for each cell and point, flat; shift (8, 2) in
+    cells.
     """
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
     # the inverse of `_sums.evened`
@@ -927,9 +924,8 @@ def require_mesh(given: object) -> None:
 
 
 def points_of(corners: FloatArray) -> FloatArray:
-    """Points (F, POINTS, 3) that sample each triangle evenly, with the same weights of its corners.
-
-    `corners` are (F, 3, 3).
+    """Points (F, POINTS, 3) that sample each triangle of corners (F, 3, 3) evenly, with equal
+    weights.
     """
     # A Kronecker sequence of the plastic number fills the square, folded onto the triangle
     # (Roberts 2018).  Of 40000 starts this one has the best moments: the mean is the centroid to

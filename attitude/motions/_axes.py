@@ -273,9 +273,8 @@ class Axes:
         lo: FloatArray | float | None,
         orbit: Path | None = None,
     ) -> FloatArray | None:
-        """Angular velocity of the axes, (N, 3) rad/s in ICRF; see `to_icrf` for the parameters.
-
-        None for fixed axes, and for axes whose rates are relative to inertial space.
+        """Angular velocity (N, 3), rad/s in ICRF; None for fixed axes, and rates relative to
+        inertial space.
         """
         if not self.turning or self._inertial:
             return None
@@ -339,10 +338,7 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
 
 
 def named(name: str, keyword: str = "frame") -> Axes:
-    """The Axes with a name.
-
-    `keyword` is the name of the argument or of the file's keyword in the error message.
-    """
+    """The Axes with a name; `keyword` is of the argument or of the file in the error."""
     found = known(name) if isinstance(name, str) else None
     if found is None:
         raise AttitudeError(
@@ -372,9 +368,8 @@ def _central(turned):
 
 
 def _one_sided(turned, side):
-    """Angular velocity from two steps to one side.
-
-    Its error is 4e-11 rad/s in a low Earth orbit of eccentricity 0.05.
+    """Angular velocity from two steps to one side, to 4e-11 rad/s in a low orbit of eccentricity
+    0.05.
     """
     step, now = side * _STEP, forms.conjugate(turned(0.0))
     one, two = (

@@ -38,9 +38,8 @@ _NO_JOINTS = frozen(np.zeros(0))
 
 
 class RateBounds(NamedTuple):
-    """Upper bounds of |(R a)'|, |(R a)''|, |(R a)'''| for any unit vector a fixed in the body.
-
-    In rad/s, rad/s2, rad/s3; inf for an unknown bound.
+    """Upper bounds, rad/s, rad/s2, rad/s3, or inf, of |(R a)'|, |(R a)''|, |(R a)'''| for any unit
+    a.
     """
 
     first: float

@@ -55,9 +55,8 @@ class EqualPieces(Immutable):
     def place(
         self, instant: Instant, hi: FloatArray, lo: FloatArray
     ) -> tuple[IntArray, FloatArray, int]:
-        """Numbers of the pieces (N,), coordinates in them (N,), index of an epoch outside or -1.
-
-        The epochs are instant + hi + lo; a coordinate goes from -1 to 1.
+        """Numbers of the pieces (N,), coordinates -1 to 1 in them (N,) at instant + hi + lo; epoch
+        outside or -1.
         """
         from attitude._solver import chebyshev
 
@@ -177,10 +176,7 @@ def placed(
 
 
 def values(pieces: Pieces, piece: IntArray, x: FloatArray, skip: int | None = None) -> FloatArray:
-    """The vectors (3, N) at coordinates x (N,) in pieces with the numbers piece (N,).
-
-    `skip` replaces that of the pieces.
-    """
+    """The vectors (3, N) at coordinates x (N,) in pieces (N,), with another `skip`."""
     from attitude._solver import chebyshev
 
     out = np.empty((3, piece.size))

@@ -71,9 +71,8 @@ def to_celestial(
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """The Earth rotation angle in rad at UT1 seconds hi + lo past J2000 (ERFA's era00).
-
-    Accurate to 1e-15 of a turn; IERS Conventions (2010) eq. 5.15.
+    """The Earth rotation angle, rad, at UT1 seconds hi + lo past J2000, to 1e-15 of a turn (ERFA's
+    era00).
     """
     whole = np.rint(hi / _time_scales.DAY)
     part = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
@@ -310,9 +309,8 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
 
 
 def named(text: str) -> Site | None:
-    """The observatory with a name, or with words that no other name has; None if there is none.
-
-    AttitudeError for words that several names have.
+    """The observatory with a name, or words that no other name has; None for none, AttitudeError
+    for several.
     """
     words = re.findall(r"\w+", text.lower())
     if not words:

@@ -151,10 +151,8 @@ class Sightline(Path):
         )
 
     def _far(self, instant, hi, lo):
-        """A function that returns the vectors (3, N) from barycentric positions.
-
-        Its arguments are light times (N,), or None for none, and the epochs of emission (2, N).
-        And the largest number that enters these differences, m.
+        """A function of light times (N,) or None and epochs of emission (2, N) that returns vectors
+        (3, N) from barycentric positions, and the largest number that enters these differences, m.
         """
         own = self.viewer._position(instant, hi, lo)
 
@@ -181,9 +179,8 @@ class Sightline(Path):
         return vectors_at, 0.0
 
     def _guess(self, instant, hi, lo, path):
-        """Positions at the epochs of reception, the first guess of the fixed point.
-
-        After the end of the target's span, the position at that end: emission is earlier.
+        """Positions at the epochs of reception, or the end of the target's span: emission is
+        earlier.
         """
         if self._ends is not None and hi.size:
             last = since(self._ends[1], instant)

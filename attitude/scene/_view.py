@@ -465,9 +465,8 @@ class View(Immutable):
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
     def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
-        """Barycentric velocities (3, K) of a body at the marked epochs of a part, m/s, ICRF.
-
-        The epochs are those of emission.
+        """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
+        ICRF.
         """
         hi, lo = (np.broadcast_to(each, self.seconds.size)[part] for each in self._emission())
         path = _composed.relative(body, "ssb", self.scene.ephemeris)
