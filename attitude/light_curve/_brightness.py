@@ -249,9 +249,8 @@ def _described(out: object) -> str:
 def kernel_of(
     shape: object, law: Law, shadows: bool | Visibility, threads: int
 ) -> Callable[..., object]:
-    """The function of six components and an output array that evaluates one block.
-
-    Without the phase function of the law; arguments as in `brightness`.
+    """The function of six components and an output that evaluates a block, without the phase
+    function.
     """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
@@ -427,9 +426,8 @@ def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
 
 
 def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
-    """The kernel of a sum over facet areas in units of the whole area.
-
-    The sums treat totals below a fixed bound as 0; with these units it fits bodies of any size.
+    """The kernel of a sum over areas in units of the whole one: totals below a fixed bound count as
+    0.
     """
 
     def kernel(*arrays: FloatArray) -> None:

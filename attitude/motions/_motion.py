@@ -45,9 +45,8 @@ _NO_JOINTS = frozen(np.zeros(0))
 
 
 class RateBounds(NamedTuple):
-    """Upper bounds of |(R a)'|, |(R a)''|, |(R a)'''| for any unit vector a fixed in the body.
-
-    In rad/s, rad/s2, rad/s3; inf for an unknown bound.
+    """Upper bounds, rad/s, rad/s2, rad/s3, or inf, of |(R a)'|, |(R a)''|, |(R a)'''| for any unit
+    a.
     """
 
     first: float
@@ -460,10 +459,7 @@ class Motion(Valued):
 class Foreign(Motion):
     """Any other object with ``.at(t)`` that returns an AttitudeHistory, as a Motion.
 
-    Parameters
-    ----------
-    given : object
-        Its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+    given: its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
         ``momentum``, ``span`` and ``meta`` are used if it has them.
     """
 
