@@ -21,7 +21,7 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.shape._mesh import Mesh
 
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Weighted
     from attitude.motions._body import Body
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
 
     ZeroPoints = str | float | tuple[str, ...]
@@ -110,6 +111,7 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
+    curve = usable(curve)
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency)
         seconds = validation.positive(budget, "budget", unit="s")
@@ -146,8 +148,6 @@ def _compile(curve: LightCurve, most: float) -> None:
 
 def _checked_turns(curve, max_frequency):
     """The largest frequency, Hz."""
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns = most * curve.span
     if turns < 2.0:
