@@ -1,4 +1,4 @@
-"""Compiled: mean rates of momentum and energy, their integration, what a lap of the separatrix does.
+"""Compiled: mean rates of momentum and energy, their integration, laps of the separatrix.
 
 The state is L (3,) in N m s over ICRF axes and y (`_polhode`).  Each mean of a torque is one row of
 `models` with a table in `data` and numbers of the epoch in `forcing`:
@@ -264,10 +264,7 @@ def turned_to(x, l0, l1, l2):
     else:
         # half a turn about the middle of -x and l, then about an axis across
         mx, my, mz = l0 - x[0], l1 - x[1], l2 - x[2]
-        if abs(mx) < abs(my):
-            a = (0.0, mz, -my)
-        else:
-            a = (-mz, 0.0, mx)
+        a = (0.0, mz, -my) if abs(mx) < abs(my) else (-mz, 0.0, mx)
         size = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
         # turn by the angle pi - small about a: x to l exactly by two reflections
         b = (a[0] / size, a[1] / size, a[2] / size)
