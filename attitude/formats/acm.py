@@ -388,8 +388,9 @@ class TimeTags:
             hi, lo = _time_scales.tdb_from("tt", hi, lo)
         return np.asarray(hi), np.asarray(lo)
 
-    def text(self, hi: FloatArray, lo: FloatArray, digits: int) -> list[str]:
+    def text(self, hi: FloatArray, lo: FloatArray, digits: int | None) -> list[str]:
         """Seconds since EPOCH_TZERO, as decimal texts, of TDB seconds since J2000."""
+        digits = ccsds_epochs.DIGITS if digits is None else digits
         pair = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
         hi, lo = pairs.add(pair, -self._base[0], -self._base[1])
         whole = np.floor(hi)
@@ -864,16 +865,15 @@ def write(
     start, _ = ccsds_epochs.texts(parts[0].epoch, *begin, scale, digits)
     _, stop = ccsds_epochs.texts(parts[-1].epoch, *end, scale, digits)
     tags = TimeTags(scale, ccsds_epochs.instant(start, scale))
-    decimals = ccsds_epochs.DIGITS if digits is None else digits
 
     def texts(history: AttitudeHistory) -> list[str]:
         low = 0.0 if history.low is None else history.low
         epoch = history.epoch
-        return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), decimals)
+        return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), digits)
 
     def seconds(hi: float, lo: float) -> str:
         instant = motion.epoch.after(hi, lo)
-        return tags.text(np.array([instant.seconds]), np.array([instant.low]), decimals)[0]
+        return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
 
     blocks = [_attitudes(part, name, axes, body, texts, orbit) for part in parts]
     has_inertia = motion.body is not None and not motion.body.relative
