@@ -51,7 +51,7 @@ def coordinates(axes: Axes) -> FloatArray:
 
 def distances(x: FloatArray) -> FloatArray:
     """h at nodes of the tables."""
-    return np.logaddexp(0.0, x)
+    return np.asarray(np.logaddexp(0.0, x), dtype=np.float64)
 
 
 def spline(x: FloatArray, values: FloatArray) -> FloatArray:
