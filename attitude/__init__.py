@@ -14,6 +14,7 @@ from attitude.errors import AttitudeError as AttitudeError
 if TYPE_CHECKING:
     # The names of _MODULES and _WHERE, for editors and type checkers.
     import attitude.arcs
+    import attitude.averaged
     import attitude.catalog
     import attitude.conditions
     import attitude.ensemble
@@ -98,7 +99,17 @@ PUBLIC_MODULES: tuple[str, ...] = (
     *(
         f"attitude.{name}"
         for name in (
-            *("arcs", "catalog", "conditions", "ensemble", "epochs", "errors", "events", "fitting"),
+            *(
+                "arcs",
+                "averaged",
+                "catalog",
+                "conditions",
+                "ensemble",
+                "epochs",
+                "errors",
+                "events",
+                "fitting",
+            ),
             *("formats", "formats.acm", "formats.aem", "formats.apm", "formats.cic", "formats.ck"),
             *("formats.damit", "formats.damit_light_curve", "formats.detect", "formats.mission"),
             *("formats.quat", "formats.spin_file", "formats.stk", "formats.tables", "frames"),

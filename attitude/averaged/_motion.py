@@ -455,7 +455,7 @@ class AveragedMotion(Immutable):
             raise AttitudeError(f"degree is {degree}; give a whole number from 2 to 64.")
         kinds = _orbits(orbit, len(self.torques))
         self._set("packed", self._pack(kinds, degree))
-        _size, y, region = self.axes.state(spin.angular_velocity)
+        _, y, region = self.axes.state(spin.angular_velocity)
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ body.tensor)
         self._set("_windows", {})
         shift, bend = np.zeros(3), 0.0
@@ -707,7 +707,7 @@ class AveragedMotion(Immutable):
             angular_velocity=history.angular_velocity,
             frame="icrf",
         )
-        _size, y, region = self.axes.state(spin.angular_velocity)
+        _, y, region = self.axes.state(spin.angular_velocity)
         shift, bend = _mean_state.corrections(
             self.axes, self.body, spin, self.torques, self.epoch, seconds
         )

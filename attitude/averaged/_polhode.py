@@ -361,7 +361,7 @@ class Nutations:
         """The rotations of one region at h (N,)."""
         out = np.empty((len(h), 13))
         fill_means(axes.numbers, region, h, out)
-        return cls(*out[:, :2].T, out[:, 2:5], out[:, 5:8], out[:, 8:11], out[:, 11])
+        return cls(out[:, 0], out[:, 1], out[:, 2:5], out[:, 5:8], out[:, 8:11], out[:, 11])
 
 
 @entry_point

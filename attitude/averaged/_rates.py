@@ -1,4 +1,4 @@
-"""Compiled: mean rates of momentum and energy, their integration, laps of the separatrix.
+"""Compiled: mean rates of momentum and energy, their integration, changes along the separatrix.
 
 The state is L (3,) in N m s over ICRF axes and y (`_polhode`).  Each mean of a torque is one row of
 `models` with a table in `data` and numbers of the epoch in `forcing`:
@@ -258,25 +258,21 @@ def of_tensor(work, table, s, l0, l1, l2):
 @subroutine
 def turned_to(x, l0, l1, l2):
     """A quaternion that turns the unit vector x to l."""
-    c = x[0] * l0 + x[1] * l1 + x[2] * l2
-    if c > -0.9:
-        w, a = 1.0 + c, (x[1] * l2 - x[2] * l1, x[2] * l0 - x[0] * l2, x[0] * l1 - x[1] * l0)
-    else:
-        # half a turn about the middle of -x and l, then about an axis across
-        mx, my, mz = l0 - x[0], l1 - x[1], l2 - x[2]
-        a = (0.0, mz, -my) if abs(mx) < abs(my) else (-mz, 0.0, mx)
-        size = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-        # turn by the angle pi - small about a: x to l exactly by two reflections
-        b = (a[0] / size, a[1] / size, a[2] / size)
-        return two_reflections(x, b, l0, l1, l2)
+    w = 1.0 + x[0] * l0 + x[1] * l1 + x[2] * l2
+    if w < 0.1:
+        # nearly opposite: by way of a vector across l - x
+        m = (l0 - x[0], l1 - x[1], l2 - x[2])
+        b = (0.0, m[2], -m[1]) if abs(m[0]) < abs(m[1]) else (-m[2], 0.0, m[0])
+        size = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+        return in_two_turns(x, (b[0] / size, b[1] / size, b[2] / size), l0, l1, l2)
+    a = (x[1] * l2 - x[2] * l1, x[2] * l0 - x[0] * l2, x[0] * l1 - x[1] * l0)
     size = math.sqrt(w * w + a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
     return w / size, a[0] / size, a[1] / size, a[2] / size
 
 
 @subroutine
-def two_reflections(x, b, l0, l1, l2):
-    """A quaternion that turns x to l by way of -b x b ..., for nearly opposite x and l."""
-    # x to b, then b to l: both angles are near a right one
+def in_two_turns(x, b, l0, l1, l2):
+    """A quaternion that turns x to b and b to l: both angles are near a right one."""
     w1, c1 = (
         1.0 + x[0] * b[0] + x[1] * b[1] + x[2] * b[2],
         (
@@ -630,6 +626,23 @@ def event_of(t, x, held, region, limits, data, models, forcing, work, at, out):
     return 0
 
 
+@subroutine
+def located(row, status, held, region, limits, data, models, forcing, work, at, trial, other):
+    """The event and the share of a step, by bisection, behind which it lies."""
+    low, high = 0.0, 1.0
+    t, h = row[ROW_START], row[ROW_STEP]
+    for _ in range(48):
+        middle = 0.5 * (low + high)
+        at_share(row, middle, trial)
+        when = t + middle * h
+        inside = event_of(when, trial, held, region, limits, data, models, forcing, work, at, other)
+        if inside != 0:
+            high, status = middle, inside
+        else:
+            low = middle
+    return status, high
+
+
 @entry_point
 def advance(clock, x, region, until, tolerance, limits, data, models, forcing, work, rows):
     """Integrate from a state to an epoch or to the next event.
@@ -682,27 +695,9 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
             t + h, trial, held, region, limits, data, models, forcing, work, at, other
         )
         if status != 0:
-            low, high = 0.0, 1.0
-            for _ in range(48):
-                middle = 0.5 * (low + high)
-                at_share(row, middle, trial)
-                inside = event_of(
-                    t + middle * h,
-                    trial,
-                    held,
-                    region,
-                    limits,
-                    data,
-                    models,
-                    forcing,
-                    work,
-                    at,
-                    other,
-                )
-                if inside != 0:
-                    high, status = middle, inside
-                else:
-                    low = middle
+            status, high = located(
+                row, status, held, region, limits, data, models, forcing, work, at, trial, other
+            )
             at_share(row, high, trial)
             clock[0] = t + high * h
             row[ROW_END] = clock[0]

@@ -51,7 +51,8 @@ def coordinates(axes: Axes) -> FloatArray:
 
 def distances(x: FloatArray) -> FloatArray:
     """h at nodes of the tables."""
-    return np.logaddexp(0.0, x)
+    found: FloatArray = np.logaddexp(0.0, x).astype(np.float64)
+    return found
 
 
 def spline(x: FloatArray, values: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ LAYERS = (
     ("motions",),
     ("conditions", "catalog", "fitting", "jacobi", "jax", "torch", "plots"),
     ("scene", "torques"),
-    ("events", "formats", "referee"),
+    ("averaged", "events", "formats", "referee"),
     ("ensemble", "photometry", "viewer"),
     ("inversion", "survey"),
     ("cli", "__main__"),

@@ -1,0 +1,256 @@
+"""Mean rotation under weak torques, against mpmath, brute means and full integrations."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from attitude import AttitudeError, Body, Spin, quaternion
+from attitude.averaged import AveragedMotion, over_torus
+from attitude.averaged import _means as means
+from attitude.averaged import _polhode as polhode
+from attitude.averaged import _rates as rates
+from attitude.averaged._pack import Packed, Sampling
+from attitude.epochs import instant
+from attitude.torques import (
+    ConstantTorque,
+    DipoleField,
+    EddyCurrent,
+    GravityGradient,
+    InternalDissipation,
+    LinearDamping,
+    MagneticDipole,
+)
+
+EPOCH = "2026-01-01"
+RNG = np.random.default_rng(1)
+TILTED = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+BODY = Body(tensor=TILTED @ np.diag([10.0, 26.0, 20.0]) @ TILTED.T)
+AXES = polhode.Axes(BODY)
+PLACE = RNG.normal(size=3) * 1e7
+TENSOR = (lambda m: m @ m.T)(RNG.normal(size=(3, 3)))
+
+
+def still(t):
+    return np.broadcast_to(PLACE, (len(t), 3)).copy()
+
+
+def field(t, position):
+    """T; it changes with time, since eddy currents feel that."""
+    one = np.stack([0.02 + 0.01 * t, -0.01 + 0.02 * t, 0.03 - 0.01 * t], axis=-1)
+    return one
+
+
+TORQUES = {
+    "gravity": GravityGradient(still, 3.9e14),
+    "eddy": EddyCurrent(TENSOR, field, still),
+    "dipole": MagneticDipole([0.3, -1.0, 0.4], field, still),
+    "constant": ConstantTorque([0.3, -1.0, 0.4]),
+    "damping": LinearDamping(TENSOR),
+    "friction": InternalDissipation(1e-3),
+}
+
+
+@pytest.mark.parametrize("region", range(4))
+@pytest.mark.parametrize("h", [1e-3, 0.6, 0.8, 5.0, 30.0])
+def test_polhode_is_that_of_mpmath(region, h):
+    """To 5e-14: h carries the rounding of y, 1e-13 of it at h = 1e-3."""
+    y = AXES.separatrix + (h if region > 1 else -h)
+    points = AXES.nodes(y, region, 7)
+    with mp.workdps(30):
+        m = mp.exp(-mp.mpf(h))
+        quarter = mp.ellipk(m)
+        for j, l in enumerate(points):
+            u = 4 * quarter * (j + mp.mpf(1) / 2) / 7
+            cn, dn = (float(mp.ellipfun(f, u, m=m)) for f in ("cn", "dn"))
+            sine, cosine = (
+                math.sin(math.atan(math.exp(y / 2))),
+                math.cos(math.atan(math.exp(y / 2))),
+            )
+            sign = -1.0 if region % 2 else 1.0
+            if region < 2:
+                expected = sine * cn, sign * cosine * dn
+            else:
+                expected = sign * sine * dn, cosine * cn
+            assert l[[0, 2]] == pytest.approx(expected, abs=5e-14)
+            assert l @ l == pytest.approx(1.0, abs=1e-14)
+
+
+def test_variables_come_back():
+    """State to (|L|, y, region) and, at the crossing of y, to the energy again: 1e-14."""
+    for omega in RNG.normal(size=(20, 3)):
+        size, y, _ = AXES.state(omega)
+        assert size == pytest.approx(np.linalg.norm(BODY.tensor @ omega), rel=1e-14)
+        assert AXES.energy(size, y) == pytest.approx(0.5 * omega @ BODY.tensor @ omega, rel=1e-13)
+
+
+def brute(torque, y, region, momentum, nutation=200, precession=16):
+    """dL/dt over ICRF axes and dy/dt by the trapezoidal rule over both phases."""
+    size = np.linalg.norm(momentum)
+    unit = momentum / size
+    wxyz, points = [], np.repeat(AXES.nodes(y, region, nutation), precession, axis=0)
+    for k, x in enumerate(points):
+        angle = math.pi * (k % precession) / precession
+        half = np.array([0.0, *(unit + x)]) / np.linalg.norm(unit + x)
+        turn = np.array([math.cos(angle), *(math.sin(angle) * unit)])
+        back = quaternion.conjugate(AXES.numbers[polhode.TURN : polhode.MATRIX])
+        wxyz.append(quaternion.multiply(quaternion.multiply(turn, half), back))
+    omega = size * points / AXES.moments
+    given = torque.sample(instant(EPOCH), np.zeros(1), np.zeros(1))
+    if not given.shape[1]:
+        given = np.zeros((1, 1))
+    given = np.ascontiguousarray(np.broadcast_to(given, (len(points), given.shape[1])))
+    parameters = np.append(np.asarray(torque.parameters(BODY), dtype=float), 0.0)
+    over_body = np.ascontiguousarray(omega @ AXES.matrix.T)
+    found = np.empty((len(points), 3))
+    rates.torques_at(
+        torque.address(),
+        parameters.ctypes.data,
+        np.zeros(len(points)),
+        np.array(wxyz),
+        over_body,
+        given,
+        found,
+    )
+    if means.slips(torque):
+        found, mean = np.cross(size * points @ AXES.matrix.T, found), np.zeros(3)
+    else:
+        mean = quaternion.rotate(np.array(wxyz), found).mean(axis=0)
+    along = np.sum(omega * points, axis=1)
+    rate = np.sum((omega - along[:, None] * points) * (found @ AXES.matrix), axis=1)
+    p, rest = polhode.shares(np.array(y))
+    dy = 2.0 * np.mean(rate) / (size**2 * AXES.spread * p * rest)
+    return np.append(mean, dy)
+
+
+@pytest.mark.parametrize("name", TORQUES)
+@pytest.mark.parametrize("how", ["table", "torus"])
+def test_means_are_those_of_the_trapezoid(name, how):
+    """Splines err by less than 1e-7 of the larger rate; the torus to rounding."""
+    torque = TORQUES[name]
+    found = means.means_of(torque, BODY, AXES, 4) if how == "table" else [over_torus(torque)]
+    sampling = Sampling(torque, math.inf, False, math.inf)
+    packed = Packed(AXES, BODY, [(sampling, mean) for mean in found], instant(EPOCH))
+    forcing = packed.window(0, math.inf, (0.0, 0.0))
+    rng = np.random.default_rng(5)
+    for region in range(4):
+        for h in (1e-3, 0.4, 3.0):
+            y = AXES.separatrix + (h if region > 1 else -h)
+            momentum, out = 7.0 * rng.normal(size=3), np.empty(4)
+            arguments = packed.data, packed.models, forcing, packed.work, out, 1
+            rates.rates_at(0.0, np.append(momentum, y), region, *arguments)
+            expected = brute(torque, y, region, momentum)
+            scale = np.max(np.abs(expected))
+            assert np.max(np.abs(out - expected)) < (1e-7 if how == "table" else 1e-12) * scale
+
+
+def spinning(omega=(0.039, 0.0052, 0.026)):
+    return Spin(epoch=EPOCH, wxyz=(0.8, 0.2, 0.4, 0.4), angular_velocity=omega)
+
+
+ENVISAT = Body(moments=(17023.0, 124826.0, 129112.0))
+
+
+def orbit(radius=12e6):
+    pace = math.sqrt(3.986004418e14 / radius**3)
+
+    def path(t):
+        angle = pace * np.asarray(t)
+        return radius * np.stack([np.cos(angle), 0.3 * np.sin(angle), 0.954 * np.sin(angle)], -1)
+
+    return path
+
+
+@pytest.mark.parametrize("omega", [(0.039, 0.0052, 0.026), (0.13, 0.0078, 0.0078)])
+def test_gravity_gradient_agrees_with_the_full_motion(omega):
+    """Pole within 2e-3 of its change; |L| and energy are constant to 5e-5, the order of eps."""
+    torque = GravityGradient(orbit(), 3.986004418e14)
+    found = AveragedMotion(ENVISAT, spinning(omega), torque).check(1000)
+    assert found["pole change"] > 0.05
+    assert found["pole"] < 2e-3 * found["pole change"]
+    assert abs(found["size"]) < 5e-5
+    assert abs(found["energy"]) < 5e-5
+
+
+def test_eddy_currents_agree_with_the_full_motion():
+    """To 1e-3 of the changes of |L| and energy; 2e-3 of that of the pole."""
+    torque = EddyCurrent(np.diag([1e6, 2.2e6, 3e6]), DipoleField((0, 0, -7.8e22)), orbit(7.141e6))
+    found = AveragedMotion(ENVISAT, spinning((0.13, 0.0078, 0.0078)), torque).check(2000)
+    assert abs(found["size"]) < 1e-3 * abs(found["size change"])
+    assert abs(found["energy"]) < 1e-3 * abs(found["energy change"])
+    assert found["pole"] < 2e-3 * found["pole change"]
+
+
+def test_friction_keeps_the_momentum_and_passes_the_separatrix_by_a_fair_coin():
+    motion = AveragedMotion(ENVISAT, spinning((0.13, 0.0078, 0.0078)), InternalDissipation(1e-4))
+    found = motion.check(2000)
+    assert abs(found["size"]) < 1e-10
+    assert abs(found["energy"]) < 1e-5 * abs(found["energy change"])
+    (passage,) = [event for event in motion.events if event.kind == "passage"]
+    assert passage.before == "LAM+"
+    assert list(passage.odds.values()) == pytest.approx([0.5, 0.5], abs=1e-9)
+    leaves = motion.branches(found["seconds"])
+    assert sum(leaf.odds for leaf in leaves) == pytest.approx(1.0, abs=1e-12)
+    assert {leaf.regions[-1] for leaf in leaves} == {"SAM+", "SAM-"}
+
+
+def test_odds_follow_the_torque_about_the_short_axis():
+    """A constant torque about it makes one end likelier, the opposite torque the other end."""
+    spin = spinning((0.13, 0.0078, 0.0078))
+    shares = []
+    for torque in (0.02, -0.02):
+        both = [InternalDissipation(1e-3), ConstantTorque((0.0, 0.0, torque))]
+        motion = AveragedMotion(ENVISAT, spin, both)
+        motion.at(1e5)
+        passage = next(event for event in motion.events if event.kind == "passage")
+        shares.append(passage.odds["SAM+"])
+    assert abs(shares[0] - 0.5) > 0.01
+    assert sum(shares) == pytest.approx(1.0, abs=0.02)  # L differs a little at the passage
+
+
+def test_free_rotation_has_the_mean_momentum_and_energy():
+    states = AveragedMotion(ENVISAT, spinning(), LinearDamping(0.05)).at([0.0, 1e5])
+    free = states[1].free_rotation(phases=(0.1, 0.7))
+    assert free.energy == pytest.approx(float(states.energy[1]), rel=1e-12)
+    assert free.momentum == pytest.approx(states.momentum[1], rel=1e-12)
+    assert free.period_psi == pytest.approx(float(states.P_psi[1]), rel=1e-10)
+
+
+def test_answers_do_not_depend_on_earlier_questions():
+    """Steps never end at an epoch that was asked."""
+    one = AveragedMotion(ENVISAT, spinning(), LinearDamping(0.05))
+    two = AveragedMotion(ENVISAT, spinning(), LinearDamping(0.05))
+    one.at(3e4)
+    assert np.allclose(one.at(9e4).momentum, two.at(9e4).momentum, rtol=1e-6, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("torques", "settings", "words"),
+    [
+        (ConstantTorque((500.0, 0.0, 0.0)), {}, "not weak"),
+        (GravityGradient(orbit(1e5), 3.986004418e14), {}, "ten times slower"),
+        (ConstantTorque((0.01, 0, 0)), {"orbit": "fixed"}, "orbit"),
+        (ConstantTorque((0.01, 0, 0)), {"orbit": ["auto", "auto"]}, "2 entries for 1"),
+        (ConstantTorque((0.01, 0, 0)), {"passages": "coin"}, "passages"),
+        (ConstantTorque((0.01, 0, 0)), {"least_tilt": "40 deg"}, "least_tilt"),
+        (ConstantTorque((0.01, 0, 0)), {"tolerance": 1.0}, "tolerance"),
+    ],
+)
+def test_refusals_are_sentences(torques, settings, words):
+    with pytest.raises(AttitudeError, match=words):
+        AveragedMotion(ENVISAT, spinning(), torques, **settings)
+
+
+def test_a_sphere_and_a_body_at_rest_are_refused():
+    with pytest.raises(AttitudeError, match="equal"):
+        AveragedMotion(Body(moments=(2, 2, 2)), spinning(), ConstantTorque((1e-6, 0, 0)))
+    with pytest.raises(AttitudeError, match="does not rotate"):
+        AveragedMotion(ENVISAT, spinning((0, 0, 0)), ConstantTorque((1e-6, 0, 0)))
+
+
+def test_a_slowing_spin_ends_with_an_event():
+    motion = AveragedMotion(ENVISAT, spinning(), [LinearDamping(2.0), ConstantTorque((0, 0.05, 0))])
+    with pytest.raises(AttitudeError, match="no longer weak"):
+        motion.at(1e8)
+    assert motion.events[-1].kind == "no longer weak"
