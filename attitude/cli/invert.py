@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='"shape" (the default), "free", a tolerance, three known moments "3.1, 3.2, 1", or a '
         "spin file with the body",
     )
-    parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
+    parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
     kinds = ", ".join(_output.PICTURES)
