@@ -24,12 +24,13 @@ from typing import TYPE_CHECKING
 from attitude._support.synonyms import of_module
 from attitude.inversion._refine import Refinement, refine
 from attitude.inversion._settings import Settings
-from attitude.inversion._solution import Solution, SpinStates
+from attitude.inversion._solution import Prediction, Solution, SpinStates
 from attitude.inversion._spin_states import spin_states
 from attitude.photometry import LightCurve
 
 __all__ = [
     "LightCurve",
+    "Prediction",
     "Refinement",
     "Settings",
     "Solution",

@@ -18,7 +18,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _evidence, _refinement, _shapes
+from attitude.inversion import _evidence, _problem, _refinement, _shapes
 from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
@@ -338,12 +338,12 @@ class MovingFit:
     fixed: BoolArray
 
     def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
-        """The magnitudes of a state, with derivatives."""
-        point = state.point
-        seconds = seconds_of(point, self.epoch, problem.t * problem.span)
+        """The magnitudes of a state, means over exposures, with derivatives."""
+        point, nodes = state.point, _problem.at_nodes(problem)
+        seconds = seconds_of(point, self.epoch, nodes.t * nodes.span)
         matrix, slopes = point.attitudes(seconds)
-        sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.sun))
-        observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.observer))
+        sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.sun))
+        observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.observer))
         if self.known is None:
             lit = _shapes.magnitudes(sun, observer, state.shape)
         else:
@@ -351,7 +351,8 @@ class MovingFit:
         across = np.einsum("nij,nj->ni", matrix, lit.across)
         of_motion = np.einsum("ni,nip->pn", across, slopes)
         jacobian = np.concatenate([of_motion, lit.by_shape])
-        return MovingModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
+        magnitude, jacobian = _problem.over_exposures(problem, lit.magnitude, jacobian)
+        return MovingModel(magnitude, jacobian, lit.areas, lit.slopes)
 
     def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
         """The cost near a state."""

@@ -67,6 +67,10 @@ class Refinement(CurveFit):
         self.rivals: tuple[tuple[FloatArray, float], ...] = ()
 
     @property
+    def _has_phase_terms(self) -> bool:  # type: ignore[override]
+        return self._fit.known is None
+
+    @property
     def moments(self) -> FloatArray:
         """(3,) principal moments at the epoch, ascending, in the unit of the body."""
         return np.sort(self._body.moments)
@@ -185,7 +189,7 @@ class Refinement(CurveFit):
         """A figure of the fit and its residuals; saved if a path is given."""
         from attitude.inversion import _figures
 
-        return _figures.of_fit(self, path)
+        return _figures.of_nights(self, path)
 
     def __repr__(self) -> str:
         return f"<Refinement: {self.point.motion!r}, rms {self.rms:.3f} mag>"

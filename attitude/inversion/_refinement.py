@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _ellipsoid, _motions, _shapes
+from attitude.inversion import _ellipsoid, _motions, _problem, _shapes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -117,13 +117,14 @@ class ShapeModel:
 
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
-    """The magnitudes of a state (WIDTH,), with derivatives."""
-    t, count = problem.t, len(problem)
+    """The magnitudes of a state (WIDTH,), means over exposures, with derivatives."""
+    nodes = _problem.at_nodes(problem)
+    t, count = nodes.t, len(nodes)
     problem.tally.add(1, problem.settings.step_cost + count * problem.settings.body_cost)
     r, g = _motions.at_epochs(state, t)
     turn, body = state[5:14].reshape(3, 3), r.reshape(3, 3, count)
-    sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.sun))
-    observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ problem.observer))
+    sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.sun))
+    observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.observer))
     lit = _shapes.magnitudes(sun, observer, state[14:])
     h = np.einsum("rkt,tk->rt", body, lit.across)
     jacobian = np.empty((SIZE, count))
@@ -133,7 +134,8 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     jacobian[4], jacobian[5] = t * v, v
     jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
     jacobian[8:] = lit.by_shape
-    return ShapeModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
+    magnitude, jacobian = _problem.over_exposures(problem, lit.magnitude, jacobian)
+    return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
 
 @dataclass(frozen=True, eq=False)
