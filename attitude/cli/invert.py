@@ -71,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
         "the file of the shape)",
     )
-    parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
+    parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
     kinds = ", ".join(_output.PICTURES)

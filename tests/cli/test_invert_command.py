@@ -6,7 +6,7 @@ import pytest
 from attitude import AttitudeError, Body, cli, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import _errors, _search, _spin_states, _states
+from attitude.inversion import _errors, _spin_states, _states
 from tests.support.places import DATA
 
 PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
@@ -14,8 +14,8 @@ PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 
 def _smaller(monkeypatch, **counts):
     """Pairs of frequencies, starts and solutions of a search, and samples of its errors."""
-    for name, count in counts.items():
-        monkeypatch.setattr(_search, name, count)
+    smaller = inversion.Settings(**counts, short_classes=2 * counts["classes"], rounds=1)
+    monkeypatch.setitem(inversion.spin_states.__kwdefaults__, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 100)
 
@@ -25,7 +25,7 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 
     With a fifth of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
     """
-    _smaller(monkeypatch, _PAIRS=40, _DEEP=20, _CLASSES=8, _CONVEX=8, _FINAL=3)
+    _smaller(monkeypatch, pairs=40, deep_starts=20, classes=8, convex=8, finals=3)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
@@ -53,7 +53,7 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 
 def test_known_moments(tmp_path, monkeypatch, capsys):
     """The body of a spin file holds the moments of all solutions."""
-    _smaller(monkeypatch, _PAIRS=20, _DEEP=10, _CLASSES=6, _CONVEX=6, _FINAL=4)
+    _smaller(monkeypatch, pairs=20, deep_starts=10, classes=6, convex=6, finals=4)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "body.toml").write_text(
         '[body]\nmoments = [30, 10, 32]\n[spin]\nepoch = "1993-01-01"\n'
@@ -180,7 +180,7 @@ def test_a_mission_against_observations(tmp_path, capsys):
 
 def test_many_points_are_averaged_with_a_note(tmp_path, capsys, monkeypatch):
     """A curve of more points than are searched: the averages are told with the verdict."""
-    _smaller(monkeypatch, _PAIRS=4, _DEEP=4, _CLASSES=4, _CONVEX=4, _FINAL=2)
+    _smaller(monkeypatch, pairs=4, deep_starts=4, classes=4, convex=4, finals=2)
     count = 12_000
     t = 2460000.5 + np.linspace(0.0, 4.0, count)
     generator = np.random.default_rng(3)
