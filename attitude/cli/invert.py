@@ -20,10 +20,15 @@ examples:
   attitude invert toutatis.csv --max-frequency "0.75 /d" --output solution.toml --figure fit.png
   attitude invert curve.csv --max-frequency "3 /d" --orbit body.oem --site 568 \\
       --predict "2026-03-01T18:00 .. 2026-03-02T04:00, 10 min" --prediction night.png
+  attitude view solution.toml
+  attitude invert pass.csv --max-frequency "0.08 Hz" --shape satellite.obj --law materials.toml \\
+      --moments satellite.toml
 
 Prints the verdict with its criterion, and the ranked solutions. The CSV has a line of names: an
 epoch (utc, jd_tdb, jd_utc), magnitude or flux, sigma, session, filter, and the geometry (sun_x ..
-observer_z in au, or ra, dec, delta); otherwise give --orbit and --site. --predict takes dates
+observer_z in au, or ra, dec, delta); otherwise give --orbit and --site. --output writes state,
+errors and shape, which "attitude view", "attitude lightcurve" and mission files draw. With --shape
+the shape is known, and rates and attitude are sought. --predict takes dates
 ("2026-03-01, 2026-03-02"), a span ("START .. STOP, STEP"), a file with a date a line, or a light
 curve, whose points the figure of --prediction shows too.
 """
@@ -53,6 +58,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--exposure", metavar="T", help='exposure time of the points, such as "60 s" (of the file)'
+    )
+    parser.add_argument(
+        "--shape",
+        metavar="FILE",
+        help="the known shape: OBJ, DAMIT, STL or PLY, or a spin or mission file with [shape]",
+    )
+    parser.add_argument("--unit", default="m", metavar="UNIT", help="of the mesh (default: m)")
+    parser.add_argument(
+        "--law",
+        metavar="NAME|FILE",
+        help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
+        "the file of the shape)",
     )
     parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
@@ -91,6 +108,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.max_frequency,
         modes=tuple(each.strip() for each in arguments.modes.split(",")),
         moments=moments,
+        **_surface(arguments),
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )
@@ -220,6 +238,30 @@ def _moments(text: str) -> Any:
             f'--moments is {text!r}; give "shape", "free", a number (the tolerance), three moments '
             'such as "3.1, 3.2, 1", or the name of a spin file (.toml).'
         ) from None
+
+
+def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of a known shape from --shape and --law."""
+    if arguments.shape is None:
+        if arguments.law is not None:
+            raise AttitudeError("--law is that of a known shape; give --shape too.")
+        return {}
+    from attitude.formats import _surface as surface
+    from attitude.shape import _files
+    from attitude.shape._ellipsoid import Ellipsoid
+
+    shape, law = None, None
+    if arguments.shape.endswith(".toml"):
+        shape, law = surface.of_file(arguments.shape)
+    else:
+        shape = _files.read(arguments.shape, unit=arguments.unit)
+    if isinstance(shape, Ellipsoid):
+        shape = shape.facets()
+    if arguments.law is not None and arguments.law.endswith(".toml"):
+        law = surface.law_of_file(arguments.law, shape)
+    elif arguments.law is not None:
+        law = surface.law_of({"law": arguments.law}, shape)
+    return {"shape": shape} if law is None else {"shape": shape, "law": law}
 
 
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:

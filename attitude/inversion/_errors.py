@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import KnownShape, Tie
 
 
@@ -332,12 +332,19 @@ def costs(
     Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
     """
     nodes = problem.at_nodes()
+    count_states(nodes, known, len(wxyz))
     # the epochs of the nodes, from the origin of the seconds
     shifts = (nodes.t.reshape(-1, len(problem)) - problem.t) * problem.span
     turned = propagate(moments, wxyz, omega, (seconds + shifts).reshape(-1))
     sun, observer = over_body(quaternion.matrix(turned), nodes)
     magnitude = known.magnitudes(sun, observer, least)
     return of_magnitudes(problem, problem.mean_magnitudes(magnitude))
+
+
+def count_states(problem: CurveProblem, known: KnownShape, states: int) -> None:
+    """Count the work of the magnitudes of so many states."""
+    terms = states * len(problem) * len(known.mesh.facets)
+    problem.tally.add(terms, problem.settings.facet_cost)
 
 
 def over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,8 @@ import numpy as np
 from attitude import plots
 from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
-from attitude.inversion import _lattices, _problem, _verdicts
+from attitude.inversion import _lattices, _problem
+from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._spectrum import OVERSAMPLING
@@ -202,7 +203,7 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     for each in found:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
-        phi, psi = np.array(_verdicts.rates(each.state)) / each.curve.span * _DAY
+        phi, psi = np.array(SearchState.of(each.state).rates) / each.curve.span * _DAY
         axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", mfc="none", color=colour)
         longitude, latitude = np.degrees(each.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour)
@@ -224,7 +225,7 @@ def _map(axes: Any, best: Solution) -> None:
     if best.is_axial:
         return
     problem = best.weighted.problem
-    phi, psi = _verdicts.rates(best.state)
+    phi, psi = SearchState.of(best.state).rates
     step = 1.0 / OVERSAMPLING
     sides = []
     for centre in (phi, 2.0 * psi):

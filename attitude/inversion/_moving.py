@@ -18,8 +18,8 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _refinement, _shapes
-from attitude.inversion._search import ELLIPSOID_ERROR
+from attitude.inversion import _evidence, _refinement, _shapes
+from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
 from attitude.motions._free_rotation import FreeRotation
@@ -34,8 +34,8 @@ from attitude.torques._triggers import Trigger
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.epochs._instants import Instant
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import KnownShape
 
 
@@ -407,7 +407,7 @@ class MovingFit:
 
     def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
         """The state of largest posterior density, with Student's errors and a model error."""
-        whole = problem.with_model_error(ELLIPSOID_ERROR)
+        whole = problem.with_model_error(DEFAULT.ellipsoid_error)
         best = self.minimum(whole, start, _LAST)
         if best.chi_squared > _BAD * len(whole):
             grown = self._in_stages(whole, start)
@@ -415,15 +415,15 @@ class MovingFit:
         if not math.isfinite(best.cost):
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
-            residual, _ = _refinement.residuals(whole, best.magnitude)
-            whole = problem.with_model_error(_refinement.model_error(problem, residual))
+            residual, _ = _evidence.residuals(whole, best.magnitude)
+            whole = problem.with_model_error(_evidence.model_error(problem, residual))
             best = self.minimum(whole, best.state)
 
         def fit(own: CurveProblem, state: MovingState) -> MovingFound:
             return self.minimum(own, state, _LAST, 1e-5)
 
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
-        return _refinement.student(whole, best.state, fit, free)
+        return _evidence.student(whole, best.state, fit, free)
 
     def _in_stages(self, problem: CurveProblem, start: MovingState) -> MovingFound:
         """The least cost from fits of points near the epoch of the start, then of more."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
+from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.photometry._curve import WAYS, LightCurve, angle_between
 
 if TYPE_CHECKING:
@@ -60,6 +61,12 @@ class CurveProblem:
         Standard deviation of the coefficient of each term; infinite for a free one.
     model_error : float
         Magnitudes, added to sigma in quadrature.
+    orbit : float
+        Frequency, turns per span, of the series of a moon's orbit, whose terms are the last; 0: no
+        such series.
+    settings : Settings
+    tally : Tally
+        The work done on this and on all problems that were made from it.
     exposure : (N,) array or None
         Exposure times, spans, over which the brightness is averaged; None without any.
     """
@@ -76,6 +83,9 @@ class CurveProblem:
     root: FloatArray
     u: FloatArray
     y: FloatArray
+    orbit: float
+    settings: Settings
+    tally: Tally
     exposure: FloatArray | None = None
 
     @classmethod
@@ -91,6 +101,9 @@ class CurveProblem:
         prior: FloatArray,
         model_error: float,
         *,
+        orbit: float = 0.0,
+        settings: Settings = DEFAULT,
+        tally: Tally | None = None,
         exposure: FloatArray | None = None,
     ) -> CurveProblem:
         """The problem with a model error; `root`, `u` and `y` follow from the rest."""
@@ -113,20 +126,49 @@ class CurveProblem:
             root,
             u,
             np.ascontiguousarray(y),
+            orbit,
+            settings,
+            Tally() if tally is None else tally,
             exposure,
         )
 
+    def _remade(
+        self,
+        sigma: FloatArray,
+        terms: FloatArray,
+        prior: FloatArray,
+        model_error: float,
+    ) -> CurveProblem:
+        """The same points with other errors or linear terms."""
+        return CurveProblem.of(
+            self.t, self.span, self.sun, self.observer, self.magnitude, sigma, terms, prior,
+            model_error, orbit=self.orbit, settings=self.settings, tally=self.tally,
+            exposure=self.exposure,
+        )  # fmt: skip
+
     def with_model_error(self, model_error: float) -> CurveProblem:
         """The same magnitudes with another model error."""
-        given = self.t, self.span, self.sun, self.observer, self.magnitude
-        terms = self.sigma, self.terms, self.prior
-        return CurveProblem.of(*given, *terms, model_error, exposure=self.exposure)
+        return self._remade(self.sigma, self.terms, self.prior, model_error)
 
     def with_sigma(self, sigma: FloatArray) -> CurveProblem:
         """The same magnitudes with other errors (N,), and no model error."""
-        given = self.t, self.span, self.sun, self.observer, self.magnitude
-        terms = sigma, self.terms, self.prior
-        return CurveProblem.of(*given, *terms, 0.0, exposure=self.exposure)
+        return self._remade(sigma, self.terms, self.prior, 0.0)
+
+    def with_errors(self, sigma: FloatArray) -> CurveProblem:
+        """The same magnitudes with other errors (N,) and this model error."""
+        return self._remade(sigma, self.terms, self.prior, self.model_error)
+
+    def with_weights(self, weights: FloatArray) -> CurveProblem:
+        """The same magnitudes, whose squared errors are divided by weights (N,)."""
+        size = np.hypot(self.sigma, self.model_error) / np.sqrt(weights)
+        # the model error stays: sigma takes up what the weights change
+        sigma = np.sqrt(np.maximum(size**2 - self.model_error**2, self.sigma**2))
+        return self.with_errors(sigma)
+
+    def with_terms(self, terms: FloatArray, prior: FloatArray, orbit: float) -> CurveProblem:
+        """The same magnitudes with the series (N, M) of an orbit, of standard deviations (M,)."""
+        joined = np.concatenate([self.terms, terms], axis=1), np.concatenate([self.prior, prior])
+        return replace(self, orbit=orbit)._remade(self.sigma, *joined, self.model_error)
 
     def part(self, chosen: BoolArray) -> CurveProblem:
         """Some of the points (N,) alone."""
@@ -140,6 +182,9 @@ class CurveProblem:
             self.terms[chosen],
             self.prior,
             self.model_error,
+            orbit=self.orbit,
+            settings=self.settings,
+            tally=self.tally,
             exposure=None if self.exposure is None else self.exposure[chosen],
         )
 
@@ -197,6 +242,71 @@ class CurveProblem:
         r = (self.magnitude - model) * self.root
         along = self.u @ r
         return float(r @ r - along @ along)
+
+
+# ---- Outliers and noise, from points that are close neighbours in time
+
+# Standard deviations by which a point lies off its neighbours that is an outlier; the share of a
+# turn, at the largest frequency, that a point and its neighbours span at most.
+_OFF, _CLOSE = 6.0, 0.2
+# Triples of neighbours from which noise is estimated at least, and that of a median of absolute
+# deviations of a normal distribution.
+_TRIPLES, _NORMAL = 20, 1.4826
+
+
+def off_neighbours(
+    problem: CurveProblem, values: FloatArray, turns: float
+) -> tuple[FloatArray, FloatArray]:
+    """How far values (N,) lie off the line through both neighbours, and the errors (N,) of that.
+
+    NaN where the three span more than `_CLOSE` of a turn; `turns` per span.
+    """
+    off, error = np.full(len(values), np.nan), np.full(len(values), np.nan)
+    t, variance = problem.t, problem.sigma**2
+    length = t[2:] - t[:-2]
+    close = (length * turns < _CLOSE) & (length > 0.0)
+    share = np.where(close, (t[1:-1] - t[:-2]) / np.where(close, length, 1.0), 0.5)
+    line = (1.0 - share) * values[:-2] + share * values[2:]
+    spread = variance[1:-1] + (1.0 - share) ** 2 * variance[:-2] + share**2 * variance[2:]
+    off[1:-1] = np.where(close, values[1:-1] - line, np.nan)
+    error[1:-1] = np.where(close, np.sqrt(spread), np.nan)
+    return off, error
+
+
+def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem, int]:
+    """The problem in which points far off both neighbours hardly count, and how many they are.
+
+    Their errors become as large as they are off.  The worst goes first, since its neighbours lie
+    off it too.
+    """
+    sigma, values = problem.sigma.copy(), problem.y.copy()
+    count = 0
+    while True:
+        off, error = off_neighbours(problem, values, turns)
+        scaled = np.abs(off / error)
+        known = np.isfinite(scaled)
+        if np.count_nonzero(known) < _TRIPLES:
+            break
+        scaled = np.where(known, scaled, 0.0)
+        worst = int(np.argmax(scaled))
+        if scaled[worst] < _OFF * max(1.0, _NORMAL * float(np.median(scaled[known]))):
+            break
+        sigma[worst] = max(abs(float(off[worst])), sigma[worst])
+        # as its neighbours have it
+        values[worst] -= off[worst]
+        count = int(np.count_nonzero(sigma != problem.sigma))
+        if count > len(problem) // 10:
+            return problem, 0
+    return (problem.with_errors(sigma) if count else problem), count
+
+
+def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> float:
+    """By what factor neighbouring residuals (N,) differ more than the errors say; at least 1."""
+    off, error = off_neighbours(problem, residual, turns)
+    known = np.isfinite(off)
+    if np.count_nonzero(known) < _TRIPLES:
+        return 1.0
+    return max(1.0, _NORMAL * float(np.median(np.abs(off[known] / error[known]))))
 
 
 # ---- Nights
@@ -277,6 +387,8 @@ def problem(
     zero_points: Any,
     *,
     is_known: bool = False,
+    settings: Settings = DEFAULT,
+    tally: Tally | None = None,
 ) -> Any:
     """The problem of a curve, and its points (N,) or None where they are averages.
 
@@ -306,6 +418,8 @@ def problem(
         np.stack(terms, axis=-1),
         np.array(prior),
         error,
+        settings=settings,
+        tally=tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
     )
     return found, bins

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,14 +12,16 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from attitude._support import quantity_text, validation
+from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.quantity_text import TIME_UNITS
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.inversion import _errors, _problem, _refinement, _search, _shapes, _states, _verdicts
+from attitude.inversion import _errors, _problem, _refinement, _satellites, _shapes, _states
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
 from attitude.paths import _places
@@ -35,9 +38,9 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epochs, FilePath, FloatArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors, Modelled
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._posterior import Posterior
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import Tie
     from attitude.motions._published import Published
     from attitude.paths._path import Path
@@ -272,6 +275,9 @@ def _terms(
     if filter is not None:
         validation.one_of(filter, "filter", names)
     terms[:, count + (0 if filter is None else names.index(filter))] = 1.0
+    if own.orbit:
+        series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
+        terms[:, -series.shape[1] :] = series
     return terms
 
 
@@ -378,14 +384,32 @@ class CurveFit(Answering, ABC):
         """
         return predicted(self, times, path, site, filter)
 
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
+    def write(self, path: FilePath, **labels: Any) -> None:
+        """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
+        `labels` are name, source and note, as `formats.spin_file.write` takes them.  ``attitude
+        view``, ``attitude lightcurve`` and mission files that name the file draw its shape; the
+        shape alone is written by ``shape.write("x.obj")``.
+
+        Raises
+        ------
+        AttitudeError
+            For a name that does not end in .toml, and as `formats.spin_file.write`.
+        """
+        from attitude.formats import _surface, spin_file
+
+        if not os.fspath(path).lower().endswith(".toml"):
+            raise AttitudeError(
+                f"{os.fspath(path)!r} is to hold the state, its errors and the shape as a spin "
+                "file; give a name that ends in .toml. The shape alone is written by "
+                'shape.write("x.obj"), also .txt (DAMIT), .stl and .ply.'
+            )
+        law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
         first = FreeRotation(self.motion.body, self.motion.spin)
-        spin_file.write(path, first, source=source, note=note, **labels)
+        surface = {"shape": self.shape, "law": law}
+        spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
 
 class Solution(CurveFit):
@@ -422,7 +446,7 @@ class Solution(CurveFit):
     @property
     def is_axial(self) -> bool:
         """Whether the body rotates about one principal axis."""
-        return _search.is_axial(self.state)
+        return SearchState.of(self.state).is_axial
 
     @cached_property
     def motion(self) -> FreeRotation:
@@ -464,19 +488,19 @@ class Solution(CurveFit):
     @property
     def P_psi(self) -> float:
         """s; infinite for rotation about one axis."""
-        psi = _verdicts.rates(self.state)[1]
+        psi = SearchState.of(self.state).rates[1]
         return self.curve.span / psi if psi > 0.0 else math.inf
 
     @property
     def P_phi(self) -> float:
         """s, of the long axis about the momentum; the period of rotation about one axis."""
-        return self.curve.span / _verdicts.rates(self.state)[0]
+        return self.curve.span / SearchState.of(self.state).rates[0]
 
     @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
         c = self._covariances[1].covariance
-        phi, psi = _verdicts.rates(self.state)
+        phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
         sign = 1.0 if self.state[1] > 0.0 else -1.0
@@ -492,7 +516,7 @@ class Solution(CurveFit):
         """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
         from attitude.frames import matrix_to_icrf
 
-        x, y, z = matrix_to_icrf("ecliptic").T @ _search.pole(self.state)
+        x, y, z = matrix_to_icrf("ecliptic").T @ SearchState.of(self.state).pole
         return np.array([math.atan2(y, x) % (2.0 * math.pi), math.asin(max(-1.0, min(1.0, z)))])
 
     @property
@@ -537,6 +561,36 @@ class Solution(CurveFit):
 
         return _figures.of_nights(self, path)
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks, the fit and the shape."""
+        longitude, latitude = np.degrees(self.pole)
+        psi, phi = self.periods_sigma
+        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        if not self.is_axial:
+            rows.append(("P_psi", _with_error(self.P_psi, psi)))
+        rows += [
+            ("period" if self.is_axial else "P_phi (long axis)", _with_error(self.P_phi, phi)),
+            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
+            ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
+            ("moments", " : ".join(f"{each:.4g}" for each in self.moments / self.moments[0])),
+            ("rms", f"{self.rms:.4f} mag"),
+        ]
+        shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
+        return markup.table("Solution", rows, *self._fit_picture(), shape)
+
+    def _fit_picture(self) -> list[str]:
+        """Observed and computed magnitudes, less the mean of each, against time."""
+        problem = self.weighted.problem
+        days = (problem.t - problem.t.min()) * self.curve.span / TIME_UNITS["d"]
+        return [
+            markup.line_plot(
+                [(days, self.residuals)],
+                f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
+                is_downward=True,
+                is_dotted=True,
+            )
+        ]
+
     def __repr__(self) -> str:
         longitude, latitude = np.degrees(self.pole)
         psi, phi = quantity_text.of_time(self.P_psi), quantity_text.of_time(self.P_phi)
@@ -547,13 +601,20 @@ class Solution(CurveFit):
         )
 
 
+def _with_error(seconds: float, sigma: float) -> str:
+    unit = quantity_text.time_unit(seconds)
+    size = TIME_UNITS[unit]
+    return f"{seconds / size:.6g} +- {sigma / size:.2g} {unit}"
+
+
 class SpinStates(Answering, Sequence[Any]):
     """The solutions of a light curve, the best first; of a known shape, each a `Refinement`.
 
     Attributes
     ----------
     verdict : str
-        "solved", "periods only" (the pole is not decided) or "not solved".
+        "solved", "periods only" (the pole is not decided), "not solved", or "a satellite of period"
+        and that period: rotation about one axis, beside dips at the period of a moon.
     criterion : str
         The numbers that led to the verdict.
     notes : tuple of str
@@ -619,6 +680,10 @@ class SpinStates(Answering, Sequence[Any]):
         if not isinstance(self[0], Solution):
             return _figures.of_fit(self[0], path)
         return _figures.of_states(self, path)
+
+    def _repr_html_(self) -> str:
+        """Verdict and ranked solutions for notebooks."""
+        return markup.of_table(f"{self.verdict}: {self.criterion}", self.table())
 
     def __repr__(self) -> str:
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"

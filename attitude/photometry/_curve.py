@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from attitude import frames
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import quoted
@@ -308,6 +308,25 @@ class LightCurve(Immutable):
         words.append(f"over {span:.4g} d about {self.epoch.utc_iso[:10]}")
         name = f" of {quoted(self.name, 60, '')}" if self.name else ""
         return f"<LightCurve{name}: {' '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the brightness against time."""
+        days = (self.seconds - self.seconds[:1]) / 86400.0
+        rows = [
+            ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
+            ("sessions", str(len(self.sessions))),
+            ("filters", ", ".join(each for each in self.filters if each) or "-"),
+            ("span", f"{self.span / 86400.0:.6g} d from {self.epoch.utc_iso} UTC"),
+            ("errors", f"{np.nanmedian(self.sigma):.3g} (median)" if np.any(self.sigma) else "-"),
+            ("geometry", "known" if self.has_geometry else "not known"),
+        ]
+        picture = markup.line_plot(
+            [(days, self.value)],
+            f"{'flux' if self.is_flux else 'magnitude'} over {self.span / 86400.0:.4g} d",
+            is_downward=not self.is_flux,
+            is_dotted=True,
+        )
+        return markup.table(f"Light curve {self.name or ''}".strip(), rows, picture)
 
     @property
     def times(self) -> Time:
