@@ -21,7 +21,7 @@ import numpy as np
 
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _ellipsoid, _motions, _problem, _refinement
+from attitude.inversion import _ellipsoid, _motions, _refinement
 from attitude.motions._propagation import propagate
 
 if TYPE_CHECKING:
@@ -331,14 +331,14 @@ def costs(
 
     Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
     """
-    nodes = _problem.at_nodes(problem)
+    nodes = problem.at_nodes()
     count_states(nodes, known, len(wxyz))
     # the epochs of the nodes, from the origin of the seconds
     shifts = (nodes.t.reshape(-1, len(problem)) - problem.t) * problem.span
     turned = propagate(moments, wxyz, omega, (seconds + shifts).reshape(-1))
     sun, observer = over_body(quaternion.matrix(turned), nodes)
     magnitude = known.magnitudes(sun, observer, least)
-    return of_magnitudes(problem, _problem.mean_magnitudes(problem, magnitude))
+    return of_magnitudes(problem, problem.mean_magnitudes(magnitude))
 
 
 def count_states(problem: CurveProblem, known: KnownShape, states: int) -> None:

@@ -18,7 +18,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _evidence, _problem, _refinement, _shapes
+from attitude.inversion import _evidence, _refinement, _shapes
 from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
@@ -339,7 +339,7 @@ class MovingFit:
 
     def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
         """The magnitudes of a state, means over exposures, with derivatives."""
-        point, nodes = state.point, _problem.at_nodes(problem)
+        point, nodes = state.point, problem.at_nodes()
         seconds = seconds_of(point, self.epoch, nodes.t * nodes.span)
         matrix, slopes = point.attitudes(seconds)
         sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.sun))
@@ -351,7 +351,7 @@ class MovingFit:
         across = np.einsum("nij,nj->ni", matrix, lit.across)
         of_motion = np.einsum("ni,nip->pn", across, slopes)
         jacobian = np.concatenate([of_motion, lit.by_shape])
-        magnitude, jacobian = _problem.over_exposures(problem, lit.magnitude, jacobian)
+        magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
         return MovingModel(magnitude, jacobian, lit.areas, lit.slopes)
 
     def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
 
 
+# Nodes, and their weights, of exposures whose body turns by up to some 0.3 of a turn: an error
+# below 1e-4 of the brightness at five nodes (tests/inversion/test_exposures.py).
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+# Exposures, in spans, that are shorter than this have one node.
+_INSTANT = 1e-9
 # Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
 _COPY = 1e-10
 
@@ -186,6 +191,39 @@ class CurveProblem:
     def __len__(self) -> int:
         return len(self.t)
 
+    def at_nodes(self) -> CurveProblem:
+        """The problem at the nodes of the exposures, (K, N) in one row; without any, itself.
+
+        The directions of Sun and observer are those of the middle.
+        """
+        if self.exposure is None or float(self.exposure.max()) < _INSTANT:
+            return self
+        count = len(_NODES)
+        t = self.t + 0.5 * _NODES[:, None] * self.exposure
+        sun, observer = (np.tile(each, count) for each in (self.sun, self.observer))
+        return replace(self, t=t.reshape(-1), sun=sun, observer=observer, exposure=None)
+
+    def mean_magnitudes(self, magnitude: FloatArray) -> FloatArray:
+        """Magnitudes (..., N) of the mean fluxes, from those (..., K N) at the nodes."""
+        if magnitude.shape[-1] == len(self):
+            return magnitude
+        at = magnitude.reshape(*magnitude.shape[:-1], len(_NODES), -1)
+        flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
+        mean: FloatArray = -2.5 * np.log10(flux)
+        return mean
+
+    def over_exposures(
+        self, magnitude: FloatArray, jacobian: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Magnitudes (N,) of the mean fluxes, and derivatives (P, N), from those at the nodes."""
+        if len(magnitude) == len(self):
+            return magnitude, jacobian
+        mean = self.mean_magnitudes(magnitude)
+        at = magnitude.reshape(len(_NODES), -1)
+        share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - mean))
+        by = jacobian.reshape(len(jacobian), len(_NODES), -1)
+        return mean, np.einsum("pkn,kn->pn", by, share)
+
     def coefficients(self, model: FloatArray) -> FloatArray:
         """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
         b = self.terms * self.root[:, None]
@@ -282,51 +320,6 @@ def nights_of(seconds: FloatArray) -> list[IntArray]:
     order = np.argsort(seconds, kind="stable")
     gaps = np.flatnonzero(np.diff(seconds[order]) > _NIGHT) + 1
     return np.split(order, gaps)
-
-
-# ---- Exposures: the brightness of a point is the mean over its exposure, at the nodes of Gauss
-
-# Nodes, and their weights, of exposures whose body turns by up to some 0.3 of a turn: an error
-# below 1e-4 of the brightness at five nodes (tests/inversion/test_exposures.py).
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-# Exposures, in spans, that are shorter than this have one node.
-_INSTANT = 1e-9
-
-
-def at_nodes(problem: CurveProblem) -> CurveProblem:
-    """The problem at the nodes of the exposures, (K, N) in one row; without any, the problem.
-
-    The directions of Sun and observer are those of the middle.
-    """
-    if problem.exposure is None or float(problem.exposure.max()) < _INSTANT:
-        return problem
-    count = len(_NODES)
-    t = problem.t + 0.5 * _NODES[:, None] * problem.exposure
-    sun, observer = (np.tile(each, count) for each in (problem.sun, problem.observer))
-    return replace(problem, t=t.reshape(-1), sun=sun, observer=observer, exposure=None)
-
-
-def mean_magnitudes(problem: CurveProblem, magnitude: FloatArray) -> FloatArray:
-    """Magnitudes (..., N) of the mean fluxes over exposures, from those (..., K N) at the nodes."""
-    if magnitude.shape[-1] == len(problem):
-        return magnitude
-    at = magnitude.reshape(*magnitude.shape[:-1], len(_NODES), -1)
-    flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
-    mean: FloatArray = -2.5 * np.log10(flux)
-    return mean
-
-
-def over_exposures(
-    problem: CurveProblem, magnitude: FloatArray, jacobian: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Magnitudes (N,) of the mean fluxes, and derivatives (P, N), from those at the nodes."""
-    if len(magnitude) == len(problem):
-        return magnitude, jacobian
-    mean = mean_magnitudes(problem, magnitude)
-    at = magnitude.reshape(len(_NODES), -1)
-    share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - mean))
-    by = jacobian.reshape(len(jacobian), len(_NODES), -1)
-    return mean, np.einsum("pkn,kn->pn", by, share)
 
 
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many

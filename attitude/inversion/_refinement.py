@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _ellipsoid, _motions, _problem, _shapes
+from attitude.inversion import _ellipsoid, _motions, _shapes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -118,7 +118,7 @@ class ShapeModel:
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     """The magnitudes of a state (WIDTH,), means over exposures, with derivatives."""
-    nodes = _problem.at_nodes(problem)
+    nodes = problem.at_nodes()
     t, count = nodes.t, len(nodes)
     problem.tally.add(1, problem.settings.step_cost + count * problem.settings.body_cost)
     r, g = _motions.at_epochs(state, t)
@@ -134,7 +134,7 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     jacobian[4], jacobian[5] = t * v, v
     jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
     jacobian[8:] = lit.by_shape
-    magnitude, jacobian = _problem.over_exposures(problem, lit.magnitude, jacobian)
+    magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
     return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
 
