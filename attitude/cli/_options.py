@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
+    from attitude.torques._torqued import TorquedRotation
 
     Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
 
@@ -381,6 +382,15 @@ def is_file(text: str) -> bool:
     return os.path.isfile(text) or (written_so and not catalog.has(text))
 
 
+def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
+    """The motion of parsed arguments; that of a mission file with sections [[torque]] too."""
+    if is_file(arguments.target) and _has_torques(arguments.target):
+        from attitude.formats import mission
+
+        return mission.read_motion(arguments.target)
+    return opened(arguments).motion
+
+
 def opened(arguments: argparse.Namespace) -> Target:
     """The Target of parsed arguments."""
     if is_file(arguments.target):
@@ -404,6 +414,15 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
 
     entry = catalog.entry(arguments.target)
     return entry if entry.missing else None
+
+
+def _has_torques(path: str) -> bool:
+    """Whether a file is TOML with sections [[torque]]."""
+    from attitude._textfiles import toml
+
+    if not path.lower().endswith(".toml"):
+        return False
+    return "torque" in toml.parsed(toml.read(path, "spin file"), path)
 
 
 def _from_file(arguments: argparse.Namespace) -> Target:

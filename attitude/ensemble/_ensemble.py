@@ -65,13 +65,10 @@ _FEW = 256
 class Coverage(NamedTuple):
     """How long, and with what gaps, a quantity of each member is within its bounds.
 
-    Attributes
-    ----------
-    fraction : (N,) array
-        Of the span of epochs: intervals with both ends within count whole, with one end half.
-    longest_gap : (N,) array
-        s; the longest time between two epochs within that follow each other, or between such an
-        epoch and an end of the span; the whole span where none is within.
+    fraction: (N,), of the span of epochs: intervals with both ends within count whole, with one end
+        half.
+    longest_gap: (N,), s; the longest time between two epochs within that follow each other, or
+        between such an epoch and an end of the span; the whole span where none is within.
     """
 
     fraction: FloatArray
@@ -960,9 +957,8 @@ class Ensemble(Immutable):
         return MemberRows(len(self), who, seconds, lows, in_runs)
 
     def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
-        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
-
-        AttitudeError for those out of range.
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs; errors
+        out of range.
         """
         try:
             array = np.asarray(member)

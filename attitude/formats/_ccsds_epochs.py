@@ -48,10 +48,7 @@ _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 
 def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
-    """The time scale, in lower case, of a CCSDS time system.
-
-    `name` is the name of the argument or of the file's keyword in the error message.
-    """
+    """The time scale, in lower case, of a CCSDS time system; `name` stands in the error message."""
     given = time_system.strip().upper() if isinstance(time_system, str) else None
     if given not in TIME_SYSTEMS:
         raise AttitudeError(
@@ -77,10 +74,7 @@ def now() -> str:
 
 
 def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]:
-    """TDB seconds since J2000, hi + lo, of N epochs.
-
-    Shapes: returns hi, lo (N,).
-    """
+    """TDB seconds since J2000, hi + lo (N,), of N epochs."""
     lengths = np.fromiter(map(len, tokens), dtype=np.intp, count=len(tokens))
     if np.any(lengths > _LONGEST):
         raise BadEpoch(int(np.argmax(lengths > _LONGEST)), "it is too long")
@@ -134,12 +128,8 @@ def parsed_days(
 class BadEpoch(Exception):
     """An epoch that cannot be read.
 
-    Attributes
-    ----------
-    index : int
-        Its place in the sequence that `parsed` was given.
-    reason : str
-        What is wrong with it.
+    index: its place in the sequence that `parsed` was given.
+    reason: what is wrong with it.
     """
 
     def __init__(self, index: int, reason: str):

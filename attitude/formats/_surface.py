@@ -54,7 +54,7 @@ _BOX_WING: dict[str, str | None] = {
 }
 _MESH: dict[str, str | None] = {"vertices": "m", "facets": None, "materials": None}
 # Facets of an ellipsoid by default.
-_FACETS = 1000
+FACETS = 1000
 
 
 @dataclass(frozen=True)
@@ -118,19 +118,19 @@ def shape_of(
     elif way == "ellipsoid":
         found["shape"] = _ellipsoid(given, body)
     elif way == "box":
-        found["shape"] = _solids.box(_number(given["box"], "[shape] box", "m"))
+        found["shape"] = _solids.box(number_of(given["box"], "[shape] box", "m"))
     elif way == "mesh":
-        table = _table(given[way], "[shape] mesh", _MESH, ("vertices", "facets"))
+        table = table_of(given[way], "[shape] mesh", _MESH, ("vertices", "facets"))
         found["shape"] = _mesh.Mesh(**table).require_closed()
     elif way == "cylinder":
         needed = ("radius", "height")
         found["shape"] = _solids.cylinder(
-            **_table(given[way], "[shape] cylinder", _CYLINDER, needed)
+            **table_of(given[way], "[shape] cylinder", _CYLINDER, needed)
         )
     else:
         needed = ("body", "wing")
         found["shape"] = _solids.box_wing(
-            **_table(given[way], "[shape] box_wing", _BOX_WING, needed)
+            **table_of(given[way], "[shape] box_wing", _BOX_WING, needed)
         )
     if "divided" in given:
         if way == "ellipsoid":
@@ -147,7 +147,7 @@ def facets_for(
     Facets are also made if the section [shape] `given` has a number of them.
     """
     if isinstance(found, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
-        return found.facets(given.get("facets", _FACETS))
+        return found.facets(given.get("facets", FACETS))
     if "facets" in given and isinstance(found, shape_ellipsoid.Ellipsoid):
         return found.facets(given["facets"])
     return found
@@ -204,7 +204,7 @@ def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
                     f"[magnitude] {key} is given, but the {key.partition('_')[0]} is "
                     f"{place.name}, whose distance is known; leave it out."
                 )
-            value = _number(given[key], f"[magnitude] {key}", "m")
+            value = number_of(given[key], f"[magnitude] {key}", "m")
             distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
     far = [
         key
@@ -226,7 +226,7 @@ def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.E
     if axes != "moments":
         if "diameter" in given:
             raise AttitudeError('[shape] diameter goes with ellipsoid = "moments"; leave it out.')
-        return shape_ellipsoid.Ellipsoid(_number(axes, "[shape] ellipsoid", "m"))
+        return shape_ellipsoid.Ellipsoid(number_of(axes, "[shape] ellipsoid", "m"))
     if body is None:
         raise AttitudeError(
             '[shape] ellipsoid is "moments", but there is no spin with a body; give one, or three '
@@ -237,7 +237,7 @@ def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.E
             '[shape] ellipsoid is "moments", but the inertia tensor of the body is not diagonal; '
             "give three semi-axes."
         )
-    diameter = _number(given.get("diameter", 1.0), "[shape] diameter", "m")
+    diameter = number_of(given.get("diameter", 1.0), "[shape] diameter", "m")
     return shape_ellipsoid.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
 
 
@@ -248,7 +248,7 @@ def _law(made: type[Law], given: Mapping[str, Any], where: str) -> Law:
     values = {}
     for key, value in given.items():
         each = parameters[key]
-        values[key] = value if each.words else _number(value, f"{where} {key}", each.unit)
+        values[key] = value if each.words else number_of(value, f"{where} {key}", each.unit)
     for key in made.required():
         if key not in values:
             raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
@@ -306,7 +306,7 @@ def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArr
         return None
     numbers = {
         key: validation.number(
-            _number(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
+            number_of(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
         )
         for key in ("h", *names)
     }
@@ -326,7 +326,7 @@ def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArr
     return function
 
 
-def _table(
+def table_of(
     given: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
 ) -> dict[str, Any]:
     """What makes a shape, from a table, in SI units and radians."""
@@ -335,7 +335,7 @@ def _table(
         raise AttitudeError(f"{where} is {quoted(given)}; give a table of {keys}, in braces.")
     refuse_unknown(given, tuple(units), where)
     found = {
-        key: value if units[key] is None else _number(value, f"{where} {key}", units[key])
+        key: value if units[key] is None else number_of(value, f"{where} {key}", units[key])
         for key, value in given.items()
     }
     for key in needed:
@@ -345,7 +345,7 @@ def _table(
     return found
 
 
-def _number(value: Any, name: str, unit: str | None) -> Any:
+def number_of(value: Any, name: str, unit: str | None) -> Any:
     """A number, a list or a text of a file, as a float or an array in the unit."""
     return validation.real(value, name, unit=unit)[()]
 

@@ -367,12 +367,8 @@ class Comprehensive:
 class TimeTags:
     """The times of rows: dates, or seconds since EPOCH_TZERO.
 
-    Parameters
-    ----------
-    scale : str
-        Time scale of the message in lower case.
-    zero : Instant
-        EPOCH_TZERO.
+    scale: time scale of the message in lower case.
+    zero: EPOCH_TZERO.
     """
 
     def __init__(self, scale: str, zero: Instant):

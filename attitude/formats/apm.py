@@ -110,16 +110,9 @@ _FORM = Form(
 class Interpreted:
     """The state in the blocks of a message.
 
-    Parameters
-    ----------
-    message : Message
-    tolerance, frame, orbit, products, rates
-        As in `apm.read`.
+    tolerance, frame, orbit, products, rates: as in `apm.read`.
 
-    Attributes
-    ----------
-    epoch : Instant
-        EPOCH of the message; set by `result`.
+    epoch: EPOCH of the message; set by `result`.
     """
 
     epoch: Instant

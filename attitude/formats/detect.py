@@ -248,12 +248,8 @@ def write_any(
 class State(NamedTuple):
     """A motion with its labels.
 
-    Attributes
-    ----------
-    motion : FreeRotation
-        From a DAMIT spin file, which has no inertia, that of a body with equal moments.
-    name, source, note : str or None
-    shape, law : of a spin file, or None
+    motion: from a DAMIT spin file, which has no inertia, that of a body with equal moments.
+    shape, law: of a spin file, or None.
     """
 
     motion: FreeRotation

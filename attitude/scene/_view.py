@@ -56,17 +56,11 @@ Value = TypeVar("Value")
 class LazyProperty(Generic[Value]):
     """A property of a view, computed once per view; made by `quantity` and `kept`.
 
-    Attributes
-    ----------
-    name : str
-    unit : str
-        In the spelling of astropy; "" for pure numbers and for values that are not numbers.
-    parts : tuple of str
-        Names of the entries of the last axis; () for one number at each epoch.
-    is_column : bool
-        Whether a table can hold the property: one number, or one row of `parts`, at each epoch.
-    about : str
-        Description in one line.
+    unit: in the spelling of astropy; "" for pure numbers and for values that are not numbers.
+    parts: names of the entries of the last axis; () for one number at each epoch.
+    is_column: whether a table can hold the property: one number, or one row of `parts`, at each
+        epoch.
+    about: description in one line.
     """
 
     name: str
@@ -493,9 +487,8 @@ class View(Immutable):
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
     def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
-        """Barycentric velocities (3, K) of a body at the marked epochs of a part, m/s, ICRF.
-
-        The epochs are those of emission.
+        """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
+        ICRF.
         """
         hi, lo = (np.broadcast_to(each, self.seconds.size)[part] for each in self._emission())
         path = _composed.relative(body, "ssb", self.scene.ephemeris)

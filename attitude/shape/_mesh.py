@@ -92,15 +92,12 @@ _OF_CORNERS = np.sqrt([7.0, 11.0, 13.0])
 class Edges:
     """The edges of facets; edge 3 f + k runs from corner k of facet f to the next.
 
-    Attributes
-    ----------
-    unbalanced : (N,) array of int
-        Sorted indices of the facets with an edge that is passed more often one way than the other.
-    repeated : (M,) array of int
-        Those among them at an edge that is passed twice in the same direction.
-    mates : (F, 3) array of int
-        The edge of the neighbour that passes the same vertices the other way; -1 where an edge
-        belongs to one facet or to more than two.
+    unbalanced: (N,) array of int, sorted indices of the facets with an edge that is passed more
+        often one way than the other.
+    repeated: (M,) array of int, those among them at an edge that is passed twice in the same
+        direction.
+    mates: (F, 3) array of int, the edge of the neighbour that passes the same vertices the other
+        way; -1 where an edge belongs to one facet or to more than two.
     """
 
     unbalanced: IntArray

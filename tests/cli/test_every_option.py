@@ -66,7 +66,8 @@ CASES = {
     ],
     "invert": [
         f"asteroid.csv {_INVERT} --orbit {OEM} --site {_GROUND} --seed 1 --zero-points shared "
-        "--frame icrf --output OUT.toml --figure OUT.png",
+        "--frame icrf --output OUT.toml --figure OUT.png --exposure '60 s' --predict "
+        "'2013-05-01T00:00 .. 2013-05-01T06:00, 1 h' --prediction OUT2.png",
         f'satellite.csv {_INVERT} --max-frequency "20 mHz" --orbit {TLE} --orbit-of ENVISAT '
         f"--site {_GROUND}",
         f'satellite.csv --max-frequency "0.02 Hz" --budget "0.5 s" --orbit {TLE} '
