@@ -238,10 +238,14 @@ class Tie:
         infinite: any moments.
     given : (3,) array, optional
         Moments, ascending, in place of those of the shape.
+    is_wide : bool
+        Whether shapes about one axis have the wide prior of tumbling bodies: where several
+        apparitions show a body from all sides, the pole is not left to the prior.
     """
 
     tolerance: float = TOLERANCE
     given: FloatArray | None = None
+    is_wide: bool = False
 
     @property
     def holds_axes(self) -> bool:
@@ -306,7 +310,7 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -held.by_ratios / tie.tolerance
         strain = float(r[3:8] @ r[3:8])
-    wide = widths(moments is None)
+    wide = widths(moments is None and not tie.is_wide)
     r[8:] = shape / wide
     by[range(8, count), range(motion, size)] = 1.0 / wide
     return r, by, strain

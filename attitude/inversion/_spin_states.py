@@ -12,6 +12,7 @@ from attitude._support import validation
 from attitude._support.blocks import timed
 from attitude.errors import AttitudeError
 from attitude.inversion import (
+    _apparitions,
     _ellipsoid,
     _known,
     _lattices,
@@ -38,7 +39,9 @@ if TYPE_CHECKING:
     Prepared = Callable[[ZeroPoints], _search.Search]
 
 
-_MODES = ("LAM", "SAM")
+_MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
+# Share of a period about which it is searched.
+_OF_PERIOD = 0.01
 _DAY = 86400.0
 _LABEL = "spin states"
 # Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is not
@@ -55,8 +58,9 @@ _COMPARED = 6
 
 def spin_states(
     curve: LightCurve,
-    max_frequency: Real,
+    max_frequency: Real | None = None,
     *,
+    period: Real | Sequence[Real] | None = None,
     modes: Sequence[str] = _MODES,
     shape: str | Mesh = "convex",
     law: str | Law | None = None,
@@ -73,8 +77,12 @@ def spin_states(
     curve : LightCurve
     max_frequency : float, Quantity or text
         Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
+    period : float, Quantity or text, or two of them, optional
+        s, or such as "5.762 h", of a rotation about one axis: to 1 %, or between two.  Then only
+        such rotations are searched, and `max_frequency` may be left out.
     modes : sequence of str
-        "LAM", "SAM" or both.
+        "LAM", "SAM" or both; or "PA" alone: rotations about one axis only, over any number of
+        apparitions.
     shape : str or Mesh
         "convex", or "ellipsoid"; or a known mesh, such as a satellite, whose axes are the body's.
         Then `max_frequency` is that of the rate itself, and solutions are `Refinement` objects.
@@ -119,7 +127,8 @@ def spin_states(
             return SpinStates(*_known.found(*given))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
-    most, tie = _checked(curve, max_frequency, modes, shape, moments)
+    modes, window = _window(curve, max_frequency, period, modes)
+    most, tie = _checked(curve, window[1], modes, shape, moments)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
@@ -128,7 +137,10 @@ def spin_states(
 
         def prepared(zero_points: ZeroPoints) -> _search.Search:
             given = curve, most, zero_points, modes, shape, tie, seed, deadline, report
-            return _prepared(*given)
+            made = _prepared(*given)
+            if isinstance(made, _apparitions.RotatorSearch):
+                made.window = window[0] * curve.span, most * curve.span
+            return made
 
         found = _searched(curve, prepared)
     return _results(curve, found)
@@ -144,10 +156,46 @@ def _compile(curve: LightCurve, most: float) -> None:
     _refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _checked_turns(curve, max_frequency):
+def _window(curve, max_frequency, period, modes):
+    """The modes, and the least and the largest frequency of a rotation about one axis, Hz."""
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    if period is None:
+        if max_frequency is None:
+            raise AttitudeError("give max_frequency, or period= of a rotation about one axis.")
+        return modes, (_lattices.LEAST / curve.span, max_frequency)
+    if isinstance(period, (list, tuple, np.ndarray)) and np.shape(period) != (2,):
+        raise AttitudeError(f"period has {len(period)} entries; give one period, or two.")
+    if tuple(modes) not in (_MODES, _ROTATION):
+        raise AttitudeError(
+            f'period= is that of a rotation about one axis; modes is {modes!r}: leave it out, or '
+            'give ("PA",).'
+        )
+    is_one = isinstance(period, str) or np.ndim(period) == 0
+    ends = [validation.positive(each, "period", unit="s") for each in (period,) * 2] if is_one else [
+        validation.positive(each, "period", unit="s") for each in period
+    ]
+    if is_one:
+        ends = [ends[0] * (1.0 - _OF_PERIOD), ends[1] * (1.0 + _OF_PERIOD)]
+    if ends[1] <= ends[0]:
+        raise AttitudeError(f"period is from {ends[0]:g} to {ends[1]:g} s; give the shorter first.")
+    if ends[0] > 0.5 * curve.span:
+        raise AttitudeError(
+            f"the light curve spans {curve.span / ends[0]:.2g} turns of the period; it needs 2."
+        )
+    least = max(1.0 / ends[1], _lattices.LEAST / curve.span)
+    most = 1.0 / ends[0]
+    if max_frequency is not None:
+        most = min(most, validation.positive(max_frequency, "max_frequency", unit="1/s"))
+    return _ROTATION, (least, most)
+
+
+def _checked_turns(curve, max_frequency, limit=_MOST_TURNS):
     """The largest frequency, Hz."""
     if not isinstance(curve, LightCurve):
         raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    if max_frequency is None:
+        raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns = most * curve.span
     if turns < 2.0:
@@ -155,28 +203,35 @@ def _checked_turns(curve, max_frequency):
             f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
             f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
-    if turns > _MOST_TURNS:
+    if turns > limit:
         raise AttitudeError(
-            f"the light curve spans {turns:.0f} turns at max_frequency; at most {_MOST_TURNS:.0f} "
-            f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
-            "the curve."
+            f"the light curve spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
+            f"are searched for tumbling. Give at most {limit / curve.span * _DAY:.3g} /d, a part "
+            'of the curve, or modes=("PA",) for rotation about one axis.'
         )
     return most
 
 
 def _checked(curve, max_frequency, modes, shape, moments):
-    most = _checked_turns(curve, max_frequency)
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
-        validation.one_of(mode, "modes", _MODES)
+        validation.one_of(mode, "modes", (*_MODES, *_ROTATION))
+    if "PA" in modes and len(modes) > 1:
+        raise AttitudeError(
+            'modes has "PA" beside others; rotations about one axis are always searched beside '
+            'tumbling: leave "PA" out, or give it alone.'
+        )
+    is_rotation = tuple(modes) == _ROTATION
+    most = _checked_turns(curve, max_frequency, math.inf if is_rotation else _MOST_TURNS)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, _states.of(moments)
 
 
 def _prepared(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
     problem, bins = _problem.problem(curve, most, _search.ELLIPSOID_ERROR, zero_points)
-    made = _search.Search(
+    kind = _apparitions.RotatorSearch if tuple(modes) == _ROTATION else _search.Search
+    made = kind(
         problem,
         most * curve.span,
         tuple(modes),
