@@ -116,7 +116,8 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
             break
         here = _search.pole(each.state)
         other = _verdicts.mirrored(here, _verdicts.plane_of(each.weighted.problem))
-        angles = [math.degrees(math.acos(np.clip(side @ truth, -1.0, 1.0))) for side in (here, other)]
+        cosines = np.clip([here @ truth, other @ truth], -1.0, 1.0)
+        angles = np.degrees(np.arccos(cosines)).tolist()
         turns = curve.span / _HOURS * abs(_HOURS / each.P_phi - 1.0 / period)
         if each is found[0]:
             own, right = angles[0], turns < 0.5
@@ -126,15 +127,17 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     return right, own, listed
 
 
-def solved(curve, known: float, pole: np.ndarray, **given) -> tuple[bool, float, float, str, float]:
+def solved(
+    curve, known: float, pole: np.ndarray, **given
+) -> tuple[bool, float, float, str, float]:
     """A search, printed: as in `judged`, the verdict, and processor seconds."""
     begin = time.process_time()
     found = inversion.spin_states(curve, budget=BUDGET, **given)
     spent = time.process_time() - begin
     right, own, listed = judged(found, curve, known, pole) if len(found) else (False, 180.0, 180.0)
     print(
-        f"{len(curve)} points in {curve.span / 86400.0:.0f} d: {'right' if right else 'WRONG'}, pole "
-        f"{own:.1f} (listed {listed:.1f}) deg, {found.verdict}, {spent:.1f} s"
+        f"{len(curve)} points in {curve.span / 86400.0:.0f} d: "
+        f"{'right' if right else 'WRONG'}, pole {own:.1f} (listed {listed:.1f}) deg, {found.verdict}, {spent:.1f} s"
     )
     if len(found):
         best = found[0]
@@ -171,7 +174,7 @@ def rotators(count: int, seed: int) -> str:
 
 def damit(file: str, period: float, longitude: float, latitude: float, folder: str = "") -> None:
     """A file of DAMIT's format against published values, and convexinv from these."""
-    curve = inversion.LightCurve.read(file, zero_points="free")
+    curve = inversion.LightCurve.read(file)
     pole = _unit(longitude, latitude)
     solved(curve, period, pole, max_frequency="12 /d", period=("2 h", "24 h"))
     near = f"{period * 0.9999} h", f"{period * 1.0001} h"
@@ -210,16 +213,12 @@ def _convexinv(file: str, period: float, longitude: float, latitude: float, fold
 
 def each(file: str, period: float, longitude: float, latitude: float) -> None:
     """Every apparition of a file alone, blind from 2 to 24 h."""
-    curve = inversion.LightCurve.read(file, zero_points="free")
-    problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, "free")
+    curve = inversion.LightCurve.read(file)
+    problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)
     for on in _apparitions.apparitions(problem):
         if np.count_nonzero(on) < 40:
             continue
-        part = inversion.LightCurve(
-            curve.seconds[on], curve.magnitude[on], curve.sigma[on], sun=curve.sun[on],
-            observer=curve.observer[on], session=curve.session[on], zero_points="free",
-            light_time=False, epoch=curve.epoch,
-        )  # fmt: skip
+        part = curve[on]
         solved(part, period, _unit(longitude, latitude), max_frequency="12 /d", modes=("PA",))
 
 

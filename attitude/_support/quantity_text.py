@@ -112,3 +112,28 @@ def unit_of(text: str, name: str) -> UnitBase:
         f"{name} is in {quoted(text)}, which is not a unit that astropy knows"
         + (f" (did you mean {guess.group(1)}?)." if guess else ".")
     ) from None
+
+
+# ---- Times in the unit that their size asks for
+
+TIME_UNITS: dict[str, float] = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+def time_unit(seconds: float) -> str:
+    """The unit in which a time is read best: days from 2 days on, h, min, or s below 2 minutes.
+
+    >>> [time_unit(each) for each in (5.4 * 86400.0, 7200.0, 600.0, 111.0, float("inf"))]
+    ['d', 'h', 'min', 's', 'd']
+    """
+    size = abs(seconds)
+    return next((unit for unit, each in TIME_UNITS.items() if size >= 2.0 * each), "s")
+
+
+def of_time(seconds: float, digits: int = 6) -> str:
+    """A time with the unit of its size.
+
+    >>> of_time(19123.0), of_time(111.4)
+    ('5.31194 h', '111.4 s')
+    """
+    unit = time_unit(seconds)
+    return f"{seconds / TIME_UNITS[unit]:.{digits}g} {unit}"

@@ -65,11 +65,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Search, print verdict and table, write the spin file and the figure."""
     from attitude._support import validation
-    from attitude.inversion import _curve, _spin_states
+    from attitude.inversion import _spin_states
+    from attitude.photometry._curve import LightCurve
 
     if arguments.figure is not None:
         _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
-    curve = _curve.LightCurve.read(
+    curve = LightCurve.read(
         arguments.file,
         frame=arguments.frame,
         zero_points=_zero_points(arguments.zero_points),

@@ -1,7 +1,5 @@
 """From brightness to the spin state: light curves of tumbling bodies inverted.
 
-_curve         `LightCurve`: magnitudes with geometry, from arrays and files
-_periods       `periods`: `Pair`s of periods by Fourier series in two frequencies
 _spin_states   `spin_states`: the blind search, its options and its result
 _refine        `refine`: from a start, with impulses or torques, and its `Refinement`
 _solution      `Solution` and `SpinStates`, predicted magnitudes; _figures, their figures
@@ -22,20 +20,16 @@ _verdicts      relations between solutions in words; what a curve decides
 from typing import TYPE_CHECKING
 
 from attitude._support.synonyms import of_module
-from attitude.inversion._curve import LightCurve
-from attitude.inversion._periods import Pair, Periods, periods
 from attitude.inversion._refine import Refinement, refine
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.inversion._spin_states import spin_states
+from attitude.photometry import LightCurve
 
 __all__ = [
     "LightCurve",
-    "Pair",
-    "Periods",
     "Refinement",
     "Solution",
     "SpinStates",
-    "periods",
     "refine",
     "spin_states",
 ]

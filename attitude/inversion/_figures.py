@@ -13,7 +13,6 @@ from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
-    from attitude.inversion._periods import Periods
     from attitude.inversion._refine import Refinement
     from attitude.inversion._solution import Solution, SpinStates
 
@@ -69,20 +68,6 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     axes[1, 2].set_xlim(0.0, 360.0)
     axes[1, 2].set_ylim(-90.0, 90.0)
     figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
-    return _saved(figure, path)
-
-
-def of_pairs(found: Periods, path: FilePath | None = None) -> Any:
-    """Pairs of frequencies, larger the less variance they leave."""
-    figure = plots.new_figure((6.0, 5.0))
-    axes = figure.subplots()
-    for rank, pair in enumerate(found):
-        colour = _OTHER if pair.left > found.false_alarm else _MODEL
-        size = 200.0 * (1.0 - pair.left) ** 2
-        axes.scatter(pair.first * _DAY, pair.second * _DAY, size, color=colour, alpha=0.6)
-        axes.annotate(str(rank), (pair.first * _DAY, pair.second * _DAY), fontsize=7)
-    axes.set_xlabel("first frequency, 1/d")
-    axes.set_ylabel("second frequency, 1/d")
     return _saved(figure, path)
 
 

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.inversion._curve import LightCurve
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import KnownShape
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
     from attitude.shape._mesh import Mesh
 

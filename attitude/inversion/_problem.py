@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.inversion._curve import CALIBRATED
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.photometry._curve import WAYS, LightCurve, angle_between
 
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
-    from attitude.inversion._curve import LightCurve
 
 
 # Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
@@ -153,12 +154,60 @@ class CurveProblem:
 
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many
 
+LEAST_POINTS: int = 20
+# Errors, mag, that are assumed where none are given.
+UNKNOWN_SIGMA: float = 0.02
+# Standard deviation, mag, of the zero points of sessions whose magnitudes share one system.
+CALIBRATED: float = 0.1
+# The share of points that have the brightest magnitude exactly, from which they may be saturated.
+_SATURATED = 0.05
 # Standard deviation of the fitted zero points, mag, above which they are taken as free.
 _UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
 # Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
 _SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
+
+
+def usable(curve: Any) -> LightCurve:
+    """The light curve as magnitudes, all with errors; AttitudeError without geometry.
+
+    Notes say what errors were assumed, and that points may be saturated.
+    """
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    if not curve.has_geometry:
+        raise AttitudeError(
+            "the light curve has no geometry, which an inversion needs: the directions of Sun and "
+            f"observer at each epoch. Give {WAYS}, as in "
+            'LightCurve.read(file, path="orbit.oem", site="568").'
+        )
+    count, spread = len(curve), curve.emission  # of dates at a barycenter: an error
+    if count < LEAST_POINTS:
+        raise AttitudeError(
+            f"the light curve has {count} points at different epochs; give at least "
+            f"{LEAST_POINTS}, better some hundred."
+        )
+    if not np.ptp(spread) > 0.0:
+        raise AttitudeError("all points are of one epoch; give a longer light curve.")
+    magnitude, errors = np.array(curve.magnitude), np.array(curve.magnitude_sigma)
+    notes = list(curve.notes)
+    unknown = ~(errors > 0.0)
+    if np.any(unknown):
+        known = errors[~unknown]
+        assumed = max(UNKNOWN_SIGMA, float(np.median(known)) if len(known) else 0.0)
+        errors[unknown] = assumed
+        notes.append(
+            f"{np.count_nonzero(unknown)} of {count} points have no error; {assumed:.3f} mag is "
+            "assumed."
+        )
+    brightest = np.count_nonzero(magnitude == magnitude.min())
+    if brightest >= 5 and brightest > _SATURATED * count and np.ptp(magnitude) > 0.0:
+        notes.append(
+            f"{brightest} points share the brightest magnitude {magnitude.min():.3f} exactly, as "
+            "saturated ones do; leave such points out."
+        )
+    return curve.replaced(magnitude=magnitude, sigma=errors, notes=notes)
 
 
 def problem(
@@ -246,7 +295,7 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         unit[name] = vectors / np.linalg.norm(vectors, axis=1)[:, None]
     values: dict[str, Any] = {
         "emission": curve.emission,
-        "reduced": curve.reduced,
+        "reduced": curve.reduced_magnitude,
         "sigma": curve.sigma,
         "session": curve.session,
         "filter": curve.filter,
@@ -268,7 +317,5 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
             values[name] = values[name][first]
         order = np.argsort(values["emission"], kind="stable")
         values = {name: each[order] for name, each in values.items()}
-    cross = np.linalg.norm(np.cross(values["sun"], values["observer"]), axis=1)
-    dot = np.sum(values["sun"] * values["observer"], axis=1)
-    values["alpha"] = np.arctan2(cross, dot)
+    values["alpha"] = angle_between(values["sun"], values["observer"])
     return values

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude.errors import AttitudeError
 from attitude.inversion import _errors, _moving, _problem, _refinement, _search, _shapes, _states
-from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._shapes import MODES
 from attitude.inversion._solution import CurveFit, Solution
 from attitude.motions._free_rotation import FreeRotation
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from attitude.inversion._refinement import Weighted
     from attitude.motions._body import Body
     from attitude.motions._published import Published
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
     from attitude.torques._arcs import Impulse
     from attitude.torques._torque import Torque
@@ -238,8 +238,7 @@ def refine(
     torques those of the scheme with its steps.  Where the start does not fit the whole curve, the
     points near its epoch are fitted first, then more and more.
     """
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    curve = usable(curve)
     motion, own = _start(start)
     tie = _states.of(moments)
     if isinstance(start, Solution):

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.inversion import _errors, _problem, _refinement, _search, _shapes, _states, _verdicts
-from attitude.inversion._curve import LightCurve
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
+from attitude.photometry._curve import LightCurve, angle_between, dimming
 from attitude.scattering._weighted import LommelSeeligerLambert
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def predicted(
     """Apparent magnitudes (T,) and their standard errors; see `CurveFit.predict`."""
     curve = solution.curve
     emission, sun, observer = _geometry(curve, times)
-    alpha = _angle(sun, observer)
+    alpha = angle_between(sun, observer)
     own = solution.weighted.problem
     terms = _terms(solution, emission, alpha)
     unit = [(each / np.linalg.norm(each, axis=1)[:, None]).T for each in (sun, observer)]
@@ -53,8 +53,9 @@ def predicted(
     here = solution._model(own)
     coefficients = own.coefficients(here.magnitude)
     made = solution._model(there)
-    size = np.linalg.norm(sun, axis=1) * np.linalg.norm(observer, axis=1) / ASTRONOMICAL_UNIT_M**2
-    magnitude = made.magnitude + terms @ coefficients + 5.0 * np.log10(size)
+    magnitude = made.magnitude + terms @ coefficients
+    if not curve.unit_distances:
+        magnitude += dimming(sun, observer)
     # the linear terms follow the parameters
     b = own.terms * own.root[:, None]
     inverse = np.linalg.pinv(b.T @ b + np.diag(1.0 / own.prior**2), hermitian=True)
@@ -71,10 +72,10 @@ def predicted(
 def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Epochs of emission from that of the curve, and vectors to Sun and observer."""
     if times is None:
-        return curve.emission, curve.sun, curve.observer
+        return curve.emission, *curve.vectors
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
-        return times.emission + shift, times.sun, times.observer
+        return times.emission + shift, *times.vectors
     hi, lo = _inputs.seconds_since(curve.epoch, times)
     t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
     known, first = np.unique(curve.seconds, return_index=True)
@@ -86,7 +87,7 @@ def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, Fl
         )
     sun, observer = (
         np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
-        for vectors in (curve.sun, curve.observer)
+        for vectors in curve.vectors
     )
     late = float(np.median(curve.seconds - curve.emission))
     light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
@@ -100,12 +101,6 @@ def _terms(solution: CurveFit, emission: FloatArray, alpha: FloatArray) -> Float
     made = _problem.phase_terms(alpha, emission / own.span)
     found[:, : made.shape[1]] = made
     found[:, made.shape[1]] = 1.0
-    return found
-
-
-def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
-    cross = np.linalg.norm(np.cross(a, b), axis=1)
-    found: FloatArray = np.arctan2(cross, np.sum(a * b, axis=1))
     return found
 
 

@@ -22,7 +22,7 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.shape._mesh import Mesh
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Weighted
     from attitude.motions._body import Body
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
 
     ZeroPoints = str | float | tuple[str, ...]
@@ -118,6 +119,7 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
+    curve = usable(curve)
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency)
         seconds = validation.positive(budget, "budget", unit="s")
@@ -158,42 +160,37 @@ def _compile(curve: LightCurve, most: float) -> None:
 
 def _window(curve, max_frequency, period, modes):
     """The modes, and the least and the largest frequency of a rotation about one axis, Hz."""
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    least = _lattices.LEAST / curve.span
     if period is None:
-        if max_frequency is None:
-            raise AttitudeError("give max_frequency, or period= of a rotation about one axis.")
-        return modes, (_lattices.LEAST / curve.span, max_frequency)
-    if isinstance(period, (list, tuple, np.ndarray)) and np.shape(period) != (2,):
-        raise AttitudeError(f"period has {len(period)} entries; give one period, or two.")
+        return modes, (least, max_frequency)
     if tuple(modes) not in (_MODES, _ROTATION):
         raise AttitudeError(
-            f'period= is that of a rotation about one axis; modes is {modes!r}: leave it out, or '
-            'give ("PA",).'
+            f"period= is that of a rotation about one axis, and modes is {modes!r}; leave it out, "
+            'or give ("PA",).'
         )
-    is_one = isinstance(period, str) or np.ndim(period) == 0
-    ends = [validation.positive(each, "period", unit="s") for each in (period,) * 2] if is_one else [
-        validation.positive(each, "period", unit="s") for each in period
-    ]
-    if is_one:
-        ends = [ends[0] * (1.0 - _OF_PERIOD), ends[1] * (1.0 + _OF_PERIOD)]
-    if ends[1] <= ends[0]:
-        raise AttitudeError(f"period is from {ends[0]:g} to {ends[1]:g} s; give the shorter first.")
-    if ends[0] > 0.5 * curve.span:
-        raise AttitudeError(
-            f"the light curve spans {curve.span / ends[0]:.2g} turns of the period; it needs 2."
-        )
-    least = max(1.0 / ends[1], _lattices.LEAST / curve.span)
-    most = 1.0 / ends[0]
+    if isinstance(period, (list, tuple)):
+        if len(period) != 2:
+            raise AttitudeError(f"period has {len(period)} entries; give one period, or two.")
+        low, high = (validation.positive(each, "period", unit="s") for each in period)
+    else:
+        middle = validation.positive(period, "period", unit="s")
+        low, high = middle * (1.0 - _OF_PERIOD), middle * (1.0 + _OF_PERIOD)
+    if high <= low:
+        raise AttitudeError(f"period is from {low:g} to {high:g} s; give the shorter one first.")
+    most = 1.0 / low
     if max_frequency is not None:
         most = min(most, validation.positive(max_frequency, "max_frequency", unit="1/s"))
+    least = max(1.0 / high, least)
+    if least >= most:
+        raise AttitudeError(
+            f"no period from {low:g} to {high:g} s is left: the light curve spans {curve.span:g} s"
+            + ("." if max_frequency is None else ", and max_frequency limits them too.")
+        )
     return _ROTATION, (least, most)
 
 
 def _checked_turns(curve, max_frequency, limit=_MOST_TURNS):
     """The largest frequency, Hz."""
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     if max_frequency is None:
         raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")

@@ -10,10 +10,9 @@ from attitude import plots
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
-    from attitude.photometry._curve import Photometry
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
-    from attitude.photometry._periodogram import Periodogram
-    from attitude.photometry._two_periods import TwoPeriods
+    from attitude.photometry._periods import Periods
 
 
 _DAY, _HOUR = 86400.0, 3600.0
@@ -24,7 +23,7 @@ _NAMED, _COLOURS = 5, 10
 _POINTS = 20_000
 
 
-def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
+def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
     figure = plots.new_figure((10.0, 5.0))
     axes = figure.subplots()
@@ -45,15 +44,20 @@ def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_periodogram(found: Periodogram, path: FilePath | None = None) -> Any:
+def of_periods(found: Periods, path: FilePath | None = None) -> Any:
+    """The figure of one period, or of two."""
+    return (_of_one if found.count == 1 else _of_two)(found, path)
+
+
+def _of_one(found: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((11.0, 8.0))
     parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
     above, below = parts
     axes = above.subplots()
-    frequency, power = _extremes(found.frequency * _DAY, np.asarray(found.power))
+    frequency, power = _extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
     axes.plot(frequency, power, color=_DATA, lw=0.7)
-    axes.axhline(found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
+    axes.axhline(1.0 - found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
     for rank, peak in enumerate(found.peaks[:_NAMED], 1):
         colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
         at = _DAY / peak.period
@@ -63,7 +67,7 @@ def of_periodogram(found: Periodogram, path: FilePath | None = None) -> Any:
             label += f", {peak.relation}"
         axes.plot([], [], "v", color=colour, label=label)
     axes.set_xlim(frequency[0], frequency[-1])
-    axes.set_ylim(0.0, min(1.0, 1.1 * max(found.power.max(), found.false_alarm)))
+    axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - found.false_alarm)))
     axes.set_xlabel("frequency, 1/d")
     name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
     axes.set_ylabel(name)
@@ -94,21 +98,22 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
+def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
     figure = plots.new_figure((12.0, 9.0))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
+    assert found.edges is not None and found.map is not None
     edges = [each * _DAY for each in found.edges]
     shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
-    for rank, pair in enumerate(found.pairs[:_NAMED], 1):
+    for rank, pair in enumerate(found.peaks[:_NAMED], 1):
         colour = _MODEL if not pair.relation else _ALIAS
         plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
         plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
     plane.set_xlabel("first frequency, 1/d")
     plane.set_ylabel("second frequency, 1/d")
-    best = found.pairs[0]
+    best = found.peaks[0]
     first, second = (each / _HOUR for each in best.periods)
     plane.set_title(f"#1: {first:.6g} h and {second:.6g} h, {best.left:.3f} left", fontsize=9)
     lines = found.lines()
@@ -127,7 +132,8 @@ def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def _window(axes: Any, found: Periodogram) -> None:
+def _window(axes: Any, found: Periods) -> None:
+    assert found.window is not None
     axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
     for line in found.window.lines:
         axes.annotate(

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Real, Reals
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._curve import LightCurve
+    from attitude.photometry._samples import Samples
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +92,7 @@ class Folded(Immutable):
 
 
 def fold(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve | Samples,
     period: Real | Reals,
     values: Reals | None = None,
     errors: Reals | None = None,
@@ -106,11 +107,11 @@ def fold(
 
     Parameters
     ----------
-    t : Photometry, LightCurve, or (N,) epochs
+    t : LightCurve, or (N,) epochs
     period : float, Quantity or text
         s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
     values, errors, curve
-        As in `spectrum.fit`.
+        As in `periods`.
     order : int
         Of the series: harmonics of one period, lines |i f1 + j f2| with |i|, |j| up to it of two.
     epoch : epoch, optional
@@ -136,7 +137,7 @@ def fold(
     if len(periods) == 1:
         numbers = np.arange(1, number + 1)[:, None]
     else:
-        # (i of the second, j of the first), as spectrum.lines has them
+        # (i of the second, j of the first), as `lines` has them
         numbers = np.array(line_numbers((number, number)))[:, ::-1]
 
     def folded(own: Samples) -> Folded:

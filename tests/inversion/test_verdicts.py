@@ -9,7 +9,7 @@ import pytest
 
 from attitude.inversion import _ellipsoid, _refinement, _verdicts
 from attitude.inversion import _problem as inversion_problem
-from attitude.inversion._curve import CALIBRATED
+from attitude.inversion._problem import CALIBRATED
 from attitude.inversion._spin_states import is_constant
 
 COUNT = 100

@@ -227,7 +227,7 @@ def test_repeated_sessions_have_a_note(tmp_path):
         "28); session '3 2011-09-16' repeats '2 2011-09-16': they count twice.",
     )
     found = read(tmp_path, "jd,mag\n2455817.7,15\n2455817.8,15\n2455817.7,15\n")
-    assert "1 of 3 rows repeat" in found.notes[0] and "(line 4 those of line 2)" in found.notes[0]
+    assert len(found) == 2 and "the first at line 2, 2455817.7, JD" in found.notes[0]
 
 
 def test_written_cells_are_no_formulas(tmp_path):
@@ -285,7 +285,8 @@ def test_damit(tmp_path):
     assert found.is_flux and found.time_of == "emission" and found.unit_distances
     assert found.sessions == ("1", "2") and found.sun.shape == (3, 3)
     assert found.magnitude[2] == pytest.approx(-2.5 * np.log10(0.5))
-    assert "relative" in found.notes[0]
+    assert found.notes[0].startswith("1 of 2 sessions are relative: their zero points are free")
+    assert found.zero_points == ("2",)  # and those of the first one are shared
 
 
 @pytest.mark.parametrize(
@@ -318,4 +319,4 @@ def test_the_inversion_shares_the_reader(tmp_path):
     np.testing.assert_array_equal(curve.sun, found.sun)
     path.write_text(path.read_text().replace("jd,", "bjd,"))
     with pytest.raises(AttitudeError, match="light at the barycenter"):
-        inversion.LightCurve.read(path)
+        inversion.spin_states(inversion.LightCurve.read(path), "10 /d")
