@@ -59,10 +59,7 @@ _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
 
 
 def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
-    """The numbers of a text, as they are written, and its unit, "" if it has none.
-
-    `name` is the name of the value in the error message.
-    """
+    """The numbers of a text, as written, and its unit or ""; `name` stands in the error message."""
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
@@ -94,10 +91,7 @@ def _spelled(text: str) -> str:
 
 
 def unit_of(text: str, name: str) -> UnitBase:
-    """The astropy unit with a name; plurals, "rpm" and "rev" are known too.
-
-    `name` is the name of the value in the error message.
-    """
+    """The astropy unit with a name, plurals, "rpm" and "rev"; `name` stands in the error."""
     from astropy import units
 
     guess = None

@@ -280,12 +280,8 @@ class Answering:
 def arguments(hints: Mapping[str, str], example: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A decorator of a function or ``__init__``: a wrong call is an AttitudeError.
 
-    Parameters
-    ----------
-    hints : mapping
-        What to do in place of an argument that does not exist.
-    example : str
-        A call that is right.
+    hints: what to do in place of an argument that does not exist.
+    example: a call that is right.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude.inversion import _ellipsoid, _pole_map, _refinement
-from attitude.inversion._search import SAME_RATE, Search, is_same, never
+from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
 
     ComplexArray = NDArray[np.complex128]
 
@@ -445,7 +445,7 @@ class RotatorSearch(Search):
         others = [
             each
             for each in self.convex
-            if 2.0 * np.abs(rates - each.state[0]).min() > SAME_RATE
+            if 2.0 * np.abs(rates - each.state[0]).min() > self.settings.same_rate
         ]
         return found + [self._robust(problem, each) for each in others[:_OTHERS]]
 
@@ -471,7 +471,7 @@ class RotatorSearch(Search):
         for cost, state in zip(ordered.cost, ordered.states, strict=True):
             if cost > _WORSE * ordered.cost[0] + _BESIDE or len(found) >= _CONVEX:
                 break
-            if not any(is_same(state, other) for other in found):
+            if not any(self.is_same(state, other) for other in found):
                 found.append(state)
         return found
 
