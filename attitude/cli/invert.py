@@ -18,6 +18,7 @@ HELP: str = "find the spin states of a tumbling body from a light curve"
 EPILOG: str = """\
 examples:
   attitude invert toutatis.csv --max-frequency "0.75 /d" --output solution.toml --figure fit.png
+  attitude invert A43.lc.txt --period "5.7 h, 5.8 h" --output ariadne.toml
   attitude invert curve.csv --max-frequency "3 /d" --orbit body.oem --site 568 \\
       --predict "2026-03-01T18:00 .. 2026-03-02T04:00, 10 min" --prediction night.png
   attitude view solution.toml
@@ -40,8 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-frequency",
         metavar="F",
-        required=True,
         help='largest frequency of rotation, such as "0.75 /d" or "2 mHz"',
+    )
+    parser.add_argument(
+        "--period",
+        metavar="P",
+        help='of a rotation about one axis, which is searched to 1 %%: "5.762 h"; or between two: '
+        '"5.7 h, 5.8 h". --max-frequency may then be left out',
     )
     _options.add_orbit_arguments(parser)
     _options.add_site_argument(parser)
@@ -49,7 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--zero-points", default="auto", help='of sessions: auto, shared, free, or "0.05 mag"'
     )
-    parser.add_argument("--modes", default="LAM,SAM", help="LAM, SAM or both (default)")
+    parser.add_argument(
+        "--modes",
+        default="LAM,SAM",
+        help="LAM, SAM or both (default); PA: rotation about one axis alone, of any length of time",
+    )
     parser.add_argument(
         "--moments",
         default="shape",
@@ -106,6 +116,7 @@ def run(arguments: argparse.Namespace) -> None:
     found = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
+        period=_period(arguments.period),
         modes=tuple(each.strip() for each in arguments.modes.split(",")),
         moments=moments,
         **_surface(arguments),
@@ -130,6 +141,13 @@ def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
     if arguments.figure:
         found.plot(arguments.figure)
         print(arguments.figure)
+
+
+def _period(text: str | None) -> Any:
+    """The period, or both ends."""
+    if text is None or "," not in text:
+        return text
+    return tuple(each.strip() for each in text.split(","))
 
 
 # A span of dates: "START .. STOP, STEP"; without a step it has 200.

@@ -44,6 +44,8 @@ Motion = FreeRotation | Arcs | TorquedRotation
 STATE = 8
 # Error of the attitudes of torqued motions, rad: some 1e-4 mag.
 _TOLERANCE = 1e-4
+# Rates across a principal axis, over that about it, of rotation about one axis.
+_ABOUT_ONE = 1e-12
 # Step of the differences by a torque: a share of the torque that would stop the body in the span.
 # A kick is linear in the torque.
 _SHARE = 0.1
@@ -74,6 +76,13 @@ class MovingPoint:
     def size(self) -> int:
         """The number of parameters."""
         return STATE + 3 * len(self.impulses) + sum(_numbers(each) for each in self.torques)
+
+    @property
+    def axis(self) -> int | None:
+        """The number of the principal axis about which the body rotates; None if it tumbles."""
+        rates = np.abs(self.spin.angular_velocity)
+        axis = int(np.argmax(rates))
+        return axis if np.delete(rates, axis).max() <= _ABOUT_ONE * rates[axis] else None
 
     @property
     def motion(self) -> Motion:
@@ -329,6 +338,9 @@ class MovingFit:
         Of the moments of motion and shape.
     fixed : (P,) array of bool
         Parameters that stay.
+    is_axial : bool
+        Whether the motion is rotation about the third axis, that of the largest moment of the
+        shape.
     """
 
     epoch: Instant
@@ -336,6 +348,7 @@ class MovingFit:
     least: float
     tie: _shapes.Tie
     fixed: BoolArray
+    is_axial: bool = False
 
     def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
         """The magnitudes of a state, means over exposures, with derivatives."""
@@ -367,9 +380,11 @@ class MovingFit:
         point = state.point
         if self.known is not None:
             return np.zeros(0), np.zeros((0, point.size)), 0.0
-        slopes = np.zeros((2, point.size))
-        slopes[0, 6] = slopes[1, 7] = 1.0
-        moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
+        moments = None
+        if not self.is_axial:
+            slopes = np.zeros((2, point.size))
+            slopes[0, 6] = slopes[1, 7] = 1.0
+            moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
         given = state.shape, here.areas, here.slopes
         return _shapes.penalties(*given, moments, point.size, self.tie)
 
@@ -445,14 +460,28 @@ def moving_fit(
     tie: _shapes.Tie,
     is_ellipsoid: bool = False,
 ) -> MovingFit:
-    """What is fitted to a problem from a point; moments that are given or of a known shape stay."""
+    """What is fitted to a problem from a point; moments that are given or of a known shape stay.
+
+    A rotation about one axis stays one: rates and torques across the axis stay, and the moments,
+    which do not move it.
+    """
     fixed = np.zeros(point.size + (0 if known else _shapes.SIZE), bool)
-    if known is not None or tie.given is not None:
+    axis = point.axis
+    if known is not None or tie.given is not None or axis is not None:
         fixed[6:8] = True
+    if axis is not None:
+        across = [k for k in range(3) if k != axis]
+        fixed[[3 + k for k in across]] = True
+        at = STATE + 3 * len(point.impulses)
+        for torque in point.torques:
+            if isinstance(torque, ConstantTorque):
+                fixed[[at + k for k in across]] = True
+            at += _numbers(torque)
     if is_ellipsoid:
         fixed[point.size + _shapes.ELLIPSOID :] = True
     least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
-    return MovingFit(epoch, known, least, tie, fixed)
+    is_axial = axis == 2 and tie.given is None and int(np.argmax(point.body.moments)) == 2
+    return MovingFit(epoch, known, least, tie, fixed, is_axial)
 
 
 def _impossible(state: MovingState, size: int, count: int) -> MovingFound:

@@ -53,12 +53,10 @@ def turn_of_scene(problem: CurveProblem, poles: FloatArray) -> FloatArray:
 
     The rate of a body about a pole, less this, is the rate at which the scene sees it turn.
     """
-    bisector = problem.sun + problem.observer
     t = problem.t - problem.t.mean()
     out = np.empty(len(poles))
     for number, pole in enumerate(poles):
-        first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
-        angle = np.unwrap(np.arctan2(np.cross(pole, first) @ bisector, first @ bisector))
+        angle = np.unwrap(_seen_about(problem, pole))
         out[number] = (t @ angle) / (t @ t) / (2.0 * math.pi)
     return out
 
@@ -66,11 +64,25 @@ def turn_of_scene(problem: CurveProblem, poles: FloatArray) -> FloatArray:
 def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     """Whether the scene sees two rotations about one axis turn at the same rate.
 
-    The rates about poles far from each other differ by twice the turn of the scene.
+    The rates about poles far from each other differ by twice the turn of the scene.  The angle
+    between the two bodies, as the bisector of Sun and observer sees them, is followed by the rate
+    that it keeps best: its turns in the gaps between apparitions need not be known.
     """
-    states = np.stack([each[: _ellipsoid.WIDTH] for each in (a, b)])
-    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, _ellipsoid.OF_POLE])
-    return bool(abs(seen[0] - seen[1]) < _SAME_RATE)
+    angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
+    first, second = (_seen_about(problem, each[_ellipsoid.OF_POLE]) for each in (a, b))
+    angles -= first - second
+    drifts = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
+    turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
+    kept = np.abs(turned.mean(axis=1))
+    return bool(abs(drifts[int(np.argmax(kept))]) < _SAME_RATE)
+
+
+def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
+    """The angle (N,) of the bisector of Sun and observer about a pole (3,), rad."""
+    bisector = problem.sun + problem.observer
+    first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
+    found: FloatArray = np.arctan2(np.cross(pole, first) @ bisector, first @ bisector)
+    return found
 
 
 def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -120,7 +121,7 @@ class Refinement(CurveFit):
     @property
     def mode(self) -> str:
         """ "LAM", "SAM", or "PA" for rotation about one axis, of the first arc."""
-        return str(self._published.mode or "PA")
+        return "PA" if self.point.axis is not None else str(self._published.mode or "PA")
 
     @property
     def P_psi(self) -> float:
@@ -211,7 +212,8 @@ def refine(
     ----------
     curve : LightCurve
     start : Solution, Refinement, FreeRotation, Arcs or TorquedRotation
-        A motion near the truth at its epoch; a solution brings its shape too.
+        A motion near the truth at its epoch; a solution brings its shape too.  Rotation about one
+        principal axis stays that: a torque that is found acts along the axis alone.
     arcs : Impulse or sequence of them, optional
         Changes of the momentum at known epochs after that of the start, such as an encounter with a
         planet: their momenta are found, from those given.  One shape, a spin state on either side.
@@ -244,6 +246,8 @@ def refine(
     curve = usable(curve)
     motion, own = _start(start)
     tie = _states.of(moments)
+    if isinstance(start, Solution):
+        tie = replace(tie, is_wide=start.tie.is_wide)
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(motion, curve.epoch, ends, arcs, torques)
     if tie.given is not None:

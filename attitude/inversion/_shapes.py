@@ -259,7 +259,8 @@ class Tie:
         Moments, ascending, in place of those of the shape.
     is_wide : bool
         Whether rotations about one axis have the prior of the shapes of tumbling bodies, under
-        which they are compared with those; under their own their poles are ranked.
+        which they are compared with those; under their own their poles are ranked.  Several
+        apparitions show a body from all sides: there the wide one holds, and is not compared.
     """
 
     tolerance: float = TOLERANCE

@@ -11,6 +11,7 @@ from attitude._support import validation
 from attitude._support.blocks import timed
 from attitude.errors import AttitudeError
 from attitude.inversion import (
+    _apparitions,
     _ellipsoid,
     _evidence,
     _known,
@@ -41,7 +42,9 @@ if TYPE_CHECKING:
     Prepared = Callable[[ZeroPoints], _search.Search]
 
 
-_MODES = ("LAM", "SAM")
+_MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
+# Share of a period about which it is searched.
+_OF_PERIOD = 0.01
 _DAY = 86400.0
 _LABEL = "spin states"
 _IS_CONSTANT = "the brightness is constant within the errors"
@@ -49,8 +52,9 @@ _IS_CONSTANT = "the brightness is constant within the errors"
 
 def spin_states(
     curve: LightCurve,
-    max_frequency: Real,
+    max_frequency: Real | None = None,
     *,
+    period: Real | Sequence[Real] | None = None,
     modes: Sequence[str] = _MODES,
     shape: str | Mesh = "convex",
     law: str | Law | None = None,
@@ -68,8 +72,12 @@ def spin_states(
     curve : LightCurve
     max_frequency : float, Quantity or text
         Hz, or such as "0.75 /d": of the rotation about the short axis, 1/P_phi(S), at most.
+    period : float, Quantity or text, or two of them, optional
+        s, or such as "5.762 h", of a rotation about one axis: to 1 %, or between two.  Then only
+        such rotations are searched, and `max_frequency` may be left out.
     modes : sequence of str
-        "LAM", "SAM" or both.
+        "LAM", "SAM" or both; or "PA" alone: rotations about one axis only, over any number of
+        apparitions.
     shape : str or Mesh
         "convex", or "ellipsoid"; or a known mesh, such as a satellite, whose axes are the body's.
         Then `max_frequency` is that of the rate itself, and solutions are `Refinement` objects.
@@ -118,7 +126,8 @@ def spin_states(
             return SpinStates(*_known.found(*given))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
-    most, tie = _checked(curve, max_frequency, modes, shape, moments, settings)
+    modes, window = _window(curve, max_frequency, period, modes)
+    most, tie = _checked(curve, window[1], modes, shape, moments, settings)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
@@ -127,7 +136,10 @@ def spin_states(
 
         def prepared(zero_points: ZeroPoints) -> _search.Search:
             given = curve, most, zero_points, modes, shape, tie, seed, settings, tally, report
-            return _prepared(*given)
+            made = _prepared(*given)
+            if isinstance(made, _apparitions.RotatorSearch):
+                made.window = window[0] * curve.span, most * curve.span
+            return made
 
         found = _searched(curve, prepared)
     return _results(curve, found)
@@ -143,8 +155,41 @@ def _compile(curve: LightCurve, most: float) -> None:
     _refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _checked_turns(curve, max_frequency, settings):
+def _window(curve, max_frequency, period, modes):
+    """The modes, and the least and the largest frequency of a rotation about one axis, Hz."""
+    least = _lattices.LEAST / curve.span
+    if period is None:
+        return modes, (least, max_frequency)
+    if tuple(modes) not in (_MODES, _ROTATION):
+        raise AttitudeError(
+            f"period= is that of a rotation about one axis, and modes is {modes!r}; leave it out, "
+            'or give ("PA",).'
+        )
+    if isinstance(period, (list, tuple)):
+        if len(period) != 2:
+            raise AttitudeError(f"period has {len(period)} entries; give one period, or two.")
+        low, high = (validation.positive(each, "period", unit="s") for each in period)
+    else:
+        middle = validation.positive(period, "period", unit="s")
+        low, high = middle * (1.0 - _OF_PERIOD), middle * (1.0 + _OF_PERIOD)
+    if high <= low:
+        raise AttitudeError(f"period is from {low:g} to {high:g} s; give the shorter one first.")
+    most = 1.0 / low
+    if max_frequency is not None:
+        most = min(most, validation.positive(max_frequency, "max_frequency", unit="1/s"))
+    least = max(1.0 / high, least)
+    if least >= most:
+        raise AttitudeError(
+            f"no period from {low:g} to {high:g} s is left: the light curve spans {curve.span:g} s"
+            + ("." if max_frequency is None else ", and max_frequency limits them too.")
+        )
+    return _ROTATION, (least, most)
+
+
+def _checked_turns(curve, max_frequency, settings, is_rotation=False):
     """The largest frequency, Hz."""
+    if max_frequency is None:
+        raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns, limit = most * curve.span, settings.most_turns
     if turns < 2.0:
@@ -152,21 +197,27 @@ def _checked_turns(curve, max_frequency, settings):
             f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
             f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
-    if turns > limit:
+    if turns > limit and not is_rotation:
         raise AttitudeError(
             f"the light curve spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
-            f"are searched. Give at most {limit / curve.span * _DAY:.3g} /d, or a part of "
-            "the curve."
+            f"are searched for tumbling. Give at most {limit / curve.span * _DAY:.3g} /d, a part "
+            'of the curve, or modes=("PA",) for rotation about one axis.'
         )
     return most
 
 
 def _checked(curve, max_frequency, modes, shape, moments, settings):
-    most = _checked_turns(curve, max_frequency, settings)
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
-        validation.one_of(mode, "modes", _MODES)
+        validation.one_of(mode, "modes", (*_MODES, *_ROTATION))
+    if "PA" in modes and len(modes) > 1:
+        raise AttitudeError(
+            'modes has "PA" beside others; rotations about one axis are always searched beside '
+            'tumbling: leave "PA" out, or give it alone.'
+        )
+    is_rotation = tuple(modes) == _ROTATION
+    most = _checked_turns(curve, max_frequency, settings, is_rotation)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, _states.of(moments)
 
@@ -175,7 +226,8 @@ def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally
     given = curve, most, settings.ellipsoid_error, zero_points
     problem, bins = _problem.problem(*given, settings=settings, tally=tally)
     problem, outliers = _problem.without_outliers(problem, most * curve.span)
-    made = _search.Search(
+    kind = _apparitions.RotatorSearch if tuple(modes) == _ROTATION else _search.Search
+    made = kind(
         problem,
         most * curve.span,
         tuple(modes),

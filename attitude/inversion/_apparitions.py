@@ -1,0 +1,507 @@
+"""Rotation about one axis over any number of apparitions: the sidereal period and the pole.
+
+1. Each apparition has its own Fourier series of four harmonics: the sum of what they explain is a
+   function of the rate alone, which does not know how many turns lie between two apparitions.  Its
+   peaks are windows of rates.
+2. Within a window every rate of a grid of 1/(8 span) is tried about every pole of a grid.  The
+   magnitude is linear in spherical harmonics of the bisector of Sun and observer over the axes of
+   the body, so that phase and shape of each rate follow from one linear fit.
+3. The best of these become ellipsoids, then convex bodies, with pole and rate free.
+
+Within one apparition many poles fit with a shape of their own: then the map of `_pole_map` follows.
+
+A linear fit costs microseconds: points that are close in time (a cell) turn with one phase when the
+rate changes by little, so that their normal equations are summed once, and only the cells are
+summed for each rate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.inversion import _ellipsoid, _pole_map, _refinement
+from attitude.inversion._search import Search, never
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._problem import CurveProblem
+
+    ComplexArray = NDArray[np.complex128]
+
+
+_DAY = 86400.0
+# Epochs within so many seconds are one cell; gaps, s, between apparitions.
+_CELL, _GAP = 0.4 * _DAY, 60.0 * _DAY
+# Steps of a rate in one turn per span, and of a rate in one turn per apparition.
+_STEPS = 8.0
+# The largest error, rad, of the phase of the fourth harmonic at the ends of a cell.
+_PHASE = 0.3
+# Standard deviations of the amplitudes, mag: of the harmonic of two maxima a turn, and of others.
+_TWO, _OTHER = 0.4, 0.15
+# Amplitudes grow with the phase angle, per rad.
+_BY_PHASE = 1.1
+# Eigenvalues of the linear terms, relative to 1, below which a combination is a copy.
+_COPY = 1e-9
+# Poles of the grid; rates solved side by side.
+POLES, _SIDE = 100, 2000
+
+
+class Columns(NamedTuple):
+    """Complex functions of the epoch (K, N), and how often each turns with the body (K,).
+
+    Those that do not turn are real.  widths (K,): standard deviations of their coefficients, mag.
+    """
+
+    values: ComplexArray
+    turns: IntArray
+    widths: FloatArray
+
+
+# ---- Linear fits of functions that turn with a body, for many rates
+
+
+class Combs:
+    """Weighted magnitudes in cells, with the linear terms projected out.
+
+    Parameters
+    ----------
+    problem : CurveProblem
+    """
+
+    def __init__(self, problem: CurveProblem) -> None:
+        self.problem = problem
+        order = np.argsort(problem.t, kind="stable")
+        self._order, t = order, problem.t[order]
+        new = _first_of_cells(t, _CELL / problem.span)
+        self._first = np.flatnonzero(new)
+        counts = np.diff(np.append(self._first, len(t)))
+        self.centre = np.add.reduceat(t, self._first) / counts
+        self._within = t - np.repeat(self.centre, counts)
+        self.width = 2.0 * float(np.abs(self._within).max(initial=0.0))
+        self._t = t
+        self._root = problem.root[order]
+        self._cell = np.repeat(np.arange(len(counts)), counts)
+        self._terms()
+
+    def _terms(self) -> None:
+        """Split the linear terms into those of one cell each and those of several."""
+        order, problem, size = self._order, self.problem, len(self._first)
+        weighted = problem.terms[order] * self._root[:, None]
+        used = np.zeros((size, weighted.shape[1]), bool)
+        np.logical_or.at(used, self._cell, weighted != 0.0)
+        one = used.sum(axis=0) == 1
+        local = weighted[:, one]
+        self._local = local / np.sqrt(1.0 / problem.prior[one] ** 2 + np.sum(local**2, axis=0))
+        y = problem.y[order] * self._root
+        left = y - self._local @ (self._local.T @ y)
+        others, prior = weighted[:, ~one], problem.prior[~one]
+        across = others - self._local @ (self._local.T @ others)
+        inner = across.T @ others + np.diag(1.0 / prior**2)
+        # against their size before zero points: what these take off whole is a copy
+        scale = np.sqrt(np.sum(others**2, axis=0) + 1.0 / prior**2)
+        scale[scale == 0.0] = 1.0
+        values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
+        kept = values > _COPY
+        mix = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
+        self._whole, self._along = across @ mix, (others @ mix).T @ left
+        self.total = float(y @ left - self._along @ self._along)
+
+    def gains(
+        self, columns: Sequence[Columns], rates: FloatArray
+    ) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
+        """What each set of columns takes off chi-squared at some of the rates, and how.
+
+        Slices of the rates, gains (M, R) and coefficients (M, R, P): those of all columns as
+        cosines, then of those that turn as sines.  The sets have equal turns and widths.
+
+        Shapes: rates (R,), turns per span, ascending.
+        """
+        most = max(1, int(columns[0].turns.max()))
+        width = 2.0 * _PHASE / (math.pi * most * max(self.width, 1e-9))
+        begin = 0
+        while begin < len(rates):
+            end = int(np.searchsorted(rates, rates[begin] + width, "right"))
+            end = min(max(end, begin + 1), begin + _SIDE)
+            part = slice(begin, end)
+            yield part, *self._block(columns, rates[part])
+            begin = end
+
+    def _block(
+        self, columns: Sequence[Columns], rates: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Gains (M, R) and coefficients (M, R, P) at rates that are close together."""
+        middle, turns = 0.5 * float(rates[0] + rates[-1]), columns[0].turns
+        powers = [np.ones((len(rates), len(self.centre)), complex)]
+        powers.append(np.exp(-2j * np.pi * np.outer(rates - middle, self.centre)))
+        while len(powers) <= 2 * int(turns.max()):
+            powers.append(powers[-1] * powers[1])
+        widths = np.concatenate([columns[0].widths, columns[0].widths[turns > 0]])
+        gain = np.empty((len(columns), len(rates)))
+        found = np.empty((len(columns), len(rates), len(widths)))
+        for number, each in enumerate(columns):
+            normal, side = self._normal(self._sums(each, middle), turns, powers)
+            at = np.arange(len(widths))
+            normal[:, at, at] += widths**-2.0
+            found[number] = np.linalg.solve(normal, side[:, :, None])[:, :, 0]
+            gain[number] = np.sum(found[number] * side, axis=1)
+        return gain, found
+
+    def _normal(
+        self, sums: _Sums, turns: IntArray, powers: list[ComplexArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Normal matrices (R, P, P) and right sides (R, P) from the sums of the cells."""
+        count, rates = len(turns), len(powers[0])
+        straight, crossed = np.empty((2, rates, count, count), complex)
+        by_term = np.empty((rates, count, 1 + self._whole.shape[1]), complex)
+        ahead = np.add.outer(turns, turns)
+        for k in np.unique(ahead):
+            straight[:, ahead == k] = powers[k] @ sums.straight[:, ahead == k]
+        behind = np.subtract.outer(turns, turns)
+        for k in np.unique(behind):
+            turned = powers[k] if k >= 0 else powers[-k].conj()
+            crossed[:, behind == k] = turned @ sums.crossed[:, behind == k]
+        for k in np.unique(turns):
+            on = turns == k
+            flat = sums.terms[:, on].reshape(len(sums.terms), -1)
+            by_term[:, on] = (powers[k] @ flat).reshape(rates, -1, by_term.shape[2])
+        sine = np.flatnonzero(turns > 0)
+        normal = np.empty((rates, count + len(sine), count + len(sine)))
+        normal[:, :count, :count] = 0.5 * (straight + crossed).real
+        normal[:, :count, count:] = 0.5 * (straight - crossed).imag[:, :, sine]
+        normal[:, count:, :count] = normal[:, :count, count:].swapaxes(1, 2)
+        normal[:, count:, count:] = 0.5 * (crossed - straight).real[:, sine][:, :, sine]
+        both = np.concatenate([by_term.real, by_term.imag[:, sine]], axis=1)
+        side, whole = both[:, :, 0], both[:, :, 1:]
+        normal -= whole @ whole.swapaxes(1, 2)
+        return normal, side - whole @ self._along
+
+    def _sums(self, columns: Columns, middle: float) -> _Sums:
+        """Sums over the points of each cell, at one rate."""
+        turned = np.exp(-2j * np.pi * middle * self._t)
+        power = [np.ones_like(turned)]
+        for _ in range(int(columns.turns.max())):
+            power.append(power[-1] * turned)
+        z = columns.values[:, self._order] * np.array(power)[columns.turns] * self._root
+        # what the zero points of single cells take off
+        left = z - (z @ self._local) @ self._local.T
+        z, left = z.T, left.T
+        y = self.problem.y[self._order] * self._root
+        along = np.concatenate(
+            [(left * y[:, None])[:, :, None], z[:, :, None] * self._whole[:, None, :]], axis=2
+        )
+        straight, crossed, terms = (
+            np.add.reduceat(each, self._first, axis=0)
+            for each in (
+                left[:, :, None] * z[:, None, :],
+                left[:, :, None] * z.conj()[:, None, :],
+                along,
+            )
+        )
+        return _Sums(straight, crossed, terms)
+
+
+class _Sums(NamedTuple):
+    """Of each cell: products of columns (C, K, K), with conjugates, with magnitudes and terms."""
+
+    straight: ComplexArray
+    crossed: ComplexArray
+    terms: ComplexArray
+
+
+def _first_of_cells(t: FloatArray, width: float) -> NDArray[np.bool_]:
+    """Which of ascending epochs (N,) begin a cell: none is wider than `width`."""
+    new = np.zeros(len(t), bool)
+    start = -math.inf
+    for k, here in enumerate(t):
+        if here - start > width:
+            new[k], start = True, here
+    return new
+
+
+def apparitions(problem: CurveProblem, gap: float = _GAP) -> list[NDArray[np.bool_]]:
+    """The points (N,) of each apparition: parts of the curve with longer gaps between them."""
+    order = np.argsort(problem.t, kind="stable")
+    number = np.zeros(len(problem), np.int64)
+    number[order[1:]] = np.cumsum(np.diff(problem.t[order]) * problem.span > gap)
+    return [number == k for k in range(int(number.max()) + 1)]
+
+
+# ---- Rates of the apparitions, each with a series of its own
+
+# Harmonics, and standard deviations of their amplitudes, mag.
+_HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
+# Least points of an apparition with a series; windows of rates that are tried.
+_LEAST_POINTS, _WINDOWS = 20, 6
+# Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
+# series may leave of chi-squared, over what the best one leaves, and beside.
+_HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
+
+
+def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float, float]]:
+    """Windows of rates, turns per span, from `low` to `high`, the most probable first."""
+    spans = [each for each in apparitions(problem) if np.count_nonzero(each) >= _LEAST_POINTS]
+    length = max((float(np.ptp(problem.t[each])) for each in spans), default=0.0)
+    if length == 0.0 or (high - low) * length < 2.0 * _HALF:
+        return [(low, high)]
+    rates = np.arange(low, high, 1.0 / (_STEPS * length))
+    gain, total = np.zeros(len(rates)), 0.0
+    for chosen in spans:
+        part = problem.part(chosen)
+        count = len(part)
+        columns = Columns(
+            np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES
+        )
+        combs = Combs(part)
+        total += combs.total
+        for at, here, _ in combs.gains([columns], rates):
+            gain[at] += here[0]
+    half = _HALF / length + _fastest(problem, spans)
+    peaks = _peaks(rates, total - gain, low, half)
+    return [(max(low, each - half), min(high, each + half)) for each in peaks]
+
+
+def _peaks(rates: FloatArray, left: FloatArray, low: float, half: float) -> list[float]:
+    """The best rates and half of each, a window apart."""
+    found: list[float] = []
+    most = _LEFT * max(float(left.min()), 0.0) + _BESIDE
+    for k in np.argsort(left, kind="stable"):
+        if left[k] > most or len(found) >= _WINDOWS:
+            break
+        for rate in (float(rates[k]), 0.5 * float(rates[k])):
+            if rate >= low and all(abs(rate - other) > 2.0 * half for other in found):
+                found.append(rate)
+    return found
+
+
+def _fastest(problem: CurveProblem, spans: Sequence[NDArray[np.bool_]]) -> float:
+    """How much the scene may change the rate that is seen, turns per span."""
+    found = 0.0
+    for chosen in spans:
+        length = float(np.ptp(problem.t[chosen]))
+        both = (problem.sun + problem.observer)[:, chosen]
+        both = both / np.linalg.norm(both, axis=0)
+        angle = math.acos(max(-1.0, float((both.T @ both).min())))
+        # less than a full turn about a pole close by
+        found = max(found, min(angle / math.pi, 0.5) / max(length, 1e-9)) if length > 0.0 else found
+    return min(found, 2.0 * problem.span / (365.25 * _DAY))
+
+
+# ---- Every rate about every pole
+
+
+class Trial(NamedTuple):
+    """A rate (turns per span) about a pole (3,), with its gain and the phase of its maxima, rad."""
+
+    gain: float
+    rate: float
+    pole: FloatArray
+    phase: float
+    amplitude: float
+
+
+def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
+    """Spherical harmonics of the bisector of Sun and observer about a pole (3,)."""
+    first, second = _across(pole)
+    both = problem.sun + problem.observer
+    both = both / np.linalg.norm(both, axis=0)
+    z = pole @ both
+    across = (first @ both) + 1j * (second @ both)
+    alpha = np.arccos(np.clip(np.sum(problem.sun * problem.observer, axis=0), -1.0, 1.0))
+    more = 1.0 + _BY_PHASE * alpha
+    values = [
+        z.astype(complex),
+        (1.5 * z * z - 0.5).astype(complex),
+        across,
+        across**2 * more,
+        across**2 * z * more,
+        across**3,
+        across**4,
+    ]
+    turns = np.array([0, 0, 1, 2, 2, 3, 4])
+    widths = np.array([_OTHER, _TWO, _OTHER, _TWO, _OTHER, _OTHER, _OTHER])
+    return Columns(np.array(values), turns, widths)
+
+
+# Where the coefficients of the harmonic of two maxima stand.
+_COSINE, _SINE = 3, 8
+
+
+def _across(pole: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two directions (3,) that are perpendicular to a pole and to each other."""
+    first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
+    first = first / np.linalg.norm(first)
+    return first, np.cross(pole, first)
+
+
+def scan(
+    combs: Combs, poles: FloatArray, low: float, high: float, is_over: Callable[[], bool]
+) -> list[Trial]:
+    """The best rates of each pole (P, 3)."""
+    rates = np.arange(low, high + 0.5 / _STEPS, 1.0 / _STEPS)
+    columns = [harmonics_about(combs.problem, pole) for pole in poles]
+    found: list[Trial] = []
+    for at, gain, coefficients in combs.gains(columns, rates):
+        if is_over():
+            break
+        edge = np.full((len(poles), 1), -math.inf)
+        padded = np.concatenate([edge, gain, edge], axis=1)
+        top = (gain >= padded[:, :-2]) & (gain > padded[:, 2:])
+        for number, pole in enumerate(poles):
+            peaks = np.flatnonzero(top[number])
+            best = peaks[np.argsort(-gain[number, peaks], kind="stable")][:_OF_A_POLE]
+            for k in best:
+                a, b = coefficients[number, k, [_COSINE, _SINE]]
+                phase = 0.5 * math.atan2(b, a)
+                values = float(gain[number, k]), float(rates[at][k]), pole, phase
+                found.append(Trial(*values, math.hypot(a, b)))
+    return sorted(found, key=lambda each: -each.gain)
+
+
+_OF_A_POLE = 8
+
+
+def ellipsoid_of(trial: Trial) -> FloatArray:
+    """The state (WIDTH,) of an ellipsoid with rate, pole and phase of a trial."""
+    state = np.zeros(_ellipsoid.WIDTH)
+    state[0], state[1], state[3] = 0.5 * trial.rate, -1.0, _ellipsoid.AXIAL
+    first, second = _across(trial.pole)
+    c, s = math.cos(trial.phase), math.sin(trial.phase)
+    x = c * first + s * second
+    state[5:14] = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1).ravel()
+    ratio = min(max(2.0 * trial.amplitude / 1.086, 0.1), 1.2)
+    # c = 0.9 b, and a / b from the amplitude
+    state[14:16] = -2.0 * (ratio + 0.1), -0.2
+    return state
+
+
+# ---- The search
+
+# Trials that become ellipsoids, and their steps; ellipsoids that become convex.
+_TRIALS, _ITERATIONS, _CONVEX = 240, 25, 40
+# Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
+_WORSE = 1.6
+# Difference of evidence within which poles are listed; other rates that are compared with them.
+_BEHIND, _OTHERS = 25.0, 3
+# Steps and relative gain of convex bodies with the errors that the best one shows.
+_STEPS_FREE, _GAIN = 40, 3e-4
+
+
+@dataclass(eq=False)
+class RotatorSearch(Search):
+    """A search for rotations about one axis alone, over any number of apparitions.
+
+    Attributes
+    ----------
+    window : (float, float)
+        Rates, turns per span, between which it searches.
+    """
+
+    window: tuple[float, float] = (0.7, math.inf)
+
+    def run(self, is_ended: Callable[[], bool] = never) -> None:
+        """Search all rates of the window about poles all over the sky."""
+        low, high = self.window[0], min(self.window[1], self.most)
+        self.tie = replace(self.tie, is_wide=self._has_several)
+        chosen = windows(self.problem, low, high)
+        states = self._from_trials(self._trials(chosen))
+        for state in states:
+            fixed = self._fixed(state)
+            self.convex.append(
+                _refinement.refine(self.problem, state, tie=self.tie, fixed=fixed, gain=1e-3)
+            )
+            if self.is_over and len(self.convex) > 4:
+                break
+        self.convex.sort(key=lambda each: each.cost)
+        self.progress(f"{len(self.convex)} convex bodies")
+        if self._has_several:
+            self._at_poles()
+        else:
+            self._axial_poles()
+        self.is_complete = not self.is_over
+        self.finish()
+        self.notes.append(self._words(chosen))
+
+    @property
+    def _has_several(self) -> bool:
+        return len(apparitions(self.problem)) > 1
+
+    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
+        """Rotations about one axis with the errors of a problem, the most probable first."""
+        if not self.tie.is_wide:
+            return super()._axial_solutions(problem)
+        found = [self._robust(problem, each) for each in self.axial or self.convex[:_OTHERS]]
+        found, self.beside = _pole_map.listed(found, _BEHIND)
+        rates = np.array([each.refined.state[0] for each in found])
+        # the next number of turns decides whether this one is accepted, however far behind
+        others = [
+            each
+            for each in self.convex
+            if 2.0 * np.abs(rates - each.state[0]).min() > self.settings.same_rate
+        ]
+        return found + [self._robust(problem, each) for each in others[:_OTHERS]]
+
+    def _trials(self, chosen: list[tuple[float, float]]) -> list[Trial]:
+        """The best trials of all windows, the best first."""
+        combs, poles = Combs(self.problem), _pole_map.sphere(POLES)
+        found: list[Trial] = []
+        for low, high in chosen:
+            found += scan(combs, poles, low, high, lambda: self.is_over)
+            self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
+        return sorted(found, key=lambda each: -each.gain)[:_TRIALS]
+
+    def _from_trials(self, trials: list[Trial]) -> list[FloatArray]:
+        """Distinct ellipsoids, the best first."""
+        if not trials:
+            return []
+        starts = np.array([ellipsoid_of(each) for each in trials])
+        fixed = _ellipsoid.AXIAL_FIXED
+        pool = _ellipsoid.minimised(self.problem, starts, _ITERATIONS, fixed=fixed)
+        ordered = _ellipsoid.in_order(pool)
+        self.progress(f"{len(starts)} ellipsoids")
+        found: list[FloatArray] = []
+        for cost, state in zip(ordered.cost, ordered.states, strict=True):
+            if cost > _WORSE * ordered.cost[0] + _BESIDE or len(found) >= _CONVEX:
+                break
+            if not any(self.is_same(state, other) for other in found):
+                found.append(state)
+        return found
+
+    def _at_poles(self) -> None:
+        """Convex bodies with the errors that the best one shows."""
+        if not self.convex or self.is_over:
+            return
+        problem = self._with_own_error(self.convex[0])
+        for each in self.convex:
+            if self.is_over:
+                break
+            self.axial.append(
+                _refinement.refine(
+                    problem,
+                    each.state,
+                    tie=self.tie,
+                    fixed=self._fixed(each.state),
+                    iterations=_STEPS_FREE,
+                    gain=_GAIN,
+                )
+            )
+        self.axial = _pole_map.most_probable(self.axial, len(problem))
+        self.progress(f"{len(self.axial)} poles that compete")
+
+    def _words(self, chosen: list[tuple[float, float]]) -> str:
+        """What was searched."""
+        hours = self.problem.span / 3600.0
+        named = ", ".join(f"{hours / high:.5g} to {hours / low:.5g} h" for low, high in chosen)
+        count = len(apparitions(self.problem))
+        return (
+            f"Only rotations about one axis were searched, over {count} "
+            f"apparition{'s' if count > 1 else ''}: periods of {named}."
+        )

@@ -1,0 +1,237 @@
+"""Is a rotation about one axis found from years of light curves: sidereal period and pole?
+
+    python benchmarks/inversion_apparitions.py rotators 12 SEED      synthetic, 25 years
+    python benchmarks/inversion_apparitions.py damit FILE P LONGITUDE LATITUDE [FOLDER]
+    python benchmarks/inversion_apparitions.py each FILE P LONGITUDE LATITUDE
+
+`rotators`: relative nights and calibrated sparse points of another forward model
+(`inversion_cases`), blind from 2 to 24 h.  `damit`: a file of relative light curves in DAMIT's
+format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h) and pole
+(ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that program from
+the published values.  `each`: every apparition of the file alone.  Processor seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from astropy import units
+from astropy.time import Time
+
+from attitude import inversion
+from attitude.frames import matrix_to_icrf
+from attitude.inversion import _apparitions, _problem, _search, _verdicts
+from benchmarks import inversion_cases
+
+BUDGET = 900.0
+_HOURS = 3600.0
+
+
+def rotator(seed: int) -> tuple[inversion.LightCurve, float, np.ndarray]:
+    """A light curve of 25 years, the period (h) and the pole (ecliptic axes)."""
+    rng = np.random.default_rng(seed)
+    moments, normals, areas = inversion_cases.hull(rng)
+    period = math.exp(rng.uniform(math.log(2.6), math.log(20.0)))
+    pole = rng.normal(size=3)
+    pole /= np.linalg.norm(pole)
+    a = rng.uniform(2.1, 2.8)
+    body = (a, rng.uniform(0.05, 0.2), math.radians(rng.uniform(2, 15)))
+    body += (*rng.uniform(0.0, 2.0 * math.pi, 3), inversion_cases.GAUSS / a**1.5)
+    earth = (1.0, 0.0167, 0.0, 0.0, 1.8, rng.uniform(0.0, 2.0 * math.pi), inversion_cases.GAUSS)
+    t, session = _epochs(rng, body, earth)
+    place = inversion_cases._kepler(body, t)
+    sun, observer = -place, inversion_cases._kepler(earth, t) - place
+    first = np.cross(pole, [0.3, 0.5, 0.8])
+    first /= np.linalg.norm(first)
+    angle = 2.0 * math.pi * 24.0 / period * t
+    x = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), np.cross(pole, first))
+    turn = np.stack([x, np.cross(pole, x), np.broadcast_to(pole, x.shape)], axis=-1)
+    r, d = np.linalg.norm(sun, axis=1), np.linalg.norm(observer, axis=1)
+    s = np.einsum("tji,tj->ti", turn, sun / r[:, None]) @ normals.T
+    o = np.einsum("tji,tj->ti", turn, observer / d[:, None]) @ normals.T
+    both = (s > 0.0) & (o > 0.0)
+    lit = np.where(both, s * o * (1.0 / np.where(both, s + o, 1.0) + 0.1), 0.0)
+    phase = np.degrees(np.arccos(np.clip(np.sum(sun * observer, axis=1) / r / d, -1.0, 1.0)))
+    flux = (lit @ areas) * (0.5 * np.exp(-phase / 5.0) - 0.006 * phase + 1.0)
+    is_sparse = session == "survey"
+    sigma = np.where(is_sparse, 0.05, 0.015)
+    names = np.unique(session[~is_sparse])
+    zero = dict(zip(names, rng.normal(0.0, 0.5, len(names)), strict=True)) | {"survey": 0.0}
+    magnitude = 15.0 - 2.5 * np.log10(flux / areas.sum()) + 5.0 * np.log10(r * d)
+    magnitude += sigma * rng.normal(size=t.size) + np.array([zero[each] for each in session])
+    curve = inversion.LightCurve(
+        Time(2455000.5 + t, format="jd", scale="tdb"), magnitude, sigma,
+        sun=sun * units.au, observer=observer * units.au, session=session,
+        zero_points=tuple(names.tolist()), light_time=False, frame="ecliptic",
+    )  # fmt: skip
+    return curve, period, pole
+
+
+def _epochs(rng, body, earth):
+    """Days from the middle, and sessions: nights of six apparitions, and a survey."""
+    days = np.arange(-4500.0, 4500.0)
+    place = inversion_cases._kepler(body, days)
+    line = place - inversion_cases._kepler(earth, days)
+    cosine = np.sum(place * line, axis=1)
+    cosine /= np.linalg.norm(place, axis=1) * np.linalg.norm(line, axis=1)
+    is_seen = cosine > math.cos(math.radians(22.0))
+    starts = np.flatnonzero(is_seen[1:] & ~is_seen[:-1])
+    t, session = [], []
+    for number, start in enumerate(rng.choice(starts[:-1], 6, replace=False)):
+        end = start + 1 + int(np.argmin(is_seen[start + 1 :]))
+        for night in range(4):
+            begin = days[rng.integers(start + 1, end)] + rng.uniform(0.0, 0.3)
+            inside = np.sort(rng.uniform(0.0, rng.uniform(3.0, 7.0) / 24.0, 24))
+            t.append(begin + inside)
+            session.append([f"{number}-{night}"] * 24)
+    late = days[is_seen & (days > 1000.0)]
+    t.append(rng.choice(late, 120) + rng.uniform(0.0, 0.4, 120))
+    session.append(["survey"] * 120)
+    t, session = np.concatenate(t), np.concatenate(session)
+    order = np.argsort(t)
+    return t[order], session[order]
+
+
+def _unit(longitude: float, latitude: float) -> np.ndarray:
+    a, b = math.radians(longitude), math.radians(latitude)
+    return np.array([math.cos(b) * math.cos(a), math.cos(b) * math.sin(a), math.sin(b)])
+
+
+def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, float]:
+    """Whether rank 1 has the right number of turns; angles of it and of the list, deg."""
+    truth = matrix_to_icrf("ecliptic") @ pole
+    listed, own, right = 180.0, 180.0, False
+    for each in found:
+        if each.evidence > found[0].evidence + 12.0:
+            break
+        here = _search.pole(each.state)
+        other = _verdicts.mirrored(here, _verdicts.plane_of(each.weighted.problem))
+        cosines = np.clip([here @ truth, other @ truth], -1.0, 1.0)
+        angles = np.degrees(np.arccos(cosines)).tolist()
+        turns = curve.span / _HOURS * abs(_HOURS / each.P_phi - 1.0 / period)
+        if each is found[0]:
+            own, right = angles[0], turns < 0.5
+        # about other poles the scene turns otherwise
+        if turns < 1.5:
+            listed = min(listed, *angles)
+    return right, own, listed
+
+
+def solved(
+    curve, known: float, pole: np.ndarray, **given
+) -> tuple[bool, float, float, str, float]:
+    """A search, printed: as in `judged`, the verdict, and processor seconds."""
+    begin = time.process_time()
+    found = inversion.spin_states(curve, budget=BUDGET, **given)
+    spent = time.process_time() - begin
+    right, own, listed = judged(found, curve, known, pole) if len(found) else (False, 180.0, 180.0)
+    print(
+        f"{len(curve)} points in {curve.span / 86400.0:.0f} d: "
+        f"{'right' if right else 'WRONG'}, pole {own:.1f} (listed {listed:.1f}) deg, {found.verdict}, {spent:.1f} s"
+    )
+    if len(found):
+        best = found[0]
+        sigma = best.periods_sigma[1] / _HOURS
+        longitude, latitude = np.degrees(best.pole)
+        print(
+            f"    P {best.P_phi / _HOURS:.8f} +- {sigma:.1e} h (known {known:.8f}), pole "
+            f"{longitude:.1f} {latitude:+.1f} +- {math.degrees(best.pole_sigma):.1f} deg, rms "
+            f"{best.rms:.4f} mag",
+            flush=True,
+        )
+    return right, own, listed, found.verdict, spent
+
+
+def rotators(count: int, seed: int) -> str:
+    """Synthetic rotators of 25 years, blind from 2 to 24 h; the sums, printed too."""
+    rows = []
+    for number in range(count):
+        curve, period, pole = rotator(seed + number)
+        print(f"{number:2d}", end=" ")
+        rows.append(solved(curve, period, pole, max_frequency="12 /d", period=("2 h", "24 h")))
+    spent = [row[4] for row in rows[1:]] or [rows[0][4]]
+    sums = (
+        f"number of turns at rank 1 in {sum(row[0] for row in rows)} of {count}; pole within 10 "
+        f"degrees at rank 1 in {sum(row[1] < 10.0 for row in rows)}, listed in "
+        f"{sum(row[2] < 10.0 for row in rows)}; solved and wrong "
+        f"{sum(row[3] == 'solved' and not (row[0] and row[1] < 10.0) for row in rows)}, not solved "
+        f"{sum(row[3] == 'not solved' for row in rows)}; processor median {np.median(spent):.1f}, "
+        f"at most {max(spent):.1f} s"
+    )
+    print(sums)
+    return sums
+
+
+def damit(file: str, period: float, longitude: float, latitude: float, folder: str = "") -> None:
+    """A file of DAMIT's format against published values, and convexinv from these."""
+    curve = inversion.LightCurve.read(file)
+    pole = _unit(longitude, latitude)
+    solved(curve, period, pole, max_frequency="12 /d", period=("2 h", "24 h"))
+    near = f"{period * 0.9999} h", f"{period * 1.0001} h"
+    solved(curve, period, pole, period=near)
+    if folder:
+        _convexinv(file, period, longitude, latitude, folder)
+
+
+def _convexinv(file: str, period: float, longitude: float, latitude: float, folder: str) -> None:
+    """The peer from the published period and pole, with its own example's settings."""
+    rows = [f"{longitude} 1", f"{latitude} 1", f"{period} 1", "0", "0", "0.1", "6 6", "8"]
+    rows += ["0.5 0", "0.1 0", "-0.5 0", "0.1 0", "50"]
+    with tempfile.TemporaryDirectory() as place:
+        given, out, curves = (Path(place) / name for name in ("input", "parameters", "curves"))
+        given.write_text("\n".join(rows) + "\n")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        command = [str(Path(folder) / "convexinv"), "-o", str(Path(place) / "areas"), "-p"]
+        with open(file) as stream:
+            subprocess.run(
+                [*command, str(out), str(given), str(curves)],
+                stdin=stream, check=True, capture_output=True,
+            )  # fmt: skip
+        spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+        model = np.array([float(row.split()[-1]) for row in curves.read_text().splitlines() if row])
+        words = out.read_text().split()
+    from attitude.formats.damit_light_curve import read_damit_light_curves
+
+    left, at = [], 0
+    for each in read_damit_light_curves(file):
+        part = -2.5 * np.log10(each.brightness / model[at : at + len(each)])
+        at += len(each)
+        left.append(part - part.mean())
+    rms = math.sqrt(float(np.mean(np.concatenate(left) ** 2)))
+    print(f"convexinv: P {words[2]} h, pole {words[0]} {words[1]}, rms {rms:.4f} mag, {spent:.1f} s")
+
+
+def each(file: str, period: float, longitude: float, latitude: float) -> None:
+    """Every apparition of a file alone, blind from 2 to 24 h."""
+    curve = inversion.LightCurve.read(file)
+    problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)
+    for on in _apparitions.apparitions(problem):
+        if np.count_nonzero(on) < 40:
+            continue
+        part = curve[on]
+        solved(part, period, _unit(longitude, latitude), max_frequency="12 /d", modes=("PA",))
+
+
+def main(arguments: list[str]) -> None:
+    """Run what the arguments name."""
+    what, *given = arguments or ["rotators", "2", "1"]
+    if what == "rotators":
+        rotators(int(given[0]), int(given[1]))
+    elif what == "damit":
+        damit(given[0], *map(float, given[1:4]), *given[4:5])
+    else:
+        each(given[0], *map(float, given[1:4]))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
