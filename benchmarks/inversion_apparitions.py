@@ -40,7 +40,7 @@ _HOURS = 3600.0
 def rotator(seed: int) -> tuple[inversion.LightCurve, float, np.ndarray]:
     """A light curve of 25 years, the period (h) and the pole (ecliptic axes)."""
     rng = np.random.default_rng(seed)
-    moments, normals, areas = inversion_cases.hull(rng)
+    _moments, normals, areas = inversion_cases.hull(rng)
     period = math.exp(rng.uniform(math.log(2.6), math.log(20.0)))
     pole = rng.normal(size=3)
     pole /= np.linalg.norm(pole)
@@ -127,9 +127,7 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     return right, own, listed
 
 
-def solved(
-    curve, known: float, pole: np.ndarray, **given
-) -> tuple[bool, float, float, str, float]:
+def solved(curve, known: float, pole: np.ndarray, **given) -> tuple[bool, float, float, str, float]:
     """A search, printed: as in `judged`, the verdict, and processor seconds."""
     begin = time.process_time()
     found = inversion.spin_states(curve, budget=BUDGET, **given)
@@ -208,7 +206,9 @@ def _convexinv(file: str, period: float, longitude: float, latitude: float, fold
         at += len(each)
         left.append(part - part.mean())
     rms = math.sqrt(float(np.mean(np.concatenate(left) ** 2)))
-    print(f"convexinv: P {words[2]} h, pole {words[0]} {words[1]}, rms {rms:.4f} mag, {spent:.1f} s")
+    print(
+        f"convexinv: P {words[2]} h, pole {words[0]} {words[1]}, rms {rms:.4f} mag, {spent:.1f} s"
+    )
 
 
 def each(file: str, period: float, longitude: float, latitude: float) -> None:

@@ -257,9 +257,7 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
     for chosen in spans:
         part = problem.part(chosen)
         count = len(part)
-        columns = Columns(
-            np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES
-        )
+        columns = Columns(np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES)
         combs = Combs(part)
         total += combs.total
         for at, here, _ in combs.gains([columns], rates):

@@ -1,5 +1,6 @@
 """Rotation about one axis over several apparitions: linear fits of many rates, and the search."""
 
+import itertools
 import math
 
 import numpy as np
@@ -52,7 +53,7 @@ def test_a_curve_falls_into_its_apparitions(problem, known):
     assert sum(np.count_nonzero(each) for each in found) == len(problem)
     order = np.argsort([problem.t[each].min() for each in found])
     ends = [(problem.t[found[k]].min(), problem.t[found[k]].max()) for k in order]
-    gaps = [(b[0] - a[1]) * problem.span / 86400.0 for a, b in zip(ends, ends[1:], strict=False)]
+    gaps = [(b[0] - a[1]) * problem.span / 86400.0 for a, b in itertools.pairwise(ends)]
     assert min(gaps) > 60.0
 
 
@@ -74,7 +75,9 @@ def test_refine_keeps_a_rotation_about_one_axis(known):
     part = curve[max(_apparitions.apparitions(whole), key=np.count_nonzero)]
     wxyz = _turned_to(matrix_to_icrf("ecliptic") @ pole)
     rates = [0.0, 0.0, 2.0 * math.pi / (3600.0 * period)]
-    start = FreeRotation(Body(moments=[0.6, 0.9, 1.0], relative=True), Spin(part.epoch, wxyz, rates))
+    start = FreeRotation(
+        Body(moments=[0.6, 0.9, 1.0], relative=True), Spin(part.epoch, wxyz, rates)
+    )
     problem = _problem.problem(part, 12.0 / 86400.0, 0.07, part.zero_points)[0]
     point = _moving.moving_point(start, part.epoch, (-1e8, 1e8), None, ConstantTorque((0, 0, 0)))
     fit = _moving.moving_fit(part.epoch, problem, point, None, _shapes.Tie())
@@ -118,7 +121,7 @@ def test_two_rotations_are_compared_across_gaps(problem):
         ({"period": ("2 h", "3 h", "4 h")}, "period has 3 entries"),
         ({"period": "3 h", "modes": ("LAM",)}, "rotation about one axis"),
         ({"period": "3 h", "max_frequency": "1 /d"}, "no period from"),
-        ({"max_frequency": "3 /d", "modes": ("PA", "LAM")}, "leave \"PA\" out"),
+        ({"max_frequency": "3 /d", "modes": ("PA", "LAM")}, 'leave "PA" out'),
         ({"max_frequency": "12 /d"}, 'modes=("PA",)'),
     ],
 )
