@@ -30,7 +30,8 @@ from astropy.time import Time
 
 from attitude import inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import _apparitions, _problem, _search, _verdicts
+from attitude.inversion import _apparitions, _pole_map, _problem
+from attitude.inversion._ellipsoid import SearchState
 from benchmarks import inversion_cases
 
 BUDGET = 900.0
@@ -114,8 +115,8 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     for each in found:
         if each.evidence > found[0].evidence + 12.0:
             break
-        here = _search.pole(each.state)
-        other = _verdicts.mirrored(here, _verdicts.plane_of(each.weighted.problem))
+        here = SearchState.of(each.state).pole
+        other = _pole_map.mirrored(here, _pole_map.plane_of(each.weighted.problem))
         cosines = np.clip([here @ truth, other @ truth], -1.0, 1.0)
         angles = np.degrees(np.arccos(cosines)).tolist()
         turns = curve.span / _HOURS * abs(_HOURS / each.P_phi - 1.0 / period)
@@ -127,9 +128,7 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     return right, own, listed
 
 
-def solved(
-    curve, known: float, pole: np.ndarray, **given
-) -> tuple[bool, float, float, str, float]:
+def solved(curve, known: float, pole: np.ndarray, **given) -> tuple[bool, float, float, str, float]:
     """A search, printed: as in `judged`, the verdict, and processor seconds."""
     begin = time.process_time()
     found = inversion.spin_states(curve, budget=BUDGET, **given)
@@ -208,7 +207,9 @@ def _convexinv(file: str, period: float, longitude: float, latitude: float, fold
         at += len(each)
         left.append(part - part.mean())
     rms = math.sqrt(float(np.mean(np.concatenate(left) ** 2)))
-    print(f"convexinv: P {words[2]} h, pole {words[0]} {words[1]}, rms {rms:.4f} mag, {spent:.1f} s")
+    print(
+        f"convexinv: P {words[2]} h, pole {words[0]} {words[1]}, rms {rms:.4f} mag, {spent:.1f} s"
+    )
 
 
 def each(file: str, period: float, longitude: float, latitude: float) -> None:

@@ -257,9 +257,7 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
     for chosen in spans:
         part = problem.part(chosen)
         count = len(part)
-        columns = Columns(
-            np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES
-        )
+        columns = Columns(np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES)
         combs = Combs(part)
         total += combs.total
         for at, here, _ in combs.gains([columns], rates):
@@ -493,7 +491,7 @@ class RotatorSearch(Search):
                     gain=_GAIN,
                 )
             )
-        self.axial = _pole_map.most_probable(self.axial, len(problem))
+        self.axial = _pole_map.most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")
 
     def _words(self, chosen: list[tuple[float, float]]) -> str:

@@ -7,7 +7,8 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, inversion
 from attitude.frames import matrix_to_icrf, quaternion
-from attitude.inversion import _apparitions, _moving, _pole_map, _problem, _search, _shapes
+from attitude.inversion import _apparitions, _moving, _pole_map, _problem, _shapes
+from attitude.inversion._ellipsoid import SearchState
 from attitude.torques import ConstantTorque
 from benchmarks import inversion_apparitions
 
@@ -74,7 +75,9 @@ def test_refine_keeps_a_rotation_about_one_axis(known):
     part = curve[max(_apparitions.apparitions(whole), key=np.count_nonzero)]
     wxyz = _turned_to(matrix_to_icrf("ecliptic") @ pole)
     rates = [0.0, 0.0, 2.0 * math.pi / (3600.0 * period)]
-    start = FreeRotation(Body(moments=[0.6, 0.9, 1.0], relative=True), Spin(part.epoch, wxyz, rates))
+    start = FreeRotation(
+        Body(moments=[0.6, 0.9, 1.0], relative=True), Spin(part.epoch, wxyz, rates)
+    )
     problem = _problem.problem(part, 12.0 / 86400.0, 0.07, part.zero_points)[0]
     point = _moving.moving_point(start, part.epoch, (-1e8, 1e8), None, ConstantTorque((0, 0, 0)))
     fit = _moving.moving_fit(part.epoch, problem, point, None, _shapes.Tie())
@@ -107,7 +110,7 @@ def test_two_rotations_are_compared_across_gaps(problem):
     c, s = math.cos(angle), math.sin(angle)
     tilted[5:14] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).ravel()
     assert _pole_map.has_turn(problem, state, tilted)
-    assert _search.pole(tilted)[2] == pytest.approx(c)
+    assert SearchState.of(tilted).pole[2] == pytest.approx(c)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +121,7 @@ def test_two_rotations_are_compared_across_gaps(problem):
         ({"period": ("2 h", "3 h", "4 h")}, "period has 3 entries"),
         ({"period": "3 h", "modes": ("LAM",)}, "rotation about one axis"),
         ({"period": "3 h", "max_frequency": "1 /d"}, "no period from"),
-        ({"max_frequency": "3 /d", "modes": ("PA", "LAM")}, "leave \"PA\" out"),
+        ({"max_frequency": "3 /d", "modes": ("PA", "LAM")}, 'leave "PA" out'),
         ({"max_frequency": "12 /d"}, 'modes=("PA",)'),
     ],
 )
