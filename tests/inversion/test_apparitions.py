@@ -1,5 +1,6 @@
 """Rotation about one axis over several apparitions: linear fits of many rates, and the search."""
 
+import itertools
 import math
 
 import numpy as np
@@ -53,7 +54,7 @@ def test_a_curve_falls_into_its_apparitions(problem, known):
     assert sum(np.count_nonzero(each) for each in found) == len(problem)
     order = np.argsort([problem.t[each].min() for each in found])
     ends = [(problem.t[found[k]].min(), problem.t[found[k]].max()) for k in order]
-    gaps = [(b[0] - a[1]) * problem.span / 86400.0 for a, b in zip(ends, ends[1:], strict=False)]
+    gaps = [(b[0] - a[1]) * problem.span / 86400.0 for a, b in itertools.pairwise(ends)]
     assert min(gaps) > 60.0
 
 
