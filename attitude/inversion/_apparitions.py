@@ -241,6 +241,8 @@ def apparitions(problem: CurveProblem, gap: float = _GAP) -> list[NDArray[np.boo
 _HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
 # Least points of an apparition with a series; windows of rates that are tried.
 _LEAST_POINTS, _WINDOWS = 20, 6
+# Turns in the span up to which every rate is tried about all poles, some 10 s.
+_WHOLE = 800.0
 # Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
 # series may leave of chi-squared, over what the best one leaves, and beside.
 _HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
@@ -250,7 +252,7 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
     """Windows of rates, turns per span, from `low` to `high`, the most probable first."""
     spans = [each for each in apparitions(problem) if np.count_nonzero(each) >= _LEAST_POINTS]
     length = max((float(np.ptp(problem.t[each])) for each in spans), default=0.0)
-    if length == 0.0 or (high - low) * length < 2.0 * _HALF:
+    if length == 0.0 or high - low < _WHOLE:
         return [(low, high)]
     rates = np.arange(low, high, 1.0 / (_STEPS * length))
     gain, total = np.zeros(len(rates)), 0.0
@@ -424,8 +426,15 @@ class RotatorSearch(Search):
             self._at_poles()
         else:
             self._axial_poles()
-        self.is_complete = not self.is_over
+        # where more rates fit the apparitions alone than are tried, none of them is claimed
+        is_limited = len(chosen) >= _WINDOWS
+        self.is_complete = not self.is_over and not is_limited
         self.finish()
+        if is_limited:
+            self.notes.append(
+                f"More than {_WINDOWS} windows of periods fit the apparitions one by one; the "
+                "others were not tried. Give period=, such as that of a longer series of nights."
+            )
         self.notes.append(self._words(chosen))
 
     @property
@@ -491,7 +500,7 @@ class RotatorSearch(Search):
                     gain=_GAIN,
                 )
             )
-        self.axial = _pole_map.most_probable(self.axial, len(problem))
+        self.axial = _pole_map.most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")
 
     def _words(self, chosen: list[tuple[float, float]]) -> str:

@@ -68,6 +68,7 @@ CASES = {
         f"asteroid.csv {_INVERT} --orbit {OEM} --site {_GROUND} --seed 1 --zero-points shared "
         "--frame icrf --output OUT.toml --figure OUT.png --exposure '60 s' --predict "
         "'2013-02-01T00:00 .. 2013-02-01T06:00, 1 h' --prediction OUT2.png",
+        f'asteroid.csv --period "20 h, 40 h" --budget "0.5 s" --orbit {OEM} --site {_GROUND}',
         f'satellite.csv {_INVERT} --max-frequency "20 mHz" --orbit {TLE} --orbit-of ENVISAT '
         f"--site {_GROUND}",
         f'satellite.csv --max-frequency "0.02 Hz" --budget "0.5 s" --orbit {TLE} '
