@@ -13,7 +13,7 @@ from attitude import frames
 from attitude._solver import regime as solver_regime
 from attitude._solver import sensitivities
 from attitude._solver.regime import Regime
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
@@ -665,6 +665,20 @@ class Ensemble(Immutable):
     def __repr__(self) -> str:
         start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
         return f"<{type(self).__name__} of {len(self)} members, from {start}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: periods and rates of the first members."""
+        from attitude._solver.regime import Mode
+
+        few = self[:8]
+        rows: list[tuple[str, ...]] = [("member", "mode", "period psi, s", "period phi, s")]
+        for k, mode in enumerate(few.mode.tolist()):
+            periods = (f"{each[k]:.9g}" for each in (few.period_psi, few.period_phi))
+            name = str(k) if self.names is None else str(self.names[k])
+            rows.append((name, Mode(mode).name, *periods))
+        if len(self) > len(few):
+            rows.append(("...", "", "", ""))
+        return markup.table(repr(self)[1:-1], rows)
 
     # ---- Epochs
 

@@ -35,6 +35,8 @@ TIME_SYSTEMS: dict[str, str] = {
 WRITTEN: tuple[str, ...] = ("UTC", "TAI", "TT", "TDB", "GPS")
 # Decimals of written seconds: rounding errors are at most half a picosecond.
 DIGITS: int = 12
+# Conversions between scales and pairs of doubles leave so much, s (benchmarks/speed.py).
+_NOISE = 1e-11
 _LONGEST = 48
 _MOST_DECIMALS = 18
 # A modified Julian date in text, and that of the last day of the year 9999.
@@ -147,13 +149,15 @@ def texts(
     seconds: FloatArray,
     low: FloatArray | None,
     scale: str,
-    digits: int = DIGITS,
+    digits: int | None = None,
 ) -> list[str]:
-    """Time codes A of N epochs.
+    """Time codes A of N epochs, with so many decimals, by default the `fewest` of these epochs.
 
     Shapes: seconds, low (N,).
     """
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    if digits is None:
+        digits = fewest(hi, lo, scale)
     day, whole, ticks = _civil(hi, lo, scale, digits)
     year, month, date = _calendar(day)
     if np.any((year < 1) | (year > 9999)):
@@ -173,6 +177,20 @@ def texts(
     chars = np.stack(np.broadcast_arrays(*columns), axis=-1).astype(np.uint8)
     flat = np.ascontiguousarray(chars).view(f"S{chars.shape[-1]}")[..., 0]
     return flat.astype(f"U{chars.shape[-1]}").tolist()
+
+
+def fewest(hi: FloatArray, lo: FloatArray, scale: str) -> int:
+    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are.
+
+    Seconds since J2000 that differ by less than `_NOISE` are one double today.
+    """
+    ticks = _civil(hi, lo, scale, DIGITS)[2]
+    for digits in (3, 6, 9):
+        unit = 10 ** (DIGITS - digits)
+        off = np.minimum(ticks % unit, -ticks % unit)
+        if np.all(off <= _NOISE * 10**DIGITS):
+            return digits
+    return DIGITS
 
 
 def days_and_seconds(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -176,6 +177,43 @@ def formats() -> dict[str, Format]:
 def endings() -> dict[str, Format]:
     """All endings of files with their formats."""
     return {ending: each for each in formats().values() for ending in each.endings}
+
+
+# Endings of files that hold no attitudes, with what writes them.
+_FOREIGN = {
+    **dict.fromkeys((".obj", ".stl", ".ply"), "a shape, which shape.Mesh.write writes"),
+    **dict.fromkeys((".html", ".glb", ".czml"), "a page or scene, which attitude.viewer writes"),
+    **dict.fromkeys((".png", ".svg", ".pdf", ".jpg"), "a picture, which attitude.plots draws"),
+    **dict.fromkeys((".gif", ".webp", ".mp4"), "an animation, by attitude.viewer.animate"),
+}
+
+
+def refuse_foreign(path: object, name: str) -> None:
+    """Raise the AttitudeError for a file to write in a format whose ending is that of another."""
+    if not isinstance(path, (str, os.PathLike)):
+        return
+    ending, own = ending_of(path), formats()[name]
+    other = endings().get(ending)
+    # Messages in XML are often named .xml, whatever they are, and other packages build on writers.
+    is_foreign = (
+        other is not None
+        and other.module != own.module
+        and other.module.startswith("attitude.formats.")
+        and ending != ".xml"
+    )
+    if is_foreign or ending in _FOREIGN:
+        holds = other.title if other is not None else _FOREIGN[ending]
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is to be written as {own.title}, but {ending} is the ending of "
+            f"{holds}; give a name that ends in {own.endings[0]}."
+        )
+
+
+def ending_of(path: str | os.PathLike[str]) -> str:
+    """The ending of the name of a file, in lower case; of several that are known the longest."""
+    name = os.path.basename(os.fspath(path)).lower()
+    longer = (each for each in endings() if each.count(".") > 1 and name.endswith(each))
+    return next(longer, os.path.splitext(name)[1])
 
 
 def table_reader(read: Callable[..., Any]) -> Callable[..., OpenedFile]:

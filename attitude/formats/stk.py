@@ -32,7 +32,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import Format, Option, register, table_reader
+from attitude.formats._format import Format, Option, refuse_foreign, register, table_reader
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -682,6 +682,7 @@ def write(
         For several segments, an unknown section, frame, sequence or order, and a file that cannot
         be written.
     """
+    refuse_foreign(path, "stk")
     has_rates = _sampling.known_of(source, t)[1]
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:

@@ -7,7 +7,9 @@ _problem       a light curve as numbers, and terms that are projected out
 _search        the stages of the search; _lattices, candidate rates
 _ellipsoid     magnitudes of an ellipsoid with all derivatives; ellipsoids from many starts
 _shapes        convex bodies by areas of facets, given meshes, and their magnitudes
-_refinement    orientation, elements and areas together; Student's errors, evidence
+_refinement    orientation, elements and areas together
+_evidence      Student's errors, and what solutions are ranked by
+_settings      the thresholds of a search, and the work that it counts
 _motions       attitudes and moments of inertia from the five elements, compiled
 _moving        motions with parameters, and their least squares with a shape
 _known         the search for states of a body of known shape
@@ -21,13 +23,16 @@ from typing import TYPE_CHECKING
 
 from attitude._support.synonyms import of_module
 from attitude.inversion._refine import Refinement, refine
-from attitude.inversion._solution import Solution, SpinStates
+from attitude.inversion._settings import Settings
+from attitude.inversion._solution import Prediction, Solution, SpinStates
 from attitude.inversion._spin_states import spin_states
 from attitude.photometry import LightCurve
 
 __all__ = [
     "LightCurve",
+    "Prediction",
     "Refinement",
+    "Settings",
     "Solution",
     "SpinStates",
     "refine",

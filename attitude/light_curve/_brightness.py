@@ -318,13 +318,16 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     masks, resolution = table.masks.view(np.uint64), table.resolution
 
     def kernel(*arrays: FloatArray) -> None:
-        cells = _cells(resolution, arrays[:3]), _cells(resolution, arrays[3:6])
+        cells = (
+            cells_of_directions(resolution, arrays[:3]),
+            cells_of_directions(resolution, arrays[3:6]),
+        )
         _sums.fused(*tables, masks, *cells, *arrays)
 
     return _times(clusters.area, kernel)
 
 
-def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
+def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
     """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
     from attitude.light_curve import _sums
 
@@ -369,7 +372,10 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
-        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        cells = (
+            cells_of_directions(resolution, directions[:3]),
+            cells_of_directions(resolution, directions[3:]),
+        )
         half = np.empty((2, out.size))
         _sums.halves(*directions, *half)
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
@@ -393,7 +399,10 @@ def _few_kernel(
 
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
-        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        cells = (
+            cells_of_directions(resolution, directions[:3]),
+            cells_of_directions(resolution, directions[3:]),
+        )
         half = np.empty((2, out.size))
         _sums.halves(*directions, *half)
         summed(rows, packs.first, packs.facets, masks, *cells, *directions, *half, out)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from attitude import frames
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
@@ -300,12 +301,32 @@ class LightCurve(Immutable):
         words = [f"{len(self)} {what}"]
         bands = ", ".join(each for each in self.filters if each)
         if bands:
-            words.append(f"in {bands}")
+            words.append(f"in {quoted(bands, 60, '')}")
         if len(self.sessions) > 1:
             words.append(f"in {len(self.sessions)} sessions")
         span = self.span / 86400.0
         words.append(f"over {span:.4g} d about {self.epoch.utc_iso[:10]}")
-        return f"<LightCurve{' of ' + self.name if self.name else ''}: {' '.join(words)}>"
+        name = f" of {quoted(self.name, 60, '')}" if self.name else ""
+        return f"<LightCurve{name}: {' '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the brightness against time."""
+        days = (self.seconds - self.seconds[:1]) / 86400.0
+        rows = [
+            ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
+            ("sessions", str(len(self.sessions))),
+            ("filters", ", ".join(each for each in self.filters if each) or "-"),
+            ("span", f"{self.span / 86400.0:.6g} d from {self.epoch.utc_iso} UTC"),
+            ("errors", f"{np.nanmedian(self.sigma):.3g} (median)" if np.any(self.sigma) else "-"),
+            ("geometry", "known" if self.has_geometry else "not known"),
+        ]
+        picture = markup.line_plot(
+            [(days, self.value)],
+            f"{'flux' if self.is_flux else 'magnitude'} over {self.span / 86400.0:.4g} d",
+            is_downward=not self.is_flux,
+            is_dotted=True,
+        )
+        return markup.table(f"Light curve {self.name or ''}".strip(), rows, picture)
 
     @property
     def times(self) -> Time:
@@ -395,7 +416,10 @@ class LightCurve(Immutable):
         for key, word in (("filter", filter), ("site", site), ("session", session)):
             if word is not None:
                 words = getattr(self, f"{key}s")
-                validation.one_of(str(word), key, words)
+                if str(word) not in words:
+                    raise AttitudeError(
+                        f"{key} is {quoted(str(word))}; it must be one of {_listed(words)}."
+                    )
                 mask &= getattr(self, key) == words.index(str(word))
         return self[mask]
 
@@ -645,11 +669,16 @@ def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | t
         for each in names:
             if each not in sessions:
                 raise AttitudeError(
-                    f"zero_points names the session {each!r}; the curve has "
-                    f"{', '.join(sessions[:8])}."
+                    f"zero_points names the session {quoted(each)}; the curve has "
+                    f"{_listed(sessions)}."
                 )
         return names
     return validation.positive(given, "zero_points", unit="mag")
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Names, as far as a sentence holds them."""
+    return quoted(", ".join(map(repr, words)), 120, "")
 
 
 def _without_twice(
@@ -772,7 +801,7 @@ def _place(name: str, places: dict[str, Any]) -> Any:
         return _places.place(places[name], "site", is_observer=True)
     if places and not name:
         raise AttitudeError(
-            f"some points have no site; the places are those of {', '.join(map(repr, places))}."
+            f"some points have no site; the places are those of {_listed(tuple(places))}."
         )
     if not name:
         return "earth"
@@ -780,7 +809,7 @@ def _place(name: str, places: dict[str, Any]) -> Any:
         return _places.place(name, "site", is_observer=True)
     except AttitudeError as err:
         raise AttitudeError(
-            f"{err} Or give site= for all points, or places= with {name!r}."
+            f"{err} Or give site= for all points, or places= with {quoted(name)}."
         ) from None
 
 

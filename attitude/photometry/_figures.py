@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
+from attitude._support import quantity_text
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from attitude.photometry._periods import Periods
 
 
-_DAY, _HOUR = 86400.0, 3600.0
+_DAY = 86400.0
 _DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
 # Peaks that are named, and curves that have colours of their own.
 _NAMED, _COLOURS = 5, 10
@@ -62,7 +63,7 @@ def _of_one(found: Periods, path: FilePath | None = None) -> Any:
         colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
         at = _DAY / peak.period
         axes.plot(at, peak.power, "v", color=colour, ms=6)
-        label = f"#{rank}  {peak.period / _HOUR:.6g} h"
+        label = f"#{rank}  {quantity_text.of_time(peak.period)}"
         if peak.relation:
             label += f", {peak.relation}"
         axes.plot([], [], "v", color=colour, label=label)
@@ -114,8 +115,8 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     plane.set_xlabel("first frequency, 1/d")
     plane.set_ylabel("second frequency, 1/d")
     best = found.peaks[0]
-    first, second = (each / _HOUR for each in best.periods)
-    plane.set_title(f"#1: {first:.6g} h and {second:.6g} h, {best.left:.3f} left", fontsize=9)
+    first, second = (quantity_text.of_time(each) for each in best.periods)
+    plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
     lines = found.lines()
     for line, amplitude in lines:
         x = line.frequency * _DAY
@@ -158,7 +159,7 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     if not data.is_flux:
         axes.invert_yaxis()
     period = folded.periods[which]
-    axes.set_xlabel(f"phase of {period / _HOUR:.7g} h = {period / _DAY:.6g} d")
+    axes.set_xlabel(f"phase of {quantity_text.of_time(period, 7)}")
     other = ", without the lines of the other period" if len(folded.periods) > 1 else ""
     axes.set_ylabel(("flux" if data.is_flux else "magnitude") + " less zero point")
     if other:

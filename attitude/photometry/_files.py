@@ -770,6 +770,11 @@ def opened(
     return keywords
 
 
+def text_of(path: FilePath) -> str:
+    """The text of a file."""
+    return _decoded(os.fspath(path), None)[0]
+
+
 def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
     """The text of a file, and a note if its encoding is a guess."""
     advice = "give a file of photometry, or its encoding="

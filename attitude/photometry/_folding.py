@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.epochs import _inputs, _instants
 from attitude.photometry import _samples, _spectrum
+from attitude.photometry._curve import LightCurve
 from attitude.photometry._samples import line_numbers
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Real, Reals
-    from attitude.photometry._curve import LightCurve
     from attitude.photometry._samples import Samples
 
 
@@ -87,8 +87,8 @@ class Folded(Immutable):
         return _figures.of_folded(self, path)
 
     def __repr__(self) -> str:
-        hours = " and ".join(f"{each / 3600.0:.7g} h" for each in self.periods)
-        return f"<Folded: {len(self.residuals)} points at {hours}, rms {self.rms:.3g}>"
+        periods = " and ".join(quantity_text.of_time(each, 7) for each in self.periods)
+        return f"<Folded: {len(self.residuals)} points at {periods}, rms {self.rms:.3g}>"
 
 
 def fold(
@@ -133,6 +133,8 @@ def fold(
         validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
         for each in periods:
             validation.positive(each, "period", unit="s")
+    if isinstance(t, LightCurve) or values is not None:
+        _samples.warn_of_plain(period, "period", data)
     number = validation.count(order, "order")
     if len(periods) == 1:
         numbers = np.arange(1, number + 1)[:, None]

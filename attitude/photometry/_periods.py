@@ -348,6 +348,10 @@ def periods(
     0.31
     """
     data = _samples.tempered(_samples.of(t, values, errors, curve, zero_points))
+    for name, bound in (
+        ("min_period", min_period), ("max_period", max_period), ("first", first), ("second", second)
+    ):  # fmt: skip
+        _samples.warn_of_plain(bound, name, data)
     if count not in (1, 2):
         raise AttitudeError(f"count is {count!r}; give 1 period or 2; keep= is that of the peaks.")
     number = validation.count(order, "order")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions._motion import Motion
 from attitude.photometry._curve import LightCurve
 
@@ -28,6 +30,9 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
+# Turns in a span, and spans in a period, from which plain numbers of seconds are doubted.
+_TURNS, _SPANS = 3e5, 10.0
+_UNIT = re.compile(r"[A-Za-df-z]")
 # Change of the phase angle, rad, from which its terms are fitted; width of the opposition surge.
 _SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
 
@@ -106,6 +111,29 @@ class Samples:
         mean = np.bincount(self.curve, weights * self.values) / total
         found: FloatArray = self.values - mean[self.curve]
         return found
+
+
+def warn_of_plain(given: Any, name: str, data: Samples) -> None:
+    """Warn of plain numbers, which are periods in seconds, where these are absurd for a curve."""
+    if given is None or hasattr(given, "unit"):
+        return
+    each = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
+    if any(hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in each):
+        return
+    periods = validation.real(given, name, unit="s")
+    steps = np.diff(np.sort(data.t))
+    step = float(steps[steps > 0.0].min(initial=np.inf))
+    short = data.span > _TURNS * periods.min() or periods.min() < 0.5 * step
+    if short or periods.max() > _SPANS * data.span:
+        shown = ", ".join(f"{one:.6g}" for one in np.ravel(periods))
+        turns = data.span / float(periods.min())
+        warnings.warn(
+            f"{name} is {shown} without a unit, which is seconds: {turns:.3g} turns in the "
+            f"{quantity_text.of_time(data.span, 4)} of the light curve, whose closest epochs are "
+            f'{quantity_text.of_time(step, 3)} apart; give a unit, such as "{shown} d".',
+            AttitudeWarning,
+            stacklevel=4,
+        )
 
 
 def tempered(found: Samples) -> Samples:

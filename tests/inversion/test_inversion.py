@@ -1,6 +1,8 @@
 """Inversion of light curves: compiled parts against definitions, and curves of known states."""
 
+import itertools
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -315,10 +317,9 @@ def solved():
     style = {**figures.STYLES[6], "per_hour": 9}
     case = inversion_cases.case(31, style)
     curve = figures.curve_of(case, "shared")
-    with pytest.MonkeyPatch.context() as patch:
-        for name, count in {"_PAIRS": 100, "_CLASSES": 15, "_CONVEX": 20}.items():
-            patch.setattr(_search, name, count)
-        return case, curve, inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1)
+    half = inversion.Settings(pairs=100, classes=15, convex=20, short_classes=30, rounds=1)
+    found = inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1, settings=half)
+    return case, curve, found
 
 
 def test_a_tumbler_is_found(solved):
@@ -369,15 +370,15 @@ def test_figures_are_drawn(solved, tmp_path):
     assert (tmp_path / "all.png").stat().st_size > 10_000
 
 
-SMALL = {"_PAIRS": 60, "_DEEP": 20, "_CLASSES": 10, "_CONVEX": 10, "_FINAL": 5, "_ROUNDS": 1}
+# With fewer pairs of frequencies, starts and solutions than a search has.
+SMALL = inversion.Settings(
+    pairs=60, deep_starts=20, classes=10, convex=10, short_classes=20, finals=5, rounds=1
+)
 
 
 @pytest.fixture
 def small_search(monkeypatch):
-    """With fewer pairs of frequencies, starts and solutions than a search has."""
-    for name, count in SMALL.items():
-        monkeypatch.setattr(_search, name, count)
-    # poles of rotation about one axis, from 200 directions, take half of the time
+    """Poles of rotation about one axis, from 200 directions, take half of the time."""
     monkeypatch.setattr(_search.Search, "_axial_poles", lambda self: None)
 
 
@@ -387,7 +388,7 @@ def test_a_rotation_of_days_is_found_in_sessions_of_hours(small_search):
     curve = figures.curve_of(case, "auto")
     given, _ = inversion_problem.problem(curve, case.most / 86400.0, 0.07, "auto")
     assert is_constant(given)
-    found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), budget=300)
+    found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), settings=SMALL)
     assert figures.judged(found[0], case)[0]
     assert "sessions" not in " ".join(found.notes)
 
@@ -402,7 +403,7 @@ def test_offsets_of_sessions_about_a_constant_brightness(small_search):
     flat = replace(case, magnitude=5.0 * np.log10(size) + zero[case.session] + noise)
     for zero_points in ("auto", "free"):
         curve = figures.curve_of(flat, zero_points)
-        found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), budget=300)
+        found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), settings=SMALL)
         words = " ".join(found.notes)
         assert not len(found) and found.verdict == "not solved"
         assert "constant within the errors with" in words and "with one zero point chi2/N" in words
@@ -411,7 +412,7 @@ def test_offsets_of_sessions_about_a_constant_brightness(small_search):
 def test_offsets_that_the_data_ask_for_are_fitted(small_search):
     """Sessions of a fast tumbler whose zero points differ by 0.1 mag."""
     case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 9, "zero": 0.1})
-    found = inversion.spin_states(figures.curve_of(case, "auto"), f"{case.most} /d", budget=300)
+    found = inversion.spin_states(figures.curve_of(case, "auto"), f"{case.most} /d", settings=SMALL)
     assert "sessions have zero points of their own" in " ".join(found.notes)
     assert found[0].rms < 0.05
 
@@ -460,14 +461,24 @@ def test_relations_in_words(solved):
 
 
 def test_the_same_seed_gives_the_same_result(monkeypatch):
-    """With fewer points, pairs of frequencies, starts and solutions than a search has."""
-    for name, count in {"_PAIRS": 10, "_DEEP": 4, "_CLASSES": 4, "_CONVEX": 4, "_FINAL": 3}.items():
-        monkeypatch.setattr(_search, name, count)
+    """On a machine of any speed, where the budget ends the search: work is counted, not time."""
+    few = {
+        "pairs": 10,
+        "deep_starts": 4,
+        "classes": 4,
+        "convex": 4,
+        "finals": 3,
+        "short_classes": 4,
+    }
+    settings = inversion.Settings(**few)
     case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 3})
     curve, most = figures.curve_of(case, "shared"), f"{case.most} /d"
-    one, two = (
-        inversion.spin_states(curve, most, modes=("LAM",), budget=300, seed=1) for _ in range(2)
-    )
+    given = {"modes": ("LAM",), "budget": 3.0, "seed": 1, "settings": settings}
+    one = inversion.spin_states(curve, most, **given)
+    clock = itertools.count(step=50.0)
+    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    two = inversion.spin_states(curve, most, progress=lambda text: None, **given)
+    assert (one.verdict, one.criterion) == (two.verdict, two.criterion)
     assert [each.evidence for each in one] == [each.evidence for each in two]
     assert one[0].P_psi == two[0].P_psi
 

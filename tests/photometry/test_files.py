@@ -8,7 +8,7 @@ from astropy import units
 from astropy.table import QTable
 from astropy.time import Time
 
-from attitude import AttitudeError, inversion, photometry
+from attitude import AttitudeError, inversion, paths, photometry
 from attitude.errors import AttitudeWarning
 
 CSV = """\
@@ -320,3 +320,59 @@ def test_the_inversion_shares_the_reader(tmp_path):
     path.write_text(path.read_text().replace("jd,", "bjd,"))
     with pytest.raises(AttitudeError, match="light at the barycenter"):
         inversion.spin_states(inversion.LightCurve.read(path), "10 /d")
+
+
+def test_sites_of_rows_and_of_sessions(tmp_path):
+    """A dict names the places of the sessions, or of the sites where the file has them."""
+    orbit = paths.kepler(
+        semi_major_axis="1.9 au", eccentricity=0.2, inclination="8 deg", node="40 deg",
+        pericenter_argument="10 deg", mean_anomaly="20 deg", epoch="2026-01-01",
+    )  # fmt: skip
+    rows = [(2461041.5 + k, 15.0 + k / 10, "ab"[k % 2]) for k in range(6)]
+    path = tmp_path / "c.csv"
+    places = {"a": "568", "b": "-70.7, -30.2 deg, 2700 m"}
+    curves = []
+    for name in ("session", "site"):
+        path.write_text(f"jd,mag,{name}\n" + "\n".join(f"{t},{m},{s}" for t, m, s in rows))
+        curves.append(photometry.LightCurve.read(path, path=orbit, site=places))
+    np.testing.assert_array_equal(curves[0].observer, curves[1].observer)
+    alone = [photometry.LightCurve.read(path, path=orbit, site=each) for each in places.values()]
+    for k, curve in enumerate(alone):
+        own = curves[1].site == k
+        np.testing.assert_allclose(curve.vectors[1][own], curves[1].vectors[1][own], rtol=1e-12)
+    assert not np.allclose(alone[0].observer, alone[1].observer, rtol=1e-6)
+    part = curves[1][2:]
+    assert set(part.scenes) == {"a", "b"} and len(part) == 4
+    with pytest.raises(AttitudeError, match="light curve has no sessions"):
+        path.write_text("jd,mag\n2461041.5,15\n2461042.5,15\n")
+        photometry.LightCurve.read(path, path=orbit, site=places)
+
+
+LONG = "x" * 20_000
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        (f"jd,mag,site\n2460000.5,1,{LONG}\n", {"path": "earth"}),
+        (f"jd,mag,session\n2460000.5,1,{LONG}\n", {"zero_points": ("q",)}),
+        ("jd,mag,session\n2460000.5,1,a\n", {"zero_points": (LONG,)}),
+        ("jd,mag\n2460000.5,1\n", {"path": LONG}),
+        (f"jd,{LONG}\n2460000.5,1\n", {}),
+    ],
+)
+def test_errors_echo_little_of_the_input(tmp_path, text, given):
+    with pytest.raises(AttitudeError) as raised:
+        read(tmp_path, text, **given)
+    assert len(str(raised.value)) < 700 and LONG[:200] not in str(raised.value)
+
+
+def test_a_light_curve_without_geometry_is_asked_for_it(tmp_path):
+    rows = "\n".join(f"{2460000.5 + k},{15 + k % 3}" for k in range(30))
+    curve = read(tmp_path, f"jd,mag\n{rows}\n")
+    assert not curve.has_geometry
+    with pytest.raises(AttitudeError, match=r"has no geometry, which an inversion needs"):
+        inversion.spin_states(curve, "0.3 /d")
+    with pytest.raises(AttitudeError, match="no vectors to Sun and observer"):
+        _ = curve.phase_angle
+    assert inversion.LightCurve is photometry.LightCurve is photometry.Photometry

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 import types
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -320,6 +321,37 @@ def test_candidates_of_known_lines():
     assert best.mode == "SAM" and best.P_psi == pytest.approx(263 * HOUR, rel=1e-9)
     assert best.P_phi == pytest.approx(27.38 * HOUR, rel=1e-9)
     assert best.P_phi_long == pytest.approx(30.56 * HOUR, rel=1e-3)
+
+
+def test_plain_numbers_that_are_absurd_for_the_span_warn():
+    """5.36 and 7.4 are seconds: 3e6 turns in 188 days; those of a fast body are not doubted."""
+    data = photometry.LightCurve.read(PHOTOMETRY)
+    with pytest.warns(AttitudeWarning, match=r"period is 5.36, 7.4 without a unit, which is sec"):
+        photometry.fold(data, "5.36, 7.4", order=2)
+    with (
+        pytest.warns(AttitudeWarning, match="min_period is 2 without a unit"),
+        pytest.raises(AttitudeError, match="at most 5000000 are searched"),
+    ):
+        photometry.periods(data, min_period=2, max_period="40 d")
+    t = np.arange(0.0, 600.0, 0.5)
+    y = np.cos(2 * np.pi * t / 5.36)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert photometry.fold(t, 5.36, y).rms < 1e-9
+        photometry.fold(data, "5.36, 7.4 d", order=2)
+        assert photometry.periods(t, y, order=1, min_period=2.0).period == pytest.approx(5.36)
+
+
+def test_two_maxima_a_turn_are_hinted_at():
+    """A series of two harmonics fits half of the period of an elongated body as well."""
+    t = nights()
+    y = 0.3 * np.cos(4 * np.pi * t / (7.4 * HOUR)) + 0.01 * np.random.default_rng(1).normal(
+        size=t.size
+    )
+    found = photometry.periods(t, y, min_period="2 h", max_period="6 h")
+    assert found.period == pytest.approx(3.7 * HOUR, rel=1e-3)
+    assert "one maximum in the best period" in found.hint and "may take 7.39" in found.hint
+    assert photometry.periods(t, y, min_period="6.5 h", max_period="8 h").hint == ""
 
 
 # Commands -----------------------------------------------------------------------------------------
